@@ -1,17 +1,51 @@
-//! Tells the program which commit it is built on: `ETALON_COMMIT`, empty where there is no repository.
+//! Tells the program what it is built from: `ETALON_SOURCES`, a hash of the sources and of the versions of dependencies, and
+//! `ETALON_COMMIT`, the commit, empty where there is no repository.
 //!
 //! It reads the repository's files and needs no git. It never fails: what it cannot read, it leaves out.
 
-use std::fs::read_to_string;
+use std::fs::{read, read_dir, read_to_string};
 use std::path::{Path, PathBuf};
 
 /// Digits of a commit that are shown.
 const DIGITS: usize = 10;
+/// What a result may depend on. A packaged crate has the tests' crate as a dependency, whose version is in the lock file.
+const SOURCES: [&str; 3] = ["src", "crates/etalon-stats/src", "Cargo.lock"];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let commit = commit(Path::new(".git")).unwrap_or_default();
     println!("cargo::rustc-env=ETALON_COMMIT={}", commit.get(..DIGITS).unwrap_or_default());
+    let mut sources = Fnv(0xcbf2_9ce4_8422_2325);
+    for path in SOURCES.map(Path::new) {
+        if path.exists() {
+            println!("cargo::rerun-if-changed={}", path.display());
+            sources.add(path);
+        }
+    }
+    println!("cargo::rustc-env=ETALON_SOURCES={:016x}", sources.0);
+}
+
+/// The hash FNV-1a of names and contents of files.
+struct Fnv(u64);
+
+impl Fnv {
+    /// Adds a file, or the files of a folder in the order of their names.
+    fn add(&mut self, path: &Path) {
+        // The same name on every system
+        let names: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+        self.bytes(names.join("/").as_bytes());
+        let Ok(folder) = read_dir(path) else { return self.bytes(&read(path).unwrap_or_default()) };
+        let mut entries: Vec<PathBuf> = folder.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        entries.sort();
+        entries.iter().for_each(|entry| self.add(entry));
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        // The length tells where a name or a file ends
+        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
 }
 
 /// The commit of HEAD. `git` is the repository's folder, or in a linked worktree a file that names the folder.

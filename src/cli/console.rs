@@ -17,7 +17,7 @@ pub struct Console {
 }
 
 impl Console {
-    /// Output as JSON or as text; `quiet` suppresses warnings and progress bars.
+    /// Output as JSON or as text; `quiet` suppresses warnings, notes and progress bars.
     pub fn new(json: bool, quiet: bool) -> Self {
         Self { json, quiet, lost: OnceCell::new() }
     }
@@ -67,8 +67,17 @@ impl Console {
     }
 
     pub fn warn(&self, text: &str) {
+        self.tell("warning", text);
+    }
+
+    /// Says what was done without being asked for.
+    pub fn note(&self, text: &str) {
+        self.tell("note", text);
+    }
+
+    fn tell(&self, kind: &str, text: &str) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "warning: {text}");
+            let _ = writeln!(std::io::stderr(), "{kind}: {text}");
         }
     }
 

@@ -1,10 +1,9 @@
-//! Loading the environment map that a command names: a built-in one or a file.
+//! Loading the environment map that a command names, a built-in one or a file, with its zenith in row 0.
 
 use super::console::Console;
-use crate::envmap::NamedMap;
 use crate::envmap::info::Info;
 use crate::envmap::synthetic::Synthetic;
-use crate::envmap::{EnvMap, check_range};
+use crate::envmap::{EnvMap, Grace, NamedMap, check_range};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{self, ReadOptions};
@@ -20,6 +19,11 @@ pub struct MapOptions {
     /// Turn the map upside-down: its file has the floor in row 0
     #[arg(long)]
     pub flip: bool,
+    /// Leave the map as its file has it
+    ///
+    /// Without this and --flip, only the light probe of Grace Cathedral is turned, whose file has the floor in row 0.
+    #[arg(long, conflicts_with = "flip")]
+    pub no_flip: bool,
     /// Accept an 8-bit map (PNG, JPEG, TGA, PPM), whose lights are clipped
     #[arg(long)]
     pub ldr: bool,
@@ -28,7 +32,8 @@ pub struct MapOptions {
 impl MapOptions {
     /// Refuses the options where no map is read.
     pub fn check_unused(self) -> Result<()> {
-        match [(self.flip, "flip"), (self.ldr, "ldr")].into_iter().find(|(given, _)| *given) {
+        let options = [(self.flip, "flip"), (self.no_flip, "no_flip"), (self.ldr, "ldr")];
+        match options.into_iter().find(|(given, _)| *given) {
             None => Ok(()),
             Some((_, name)) => {
                 Err(Error::parameter(name, "no map is read").with_hint("it says how to read a map's file"))
@@ -37,8 +42,29 @@ impl MapOptions {
     }
 }
 
-/// Reads a map. A built-in name wins over a file of that name (which `./name` reaches).
+/// Reads a map and turns it if that is asked for, or if it is the file of the Grace Cathedral probe. A map that only seems to be
+/// upside-down is not turned: a warning says why. A built-in name wins over a file of that name (which `./name` reaches).
 pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<NamedMap> {
+    let source = load_as_stored(map, options, console)?;
+    if options.flip || options.no_flip {
+        return Ok(source);
+    }
+    if Grace::of(source.map.image()) == Some(Grace::UpsideDown) {
+        let name = &source.name;
+        console.note(&format!("{name}: the Grace Cathedral probe, stored upside-down, is turned (not with --no-flip)"));
+        return Ok(NamedMap { map: Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically())), ..source });
+    }
+    if let Some(why) = Info::of(&source.map).upside_down() {
+        console.warn(&format!(
+            "{} is probably stored upside-down: {why}; --flip turns it, --no-flip says that it is right",
+            source.name
+        ));
+    }
+    Ok(source)
+}
+
+/// Reads a map as its file has it, for a scene that says how the map stands; only [`MapOptions::flip`] turns it.
+pub fn load_as_stored(map: &OsStr, options: MapOptions, console: &Console) -> Result<NamedMap> {
     let (path, name) = (Path::new(map), map.to_string_lossy());
     let image = match map.to_str().and_then(Synthetic::from_name) {
         Some(synthetic) => synthetic.make(),
@@ -66,15 +92,6 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
         ));
     }
     Ok(NamedMap { map: Arc::new(map), name: name.into_owned() })
-}
-
-/// Warns about a map that is known to be stored upside-down.
-pub fn warn_upside_down(source: &NamedMap, console: &Console) -> Info {
-    let info = Info::of(&source.map);
-    if let Some(why) = info.upside_down() {
-        console.warn(&format!("{} is probably stored upside-down: {why}; --flip turns it", source.name));
-    }
-    info
 }
 
 /// The name of a map without folders and extension, for the names of results.

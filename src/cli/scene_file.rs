@@ -4,7 +4,6 @@ use super::console::Console;
 use super::global::SCENE;
 use super::map_file::{self, MapOptions};
 use super::values::filter;
-use crate::envmap::NamedMap;
 use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
 use crate::scene::{Environment, Material, PixelFilter, Request, Scene, builtin};
@@ -129,23 +128,18 @@ impl SceneArgs {
         <[usize; 2]>::try_from(self.resolution.as_deref()?).ok()
     }
 
-    fn map(&self, name: &OsStr, console: &Console) -> Result<NamedMap> {
-        map_file::load(name, self.map_options, console)
-    }
-
     fn imported(&self, path: &Path, console: &Console) -> Result<Loaded> {
         if self.mesh.is_some() {
             return Err(Error::parameter("mesh", "a scene file has no statue to replace")
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }
-        let environment = self.envmap.as_deref().map(|name| self.map(name, console)).transpose()?;
+        // A .pbrt file says how its map stands: the given one takes its place as it is stored.
+        let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
+        let load = if is_collada { map_file::load } else { map_file::load_as_stored };
+        let environment = self.envmap.as_deref().map(|name| load(name, self.map_options, console)).transpose()?;
         // `allow_ldr` is also for the map that the file names.
         if environment.is_none() {
             MapOptions { ldr: false, ..self.map_options }.check_unused()?;
-        }
-        let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
-        if let Some(source) = environment.as_ref().filter(|_| is_collada) {
-            map_file::warn_upside_down(source, console);
         }
         let options = SceneOptions {
             resolution: self.resolution(),
@@ -182,8 +176,8 @@ impl SceneArgs {
         // The environment map, for scenes that have one
         let environment = match entry.map_scale() {
             Some(scale) if mesh.is_none() => {
-                let source = self.map(self.envmap.as_deref().unwrap_or(OsStr::new("nave")), console)?;
-                map_file::warn_upside_down(&source, console);
+                let name = self.envmap.as_deref().unwrap_or(OsStr::new("nave"));
+                let source = map_file::load(name, self.map_options, console)?;
                 Some(Environment::upright(source.map, source.name, scale))
             }
             _ => None,

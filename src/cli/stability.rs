@@ -109,7 +109,7 @@ fn checks(result: &stability::Stability, seconds: f64) -> Checks {
     let check = |bound: &BoundCheck| Check {
         group: "stability".into(),
         name: bound.name.clone(),
-        verdict: if bound.holds { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject },
+        verdict: Some(if bound.holds { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject }),
         message: found(bound),
         details: String::new(),
         seconds: None,

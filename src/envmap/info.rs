@@ -94,13 +94,13 @@ impl Info {
 
     /// Why this map is probably stored upside-down, if it seems to be.
     ///
-    /// Two cases are detected: a map whose size, flux and peak are those of a probe that is distributed with the floor in
-    /// row 0, and an outdoor map whose sun (more than a tenth of all light within 2°) is below the horizon.
+    /// Two cases are suspected: an altered copy of the Grace Cathedral probe, by its size, flux and brightest texel, and an
+    /// outdoor map whose sun (more than a tenth of all light within 2°) is below the horizon.
     #[must_use]
     pub fn upside_down(&self) -> Option<String> {
-        if self.is_grace() && self.peak.1 >= self.height / 2 {
+        if self.seems_grace_upside_down() {
             return Some(
-                "this is the Grace Cathedral probe as distributed in EXR form, with the floor in row 0".into(),
+                "it has the light of the Grace Cathedral probe, whose windows are above the horizon, below it".into(),
             );
         }
         // On a coarse map a single bright texel need not be the sun.
@@ -113,12 +113,10 @@ impl Info {
         })
     }
 
-    /// Whether this is Debevec's Grace Cathedral probe at 1024×512 (by its size, flux and brightest texel), either way up.
-    #[must_use]
-    pub fn is_grace(&self) -> bool {
+    fn seems_grace_upside_down(&self) -> bool {
         const FLUX: [f64; 3] = [0.281_32, 0.155_77, 0.192_89];
         let close = self.flux_rgb.iter().zip(FLUX).all(|(a, b)| (a / b - 1.0).abs() < 1e-3);
-        close && (self.width, self.height) == (1024, 512) && matches!(self.peak, (502, 129 | 382))
+        close && (self.width, self.height, self.peak) == (1024, 512, (502, 382))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::memory;
 use crate::raster::Image;
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A lat-long map of radiance, finite and not negative.
@@ -126,6 +127,14 @@ pub struct NamedMap {
     pub map: Arc<EnvMap>,
     /// A path as it was given, or a built-in name.
     pub name: String,
+}
+
+impl NamedMap {
+    /// The name without folders, for texts.
+    #[must_use]
+    pub fn file_name(&self) -> &str {
+        Path::new(&self.name).file_name().and_then(|name| name.to_str()).unwrap_or(&self.name)
+    }
 }
 
 #[cfg(test)]

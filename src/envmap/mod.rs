@@ -2,6 +2,7 @@
 
 pub mod cut;
 pub(crate) mod equal_area;
+mod grace;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;
@@ -11,6 +12,7 @@ pub mod samplers;
 pub(crate) mod sat;
 pub mod synthetic;
 
+pub use grace::Grace;
 pub use latlong::{Block, LatLong};
 pub use map::{EnvMap, Found, NamedMap};
 pub use range::{MAX_RADIANCE, check_range};

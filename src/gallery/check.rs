@@ -22,7 +22,8 @@ pub enum Kind {
     True,
 }
 
-/// A comparison with its outcome. NaN passes no check. Field names are JSON keys and CSV columns.
+/// A comparison with its outcome. NaN passes no check. A check that the input of a run does not allow is skipped: its number is
+/// NaN. Field names are JSON keys and CSV columns.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[must_use]
 pub struct Check {
@@ -36,7 +37,11 @@ pub struct Check {
     pub got: f64,
     /// Of [`Kind::Within`] alone.
     pub tolerance: Option<f64>,
-    pub pass: bool,
+    /// `None` if it is skipped.
+    pub pass: Option<bool>,
+    /// Why it is skipped; empty if it is not.
+    #[serde(default)]
+    pub skipped: String,
 }
 
 /// JSON writes NaN and infinities as null.
@@ -45,26 +50,41 @@ pub(super) fn number_or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64,
 }
 
 impl Check {
+    fn new(name: impl Into<String>, kind: Kind, expected: f64, got: f64, pass: bool) -> Self {
+        Self { name: name.into(), kind, expected, got, tolerance: None, pass: Some(pass), skipped: String::new() }
+    }
+
     pub fn equal(name: impl Into<String>, expected: f64, got: f64) -> Self {
-        Self { name: name.into(), kind: Kind::Equal, expected, got, tolerance: None, pass: got == expected }
+        Self::new(name, Kind::Equal, expected, got, got == expected)
     }
 
     pub fn within(name: impl Into<String>, expected: f64, got: f64, tolerance: f64) -> Self {
         let pass = (got - expected).abs() <= tolerance;
-        Self { name: name.into(), kind: Kind::Within, expected, got, tolerance: Some(tolerance), pass }
+        Self { tolerance: Some(tolerance), ..Self::new(name, Kind::Within, expected, got, pass) }
     }
 
     pub fn at_most(name: impl Into<String>, got: f64, limit: f64) -> Self {
-        Self { name: name.into(), kind: Kind::AtMost, expected: limit, got, tolerance: None, pass: got <= limit }
+        Self::new(name, Kind::AtMost, limit, got, got <= limit)
     }
 
     pub fn at_least(name: impl Into<String>, got: f64, limit: f64) -> Self {
-        Self { name: name.into(), kind: Kind::AtLeast, expected: limit, got, tolerance: None, pass: got >= limit }
+        Self::new(name, Kind::AtLeast, limit, got, got >= limit)
     }
 
     pub fn is_true(name: impl Into<String>, holds: bool) -> Self {
-        let got = f64::from(u8::from(holds));
-        Self { name: name.into(), kind: Kind::True, expected: 1.0, got, tolerance: None, pass: holds }
+        Self::new(name, Kind::True, 1.0, f64::from(u8::from(holds)), holds)
+    }
+
+    /// The check, skipped if the input of the run does not allow it, which `why` says.
+    pub fn unless(self, why: Option<impl Into<String>>) -> Self {
+        match why {
+            Some(why) => Self { got: f64::NAN, pass: None, skipped: why.into(), ..self },
+            None => self,
+        }
+    }
+
+    pub fn failed(&self) -> bool {
+        self.pass == Some(false)
     }
 
     /// What the check demands: "0.500 ± 0.012", "≤ 0.05", "= 0".
@@ -81,6 +101,9 @@ impl Check {
 
     /// What the figure has, with as many digits as the demand gives a meaning.
     pub fn measured(&self) -> String {
+        if self.pass.is_none() {
+            return "not measured".into();
+        }
         match self.kind {
             Kind::Within => self.rounded(self.got),
             Kind::True => (self.got == 1.0).to_string(),
@@ -100,6 +123,18 @@ impl Check {
         let sign = text.bytes().any(|b| (b'1'..=b'9').contains(&b));
         if sign { text } else { text.trim_start_matches('-').to_owned() }
     }
+}
+
+/// The reasons for which checks are skipped, each with their number, in the order in which they first occur.
+pub fn skipped<'a>(checks: impl Iterator<Item = &'a Check>) -> Vec<(usize, &'a str)> {
+    let mut reasons: Vec<(usize, &str)> = Vec::new();
+    for check in checks.filter(|check| check.pass.is_none()) {
+        match reasons.iter_mut().find(|(_, why)| *why == check.skipped) {
+            Some((count, _)) => *count += 1,
+            None => reasons.push((1, &check.skipped)),
+        }
+    }
+    reasons
 }
 
 /// Whole numbers in full, others with three significant digits.
@@ -136,12 +171,21 @@ mod tests {
                 Check::at_least("a", x, 1.0),
             ]
         };
-        assert!(checks(1.0).iter().all(|check| check.pass));
-        assert!(checks(f64::NAN).iter().all(|check| !check.pass));
-        assert!(!Check::within("a", 1.0, 1.2, 0.1).pass && !Check::equal("a", 1.0, 1.0 + 1e-15).pass);
-        assert!(!Check::at_most("a", 1.1, 1.0).pass && !Check::at_least("a", 0.9, 1.0).pass);
-        assert!(!Check::within("a", 1.0, 1.0, f64::NAN).pass);
-        assert!(Check::is_true("a", true).pass && !Check::is_true("a", false).pass);
+        assert!(checks(1.0).iter().all(|check| check.pass == Some(true)));
+        assert!(checks(f64::NAN).iter().all(Check::failed));
+        assert!(Check::within("a", 1.0, 1.2, 0.1).failed() && Check::equal("a", 1.0, 1.0 + 1e-15).failed());
+        assert!(Check::at_most("a", 1.1, 1.0).failed() && Check::at_least("a", 0.9, 1.0).failed());
+        assert!(Check::within("a", 1.0, 1.0, f64::NAN).failed());
+        assert!(!Check::is_true("a", true).failed() && Check::is_true("a", false).failed());
+    }
+
+    #[test]
+    fn a_skipped_check_neither_passes_nor_fails() {
+        let [here, other] = [None, Some("the map is another")].map(|why| Check::at_most("a", 2.0, 1.0).unless(why));
+        assert!(here.failed() && !other.failed() && other.pass.is_none() && other.got.is_nan());
+        assert_eq!((other.measured().as_str(), other.demand().as_str()), ("not measured", "≤ 1"));
+        let third = Check::is_true("b", true).unless(Some("no light"));
+        assert_eq!(skipped([&other, &here, &third, &other].into_iter()), [(2, "the map is another"), (1, "no light")]);
     }
 
     #[test]
@@ -161,11 +205,17 @@ mod tests {
     #[test]
     fn checks_survive_json() {
         for check in [Check::within("a", 1.0, 1.05, 0.1), Check::at_most("b", 0.5, 1.0), Check::is_true("c", true)] {
+            assert!(!serde_json::to_string(&check).unwrap().contains("\"pass\":null"));
             let text = serde_json::to_string(&check).unwrap();
             assert_eq!(serde_json::from_str::<Check>(&text).unwrap(), check);
         }
         let text = serde_json::to_string(&Check::at_most("a", f64::NAN, 1.0)).unwrap();
         assert!(text.contains("\"kind\":\"at most\"") && text.contains("\"got\":null"), "{text}");
         assert!(serde_json::from_str::<Check>(&text).unwrap().got.is_nan());
+        let text = serde_json::to_string(&Check::at_most("a", 0.5, 1.0).unless(Some("why"))).unwrap();
+        assert!(text.contains("\"pass\":null,\"skipped\":\"why\""), "{text}");
+        // Records of earlier versions know no skipped checks.
+        let text = text.replace(",\"skipped\":\"why\"", "").replace("null}", "true}");
+        assert_eq!(serde_json::from_str::<Check>(&text).unwrap().pass, Some(true));
     }
 }

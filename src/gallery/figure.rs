@@ -1,7 +1,7 @@
 //! What a figure is: an entry of the registry, and the content that it makes.
 
 use super::check::Check;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Shown};
 use super::studies::Studies;
 use crate::error::Result;
 use crate::figure::Drawing;
@@ -71,6 +71,8 @@ pub struct Figure {
     pub reproduces: &'static str,
     /// The part of the gallery that it belongs to; the registry says.
     pub section: &'static str,
+    /// The input that it shows, which its caption names; the registry says.
+    pub input: Shown,
     /// The caption: what is seen.
     pub shows: &'static str,
     /// Why that matters, in a sentence.
@@ -93,6 +95,7 @@ impl Figure {
             report: Report::Neither,
             reproduces: "",
             section: "",
+            input: Shown::Nothing,
             shows: "",
             matters: "",
             papers: &[],

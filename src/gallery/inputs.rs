@@ -1,7 +1,7 @@
 //! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
 use super::originals::Originals;
-use crate::envmap::NamedMap;
+use crate::envmap::{Grace, NamedMap};
 use crate::error::{Error, Result};
 use crate::optics::metals;
 use crate::render::Settings;
@@ -26,6 +26,21 @@ impl Effort {
     }
 }
 
+/// The input of a run that a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// None: formulas, or scenes of its own.
+    Nothing,
+    /// The environment map.
+    Map,
+    /// The box with a mirror and a glass sphere.
+    Spheres,
+    /// The box with a statue of gold or iron.
+    Statue,
+    /// The box with a statue of copper.
+    Copper,
+}
+
 /// The inputs of all figures.
 pub struct Inputs {
     pub map: NamedMap,
@@ -38,6 +53,33 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// Why what holds for the first report's map need not hold in this run, if the map is another one.
+    pub fn other_map(&self) -> Option<String> {
+        let is_graces = Grace::of(self.map.map.image()) == Some(Grace::Upright);
+        (!is_graces).then(|| format!("the map is {}, not the first report's", self.map.file_name()))
+    }
+
+    /// The files of the reports that the run has, recognised by their content, by name.
+    pub fn recognised(&self) -> Vec<String> {
+        let map = self.other_map().is_none().then(|| format!("{} (Grace Cathedral)", self.map.file_name()));
+        let scenes = self.originals.iter().flat_map(|originals| &originals.recognised);
+        map.into_iter().chain(scenes.map(|name| (*name).to_owned())).collect()
+    }
+
+    /// The input that a figure shows, by its name; empty for [`Shown::Nothing`].
+    ///
+    /// # Errors
+    /// Those of the built-in scenes.
+    pub fn name_of(&self, shown: Shown) -> Result<String> {
+        Ok(match shown {
+            Shown::Nothing => String::new(),
+            Shown::Map => format!("the map {}", self.map.file_name()),
+            Shown::Spheres => format!("the scene {}", self.spheres().0.name),
+            Shown::Statue => format!("the scene {}", self.statue("Au", 0.25)?.0.name),
+            Shown::Copper => format!("the scene {}", self.copper()?.0.name),
+        })
+    }
+
     pub fn settings(&self) -> Settings {
         Settings { seed: self.seed, ..Settings::default() }
     }

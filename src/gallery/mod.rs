@@ -14,11 +14,13 @@ mod prelude;
 mod reproduce;
 mod studies;
 
-pub use check::Check;
+pub use check::{Check, skipped};
 pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;
 pub use reproduce::{Reproduced, Step, reproduce, selected};
 
+#[cfg(test)]
+mod readme;
 #[cfg(test)]
 mod tests;

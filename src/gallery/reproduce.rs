@@ -90,7 +90,11 @@ pub fn reproduce(
         };
         tell(Step::Done(&made));
         let Reproduced { seconds, checks, errata, claims, printed, .. } = made.clone();
-        records.insert(figure.id.to_owned(), Record { seconds, checks, errata, claims, printed, setup: setup.clone() });
+        let input = inputs.name_of(figure.input)?;
+        records.insert(
+            figure.id.to_owned(),
+            Record { seconds, input, checks, errata, claims, printed, setup: setup.clone() },
+        );
         done.push(made);
     }
     // Checks and page of all recorded figures
@@ -105,10 +109,13 @@ pub fn reproduce(
 fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
     interrupt::check()?;
     let start = Instant::now();
-    let Content { drawing, table, image, checks, errata, claims, printed } = (figure.make)(inputs, studies)?;
+    let Content { drawing, table, image, mut checks, errata, claims, printed } = (figure.make)(inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
-    let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), ..drawing };
+    if checks.is_empty() {
+        checks.push(Check::is_true("the figure has a check", false));
+    }
+    let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), few_colours: true, ..drawing };
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)

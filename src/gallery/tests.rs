@@ -17,6 +17,7 @@ pub fn inputs() -> Inputs {
 pub fn record() -> Record {
     Record {
         seconds: 0.25,
+        input: "the map onehot".into(),
         checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
         errata: Vec::new(),
         claims: Vec::new(),

@@ -3,6 +3,12 @@
 /// Value of the `software` attribute.
 pub const SOFTWARE: &str = concat!("etalon ", env!("CARGO_PKG_VERSION"));
 
+/// The version with a hash of the sources: parts of two builds are not merged, for one may draw other samples than the other.
+pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("ETALON_SOURCES"));
+
+/// The attribute of a part with [`BUILD`].
+pub const BUILD_NAME: &str = "build";
+
 /// What a file says about how its image was made: names and values, in order.
 ///
 /// OpenEXR keeps them as text attributes, Radiance HDR as comment lines; the other formats cannot hold them.

@@ -20,7 +20,7 @@ mod write;
 
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::Image;
-pub use self::metadata::Metadata;
+pub use self::metadata::{BUILD, BUILD_NAME, Metadata};
 pub use self::metrics::{Comparison, compare, compare_with_halves, hdr_flip};
 
 pub(crate) use self::read::decode_exr;

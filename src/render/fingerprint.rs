@@ -1,15 +1,15 @@
 //! Tells whether two renders have the same samples, so that only such are merged.
 
 use super::settings::Settings;
+use crate::raster::BUILD;
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 
-/// A hash of all that a sample depends on: this version of the program, the scene to the last bit, the settings, and of the request all but the
+/// A hash of all that a sample depends on: this build of the program, the scene to the last bit, the settings, and of the request all but the
 /// number of samples.
 pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
     let mut hash = Hash(0);
-    // Another version may draw other samples.
-    hash.text(env!("CARGO_PKG_VERSION"));
+    hash.text(BUILD);
     // What was left out changes no sample.
     let settings = Settings { general: false, ..*settings };
     let request = Request { spp: 0, ..*request };

@@ -11,7 +11,8 @@ pub struct Check {
     /// What it belongs to: a family of tests, a figure.
     pub group: String,
     pub name: String,
-    pub verdict: Verdict,
+    /// `None` if it was skipped; the message says why.
+    pub verdict: Option<Verdict>,
     /// What was found, in a line: where, and how large.
     pub message: String,
     /// More than the message, if there is more.
@@ -35,26 +36,27 @@ impl Checks {
         self.list.push(Check {
             group: "run".into(),
             name: "completeness".into(),
-            verdict: Verdict::Inconclusive,
+            verdict: Some(Verdict::Inconclusive),
             message: format!("interrupted: {left_out}"),
             details: String::new(),
             seconds: None,
         });
     }
 
-    fn of(&self, verdict: Verdict) -> impl Iterator<Item = &Check> + Clone {
+    fn of(&self, verdict: Option<Verdict>) -> impl Iterator<Item = &Check> + Clone {
         self.list.iter().filter(move |check| check.verdict == verdict)
     }
 
-    /// As JUnit XML: rejected checks are failures, inconclusive ones errors.
+    /// As JUnit XML: rejected checks are failures, inconclusive ones errors, and those that were skipped are skipped.
     pub fn junit(&self) -> String {
         let mut text = format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"{}\" tests=\"{}\" \
-             failures=\"{}\" errors=\"{}\" time=\"{:.3}\">\n",
+             failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3}\">\n",
             escape(&self.title),
             self.list.len(),
-            self.of(Verdict::Reject).count(),
-            self.of(Verdict::Inconclusive).count(),
+            self.of(Some(Verdict::Reject)).count(),
+            self.of(Some(Verdict::Inconclusive)).count(),
+            self.of(None).count(),
             self.seconds
         );
         for Check { group, name, verdict, message, details, seconds } in &self.list {
@@ -66,31 +68,37 @@ impl Checks {
                 format!("{case}>\n<{kind} message=\"{message}\">{details}</{kind}>\n</testcase>\n")
             };
             text += &match verdict {
-                Verdict::Accept if details.is_empty() => format!("{case}/>\n"),
-                Verdict::Accept => format!("{case}>\n<system-out>{}</system-out>\n</testcase>\n", escape(details)),
-                Verdict::Reject => body("failure"),
-                Verdict::Inconclusive => body("error"),
+                Some(Verdict::Accept) if details.is_empty() => format!("{case}/>\n"),
+                Some(Verdict::Accept) => {
+                    format!("{case}>\n<system-out>{}</system-out>\n</testcase>\n", escape(details))
+                }
+                Some(Verdict::Reject) => body("failure"),
+                Some(Verdict::Inconclusive) => body("error"),
+                None => body("skipped"),
             };
         }
         text + "</testsuite>\n</testsuites>\n"
     }
 
-    /// As a section of Markdown: the verdict, the rejected checks, the inconclusive ones, and all of them folded up.
+    /// As a section of Markdown: the verdict, the rejected checks, the inconclusive ones, the skipped ones, and all of them folded up.
     pub fn markdown(&self) -> String {
-        let [accepted, rejected, inconclusive] =
-            [Verdict::Accept, Verdict::Reject, Verdict::Inconclusive].map(|verdict| self.of(verdict).count());
+        let verdicts = [Some(Verdict::Accept), Some(Verdict::Reject), Some(Verdict::Inconclusive), None];
+        let [accepted, rejected, inconclusive, skipped] = verdicts.map(|verdict| self.of(verdict).count());
         let verdict = match (accepted, rejected, inconclusive) {
             (_, 1.., _) => "rejected",
             (_, _, 1..) | (0, ..) => "inconclusive",
             _ => "accepted",
         };
         let total = counted(self.list.len(), "check");
+        let left_out = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
         let mut text = format!(
-            "## {}: {verdict}\n\n{total}: {rejected} rejected, {inconclusive} inconclusive, {accepted} accepted; {:.1} s\n",
+            "## {}: {verdict}\n\n{total}: {rejected} rejected, {inconclusive} inconclusive, {accepted} accepted{left_out}; {:.1} s\n",
             markdown(&self.title),
             self.seconds
         );
-        for (heading, verdict) in [("Rejected", Verdict::Reject), ("Inconclusive", Verdict::Inconclusive)] {
+        let headings =
+            [("Rejected", Some(Verdict::Reject)), ("Inconclusive", Some(Verdict::Inconclusive)), ("Skipped", None)];
+        for (heading, verdict) in headings {
             if self.of(verdict).next().is_some() {
                 text += &format!("\n### {heading}\n\n| check | found |\n|---|---|\n");
                 text.extend(self.of(verdict).map(|check| format!("| {} | {} |\n", full_name(check), found(check))));
@@ -101,7 +109,8 @@ impl Checks {
         );
         for check in &self.list {
             let seconds = check.seconds.map_or(String::new(), |seconds| format!("{seconds:.2}"));
-            text += &format!("| {} | {} | {} | {seconds} |\n", full_name(check), check.verdict, found(check));
+            let verdict = check.verdict.map_or("skipped".into(), |verdict| verdict.to_string());
+            text += &format!("| {} | {verdict} | {} | {seconds} |\n", full_name(check), found(check));
         }
         text + "\n</details>\n"
     }
@@ -130,9 +139,16 @@ fn markdown(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn check(name: &str, verdict: Verdict, message: &str) -> Check {
+    fn check(name: &str, verdict: impl Into<Option<Verdict>>, message: &str) -> Check {
         let (group, details) = ("bsdf/own".into(), String::new());
-        Check { group, name: name.into(), verdict, message: message.into(), details, seconds: Some(0.25) }
+        Check {
+            group,
+            name: name.into(),
+            verdict: verdict.into(),
+            message: message.into(),
+            details,
+            seconds: Some(0.25),
+        }
     }
 
     fn run(checks: Vec<Check>) -> Checks {
@@ -155,8 +171,25 @@ mod tests {
         assert!(place("| bsdf/own/open | too few samples |\n") < place("<details>"));
         assert!(place("<details>") < place("| bsdf/own/good | accept | p = 0.5000 | 0.25 |\n"));
         let xml = run.junit();
-        assert!(xml.contains("tests=\"3\" failures=\"1\" errors=\"1\" time=\"1.500\""), "{xml}");
+        assert!(xml.contains("tests=\"3\" failures=\"1\" errors=\"1\" skipped=\"0\" time=\"1.500\""), "{xml}");
         assert!(xml.contains("classname=\"bsdf.own\" name=\"good\" time=\"0.250\"/>"), "{xml}");
+    }
+
+    #[test]
+    fn skipped_checks_are_told_of_and_change_no_verdict() {
+        let run = run(vec![check("good", Verdict::Accept, ""), check("other", None, "the map is nave")]);
+        let text = run.markdown();
+        assert!(
+            text.starts_with(
+                "## etalon validate: accepted\n\n2 checks: 0 rejected, 0 inconclusive, 1 accepted, 1 skipped; 1.5 s\n"
+            ),
+            "{text}"
+        );
+        assert!(text.contains("### Skipped\n\n| check | found |\n|---|---|\n| bsdf/own/other | the map is nave |\n"));
+        assert!(text.contains("| bsdf/own/other | skipped | the map is nave | 0.25 |\n"));
+        let xml = run.junit();
+        assert!(xml.contains("tests=\"2\" failures=\"0\" errors=\"0\" skipped=\"1\""), "{xml}");
+        assert!(xml.contains("<skipped message=\"the map is nave\"></skipped>"), "{xml}");
     }
 
     #[test]

@@ -16,7 +16,7 @@ const PADDING: f64 = 6.0;
 /// What stands left of a finding.
 const BULLET: f64 = 12.0;
 const HEADS: [&str; 5] = ["Claim", "In the report", "Measured", "Verdict", "Evidence"];
-const WIDTHS: [f64; 5] = [235.0, 128.0, 400.0, 88.0, 135.0];
+const WIDTHS: [f64; 5] = [235.0, 128.0, 400.0, 124.0, 135.0];
 
 /// One finding of one claim. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -24,7 +24,7 @@ pub struct ClaimRow {
     place: &'static str,
     claim: &'static str,
     report: &'static str,
-    verdict: &'static str,
+    verdict: String,
     finding: String,
     value: f64,
     standard_error: f64,
@@ -41,7 +41,7 @@ pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
             place: claim.place,
             claim: claim.claim,
             report: claim.number,
-            verdict: claim.verdict().name(),
+            verdict: claim.answer(),
             evidence: claim.evidence.join(" "),
             ..ClaimRow::default()
         };
@@ -56,7 +56,7 @@ pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
                 standard_error: finding.error,
                 must_be,
                 bound,
-                holds: finding.holds(),
+                holds: finding.holds().filter(|_| claim.is_judged()),
                 ..row.clone()
             }
         };
@@ -165,14 +165,15 @@ pub fn table(claims: &[Claim]) -> Drawing {
         let cells = cells(claim);
         let lines = cells.iter().map(Vec::len).max().unwrap_or(1);
         for (column, cell) in cells.into_iter().enumerate() {
-            let ink = if HEADS[column] == "Verdict" { colour(claim.verdict()) } else { theme::INK };
+            let is_verdict = HEADS[column] == "Verdict" && claim.is_judged();
+            let ink = if is_verdict { colour(claim.verdict()) } else { theme::INK };
             let indent = if HEADS[column] == "Measured" { BULLET } else { 0.0 };
             for (line, (text, dot)) in cell.into_iter().enumerate() {
                 let top = y + PADDING + LINE * line as f64;
                 let text =
                     Text::new([left(column) + indent, top], theme::TICK_SIZE, text).held(Anchor::Start, Level::Top);
                 let text = text.coloured(ink);
-                sheet.text(if HEADS[column] == "Verdict" { text.bold() } else { text });
+                sheet.text(if is_verdict { text.bold() } else { text });
                 if let Some(dot) = dot {
                     sheet.circle([left(column) + 4.0, top + 4.2], 3.2, dot);
                 }
@@ -190,6 +191,9 @@ pub fn table(claims: &[Claim]) -> Drawing {
         sheet.circle([x + 4.0, y + 4.2], 3.2, colour(verdict));
         sheet.text(Text::new([x + BULLET, y], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Top));
     }
+    let elsewhere =
+        Text::new([left(2) + 420.0, y], theme::NOTE_SIZE, "no dot: measured on another input than the report's");
+    sheet.text(elsewhere.held(Anchor::Start, Level::Top));
     let note = "Dots: a number with what the claim demands of it.";
     sheet.text(Text::new([EDGE, y], theme::NOTE_SIZE, note).held(Anchor::Start, Level::Top));
     sheet.height = (y + LINE + EDGE).ceil();
@@ -203,18 +207,19 @@ fn cells(claim: &Claim) -> [Vec<Line>; 5] {
     };
     let mut measured: Vec<Line> = Vec::new();
     for finding in &claim.findings {
-        let dot = match finding.holds() {
+        let verdict = match finding.holds() {
             Some(true) => Verdict::Holds,
             Some(false) => Verdict::DoesNotHold,
             None => Verdict::NotTestable,
         };
+        let dot = claim.is_judged().then(|| colour(verdict));
         let lines = wrapped(&sentence(finding), WIDTHS[2] - BULLET).into_iter().enumerate();
-        measured.extend(lines.map(|(i, line)| (line, (i == 0).then_some(colour(dot)))));
+        measured.extend(lines.map(|(i, line)| (line, dot.filter(|_| i == 0))));
     }
     measured.extend(wrapped(claim.remark, WIDTHS[2] - BULLET).into_iter().map(|line| (line, None)));
     let evidence = claim.evidence.iter().map(|id| ((*id).to_owned(), None)).collect();
     let place = [plain(claim.place, 1), plain(claim.number, 1)].concat();
-    [plain(claim.claim, 0), place, measured, plain(claim.verdict().name(), 3), evidence]
+    [plain(claim.claim, 0), place, measured, plain(&claim.answer(), 3), evidence]
 }
 
 /// A quarter of an image's width is shown of each place, more where the place is larger.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// A folder of the shared assets; `None`, and a word about it, where there is none.
-fn assets(folder: &str) -> Option<PathBuf> {
+pub fn assets(folder: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets").join(folder);
     if path.is_dir() {
         return Some(path);
@@ -37,16 +37,13 @@ fn the_grace_probe_has_its_known_numbers() {
             assert!((g - e).abs() <= tolerance, "{g} is not {e}");
         }
     };
-    for (flip, row) in [(&[][..], 382), (&["--flip"], 129)] {
-        let args = [&["envmap", "info", grace][..], flip].concat();
-        let info = json(dir.path(), &args);
+    for (flip, row) in [(&["--no-flip"][..], 382), (&[], 129)] {
+        let info = json(dir.path(), &[&["envmap", "info", grace][..], flip].concat());
         close(&info["flux_rgb"], [0.28132, 0.15577, 0.19289], 6e-6);
         close(&info["solid_angle_mean_rgb"], [0.02239, 0.01240, 0.01535], 6e-6);
         assert_eq!((info["width"].as_u64(), info["height"].as_u64()), (Some(1024), Some(512)));
         assert_eq!((info["peak"][0].as_u64(), info["peak"][1].as_u64()), (Some(502), Some(row)));
         assert_eq!((info["nonfinite"].as_u64(), info["negative"].as_u64()), (Some(0), Some(0)));
-        let warned = etalon(dir.path(), &args).stderr.contains("upside-down");
-        assert_eq!(warned, flip.is_empty(), "warns about the file as it is, not about the turned map");
     }
 }
 
@@ -56,7 +53,7 @@ fn the_grace_probe_is_cut_into_regions_of_nearly_equal_energy() {
     let Some(maps) = assets("envmaps") else { return };
     let dir = tempfile::tempdir().unwrap();
     let grace = maps.join("grace_latlong.exr");
-    let value = json(dir.path(), &["envmap", "cut", grace.to_str().unwrap(), "--flip", "-n", "2,4,16,64"]);
+    let value = json(dir.path(), &["envmap", "cut", grace.to_str().unwrap(), "-n", "2,4,16,64"]);
     for (result, expected) in value["results"].as_array().unwrap().iter().zip([1.0007, 1.0036, 1.0271, 1.0757]) {
         let got = result["imbalance"].as_f64().unwrap();
         assert!((got - expected).abs() < 1e-4, "{} regions: {got}, not {expected}", result["n"]);
@@ -236,4 +233,26 @@ fn real_scenes_agree_with_the_pictures_of_another_renderer() {
         let ratio = ratio(&images, region);
         assert!((ratio / expected - 1.0).abs() < 0.02, "veach-mis, {what}: {ratio}");
     }
+}
+
+/// A cheap part of the run of `.ci/run`: nothing is skipped, and both reports' claims are judged.
+#[test]
+fn the_reports_own_files_allow_every_check() {
+    let (Some(maps), Some(scenes)) = (assets("envmaps"), assets("scenes")) else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let only = "envmap-samples-64,median-cut-64,sphere-error,claims-first,sampling-error,depth-3";
+    let (map, scenes) = (maps.join("grace_latlong.exr"), scenes.to_str().unwrap().to_owned());
+    let args = ["reproduce", "--quick", "--only", only, "--envmap", map.to_str().unwrap(), "--scenes", &scenes];
+    let found = json(dir.path(), &args);
+    assert_eq!((&found["failed"], &found["skipped"]), (&0.into(), &0.into()), "{found}");
+    let figures = found["figures"].as_array().unwrap();
+    let claims = figures.iter().flat_map(|figure| figure["claims"].as_array().unwrap());
+    assert!(
+        claims.clone().count() > 10 && claims.clone().all(|c| !c["verdict"].as_str().unwrap().contains("measured"))
+    );
+    // Columns: 28 % of Grace's samples are in the middle half
+    let columns = claims.clone().find(|c| c["claim"].as_str().unwrap().ends_with("columns.")).unwrap();
+    assert_eq!(columns["verdict"], "does not hold");
+    let page = std::fs::read_to_string(dir.path().join("figures/index.html")).unwrap();
+    assert!(page.contains("grace_latlong.exr (Grace Cathedral), CBspheres.dae"), "the page names the originals");
 }

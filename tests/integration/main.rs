@@ -33,4 +33,5 @@ mod stability;
 #[cfg(unix)]
 mod streams;
 mod sweep;
+mod upright;
 mod validate;

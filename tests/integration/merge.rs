@@ -169,6 +169,11 @@ fn what_does_not_belong_together_is_refused() {
         (part(0..8), part(0..8), "samples 0..8"),
         (interrupted(0..8), interrupted(8..16), "interrupted in samples 8..16"),
         (part(0..8), other(|p| p.fingerprint = "f2".into()), "fingerprint of scene and settings: f2 here, f1 there"),
+        (
+            part(0..8),
+            other(|p| p.metadata = Metadata::default().with("build", "0.1.0+9")),
+            "build: 0.1.0+9 here, unknown there",
+        ),
         (part(0..8), other(|p| p.film = Film::new(3, 3, None).unwrap()), "has 0 samples"),
         (part(0..8), Part::new(Film::new(3, 3, None).unwrap(), 16, "f1", Metadata::default()), "3x3 here, 19x34"),
         (part(0..8), Part::new(Film::new(19, 34, None).unwrap(), 24, "f1", Metadata::default()), "path classes: no"),

@@ -133,7 +133,7 @@ fn checks(compared: &Compared, seconds: f64) -> Checks {
         checks.push(Check {
             group: "compare".into(),
             name: "power".into(),
-            verdict: etalon_stats::Verdict::Inconclusive,
+            verdict: Some(etalon_stats::Verdict::Inconclusive),
             message: sentence(compared),
             details: String::new(),
             seconds: None,
@@ -157,7 +157,7 @@ fn check(compared: &Compared, family: &FamilyResult) -> Check {
     Check {
         group: "compare".into(),
         name: family.family.name().into(),
-        verdict,
+        verdict: Some(verdict),
         message,
         details: if verdict == etalon_stats::Verdict::Accept { String::new() } else { sentence(compared) },
         seconds: None,

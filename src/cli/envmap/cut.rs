@@ -6,6 +6,7 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
 use crate::cli::values::choice;
 use crate::envmap::cut::{SideRule, Split};
+use crate::envmap::info::Info;
 use crate::error::Result;
 use crate::interrupt;
 use crate::output::{self, Written};
@@ -61,7 +62,8 @@ struct Output {
 
 impl Cut {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let (source, info) = self.map.load_upright(console)?;
+        let source = self.map.load(console)?;
+        let flux = Info::of(&source.map).flux_rgb;
         let cuts = median_cut::cut(&source.map, &self.n, self.split, self.sides, self.centroid)?;
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
@@ -75,7 +77,7 @@ impl Cut {
             interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
             files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
-            let (flux_error, imbalance) = (median_cut::flux_error(rows, info.flux_rgb), median_cut::imbalance(rows));
+            let (flux_error, imbalance) = (median_cut::flux_error(rows, flux), median_cut::imbalance(rows));
             Ok(Output { n, flux_error, imbalance, written: target.written(files) })
         };
         let outputs = Outputs::of(&source.name, self.n.iter().zip(&cuts).map(one))?;

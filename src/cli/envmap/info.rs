@@ -3,6 +3,7 @@
 use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
+use crate::envmap::info;
 use crate::error::Result;
 use crate::view::text::rounded;
 use clap::Args;
@@ -16,7 +17,7 @@ pub struct Info {
 
 impl Info {
     pub fn run(&self, console: &Console) -> Result<Verdict> {
-        let (_, info) = self.map.load_upright(console)?;
+        let info = info::Info::of(&self.map.load(console)?.map);
         console.result(&info, || {
             let number = |v: Option<f32>| v.map_or("none".into(), |v| rounded(f64::from(v), 4));
             let rgb = |v: [f64; 3]| v.map(|v| format!("{:<9}", rounded(v, 4))).join(" ").trim_end().to_owned();

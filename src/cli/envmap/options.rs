@@ -5,7 +5,6 @@ use crate::cli::global::OUTPUT;
 use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::stops;
 use crate::envmap::NamedMap;
-use crate::envmap::info::Info;
 use crate::error::Result;
 use crate::view::map::Look;
 use clap::Args;
@@ -25,13 +24,6 @@ pub struct MapArgs {
 impl MapArgs {
     pub fn load(&self, console: &Console) -> Result<NamedMap> {
         map_file::load(&self.map, self.options, console)
-    }
-
-    /// [`load`](Self::load) with a warning about a map that is upside-down.
-    pub fn load_upright(&self, console: &Console) -> Result<(NamedMap, Info)> {
-        let source = self.load(console)?;
-        let info = map_file::warn_upside_down(&source, console);
-        Ok((source, info))
     }
 
     pub fn short_name(&self) -> String {

@@ -87,7 +87,7 @@ impl Sample {
     }
 
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let (source, _) = self.map.load_upright(console)?;
+        let source = self.map.load(console)?;
         let display = Display::new(&source.map, self.look.look());
         let target = global.target(&["map", "n"]);
         let name = self.map.short_name();

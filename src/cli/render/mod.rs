@@ -15,7 +15,7 @@ use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
-use crate::raster::{Metadata, ToneMap};
+use crate::raster::{BUILD, BUILD_NAME, Metadata, ToneMap};
 use crate::render::film::{Film, Part, shard};
 use crate::render::{Job, Kernel, Sampling, Settings};
 use crate::sampling::stream::StreamKind;
@@ -274,6 +274,7 @@ impl Render {
     fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {
         Metadata::default()
             .with("command", command_line())
+            .with(BUILD_NAME, BUILD)
             .with("scene", &scene.name)
             .with("seed", settings.seed)
             .with("spp", request.spp)

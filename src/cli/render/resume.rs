@@ -51,3 +51,20 @@ fn differences(held: &Part, fresh: &Part) -> Vec<String> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{BUILD, BUILD_NAME};
+    use crate::render::film::Film;
+
+    #[test]
+    fn a_part_of_another_build_is_refused_with_both_builds() {
+        let part = |build: &str, fingerprint: &str| {
+            Part::new(Film::new(2, 2, None).unwrap(), 4, fingerprint, Metadata::default().with(BUILD_NAME, build))
+        };
+        let (held, fresh) = (part("0.1.0+9", "f1"), part(BUILD, "f2"));
+        let error = continued(held, Path::new("state.exr"), &fresh).unwrap_err().to_string();
+        assert!(error.contains(&format!("build: 0.1.0+9 there, {BUILD} here")), "{error}");
+    }
+}

@@ -1,6 +1,6 @@
 //! The lines of figures: id, verdict, seconds and files when a figure is done, and its checks below.
 
-use crate::gallery::{Check, Reproduced};
+use crate::gallery::{Check, Reproduced, skipped};
 use crate::output::braced;
 use crate::view::text::{counted, wrapped};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,8 @@ impl Lines {
     /// What is told of a figure that is done.
     pub fn of(&self, figure: &Reproduced) -> String {
         let Reproduced { id, files, seconds, checks, .. } = figure;
-        let verdict = match checks.iter().filter(|check| !check.pass).count() {
+        let verdict = match checks.iter().filter(|check| check.failed()).count() {
+            0 if checks.iter().all(|check| check.pass.is_none()) => "skipped".into(),
             0 => format!("ok, {}", counted(checks.len(), "check")),
             failed => format!("FAILED {failed} of {}", checks.len()),
         };
@@ -28,26 +29,42 @@ impl Lines {
         let names: Vec<PathBuf> = files.iter().filter_map(|file| file.file_name()).map(PathBuf::from).collect();
         let mut text =
             format!("{id:<width$}  {verdict:<14}  {seconds:>6.1} s  {}\n", braced(&names).join(" "), width = self.id);
-        for check in checks.iter().filter(|check| self.verbose || !check.pass) {
-            let verdict = if check.pass { "ok" } else { "FAILED" };
+        for check in checks.iter().filter(|check| self.verbose || check.failed()) {
+            let verdict = match check.pass {
+                Some(true) => "ok",
+                Some(false) => "FAILED",
+                None => "skipped",
+            };
             text += &wrapped(&format!("{verdict}: {}: {}", check.name, found(check)), "    ", WIDTH);
+        }
+        for (count, why) in skipped(checks.iter()) {
+            text += &wrapped(&format!("{} skipped: {why}", counted(count, "check")), "    ", WIDTH);
         }
         text
     }
 }
 
-/// The number of a check beside what it must be.
+/// The number of a check beside what it must be, or why there is none.
 pub fn found(check: &Check) -> String {
-    format!("{}, must be {}", check.measured(), check.demand())
+    let why = if check.pass.is_none() { format!(" ({})", check.skipped) } else { String::new() };
+    format!("{}, must be {}{why}", check.measured(), check.demand())
 }
 
 /// The last lines: what a run left out, and its sum.
 pub fn summary(figures: &[Reproduced], interrupted: bool, page: &Path, seconds: f64) -> String {
     let checks = || figures.iter().flat_map(|figure| &figure.checks);
-    let failed = checks().filter(|check| !check.pass).count();
+    let failed = checks().filter(|check| check.failed()).count();
+    let reasons = skipped(checks());
+    let left_out = if reasons.is_empty() {
+        String::new()
+    } else {
+        let count: usize = reasons.iter().map(|(count, _)| count).sum();
+        let reasons: Vec<String> = reasons.iter().map(|(count, why)| format!("{count}: {why}")).collect();
+        format!(", {count} skipped ({})", reasons.join("; "))
+    };
     let interruption = if interrupted { "interrupted: the other figures were not made\n" } else { "" };
     format!(
-        "{interruption}{} in {}: {}, {failed} failed; {seconds:.1} s\n",
+        "{interruption}{} in {}: {}, {failed} failed{left_out}; {seconds:.1} s\n",
         counted(figures.len(), "figure"),
         page.display(),
         counted(checks().count(), "check")
@@ -81,6 +98,10 @@ mod tests {
         assert_eq!(lines(true), text + "    ok: fine: true, must be true\n");
         let text = Lines { id: 4, verbose: false }.of(&figure("iron", &["csv"], vec![Check::is_true("fine", true)]));
         assert_eq!(text, "iron  ok, 1 check     1234.6 s  iron.csv\n");
+        let other = Check::at_most("error", 2.0, 1.0).unless(Some("the map is nave"));
+        let text = |verbose| Lines { id: 4, verbose }.of(&figure("iron", &["csv"], vec![other.clone()]));
+        assert_eq!(text(false), "iron  skipped         1234.6 s  iron.csv\n    1 check skipped: the map is nave\n");
+        assert!(text(true).contains("    skipped: error: not measured, must be ≤ 1 (the map is nave)\n"));
     }
 
     #[test]
@@ -95,6 +116,9 @@ mod tests {
 
     #[test]
     fn the_summary_counts_what_failed() {
+        let other = Check::at_most("error", 2.0, 1.0).unless(Some("the map is nave"));
+        let skipped = summary(&[figure("iron", &[], vec![other])], false, Path::new("f"), 2.0);
+        assert_eq!(skipped, "1 figure in f: 1 check, 0 failed, 1 skipped (1: the map is nave); 2.0 s\n");
         let made = [figure("iron", &[], checks()), figure("audit", &[], checks())];
         let text = |interrupted| summary(&made, interrupted, Path::new("f/index.html"), 2.0);
         assert_eq!(text(false), "2 figures in f/index.html: 4 checks, 2 failed; 2.0 s\n");

@@ -7,8 +7,6 @@ use super::console::Console;
 use super::global::{DEFAULT_SEED, Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use super::reports::Reports;
-use crate::envmap::info::Info;
-use crate::envmap::{EnvMap, NamedMap};
 use crate::error::{Error, Result};
 use crate::gallery::{self, Effort, Inputs, Originals, Reproduced, Step};
 use crate::output::{self, Written};
@@ -20,7 +18,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Make every figure and check it against the reports' numbers
@@ -68,6 +65,7 @@ struct Output<'a> {
     figures: &'a [Reproduced],
     passed: usize,
     failed: usize,
+    skipped: usize,
     interrupted: bool,
     seconds: f64,
 }
@@ -112,12 +110,12 @@ impl Reproduce {
         if interrupted && figures.is_empty() {
             return Err(Error::Interrupted);
         }
-        let passed = figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass).count();
-        let failed = figures.iter().flat_map(|f| &f.checks).count() - passed;
+        let count = |pass| figures.iter().flat_map(|f| &f.checks).filter(|c| c.pass == pass).count();
+        let [passed, failed, skipped] = [Some(true), Some(false), None].map(count);
         let seconds = start.elapsed().as_secs_f64();
         let reports =
             Written { files: self.reports.write(&checks(&figures, interrupted, seconds))?, ..Written::default() };
-        let output = Output { figures: &figures, passed, failed, interrupted, seconds };
+        let output = Output { figures: &figures, passed, failed, skipped, interrupted, seconds };
         console.result(&output, || {
             reports.text() + &lines::summary(&figures, interrupted, &folder.join(gallery::page::FILE), seconds)
         });
@@ -142,6 +140,7 @@ impl Reproduce {
             (global.seed != DEFAULT_SEED, format!("--seed {}", global.seed)),
             (self.envmap != DEFAULT_MAP, format!("--envmap {}", quoted(&self.envmap.to_string_lossy()))),
             (self.options.flip, "--flip".into()),
+            (self.options.no_flip, "--no-flip".into()),
             (self.options.ldr, "--ldr".into()),
             (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
             (self.scale != 1, format!("--scale {}", self.scale)),
@@ -150,9 +149,9 @@ impl Reproduce {
         given.join(" ")
     }
 
-    /// Loads the map and the scenes; the Grace probe, whose file is known to be upside-down, is flipped.
+    /// Loads the map and the scenes.
     fn inputs(&self, global: &Global, console: &Console) -> Result<Inputs> {
-        let mut source = map_file::load(&self.envmap, self.options, console)?;
+        let map = map_file::load(&self.envmap, self.options, console)?;
         let originals = match &self.scenes {
             Some(folder) => {
                 let (originals, warnings) = Originals::read(folder)?;
@@ -161,16 +160,8 @@ impl Reproduce {
             }
             None => None,
         };
-        let info = Info::of(&source.map);
-        if info.is_grace() && info.upside_down().is_some() && !self.options.flip {
-            console.warn(&format!("{} is the Grace Cathedral probe, stored upside-down: turned", source.name));
-            let map = Arc::new(EnvMap::new(source.map.image().clone().flipped_vertically()));
-            source = NamedMap { map, ..source };
-        } else {
-            map_file::warn_upside_down(&source, console);
-        }
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
-        Ok(Inputs { map: source, originals, seed: global.seed, effort, scale: self.scale })
+        Ok(Inputs { map, originals, seed: global.seed, effort, scale: self.scale })
     }
 }
 
@@ -190,7 +181,9 @@ fn checks(figures: &[Reproduced], interrupted: bool, seconds: f64) -> Checks {
         let check = |check: &gallery::Check| Check {
             group: figure.id.into(),
             name: check.name.clone(),
-            verdict: if check.pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject },
+            verdict: check
+                .pass
+                .map(|pass| if pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject }),
             message: lines::found(check),
             details: String::new(),
             seconds: None,

@@ -170,7 +170,7 @@ fn checks(validation: &Validation) -> Checks {
         Check {
             group: group.into(),
             name: own.into(),
-            verdict: outcome.verdict,
+            verdict: Some(outcome.verdict),
             message: validation_text::found(outcome),
             details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { outcome.to_string() },
             seconds: Some(outcome.seconds),

@@ -52,7 +52,7 @@ fn checks(findings: &Findings) -> Checks {
         Check {
             group: group.into(),
             name: name.into(),
-            verdict,
+            verdict: Some(verdict),
             message: format!(
                 "with the fault: {}, {}; without it: {}{without}",
                 test.outcome.verdict,

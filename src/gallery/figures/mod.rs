@@ -28,32 +28,62 @@ mod stability;
 mod validation;
 
 use super::figure::Figure;
+use super::inputs::Shown;
 
 /// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
 pub fn registry() -> Vec<Figure> {
+    use Shown::{Copper, Map, Nothing, Spheres, Statue};
     let sections = [
-        ("Reflectance of an interface", vec![fresnel::figures(), special_angles::figures(), fresnel_media::figures()]),
-        ("Samples of an environment map", vec![envmap_samples::figures(), proposal::figures()]),
-        ("Sphere under the map", vec![sphere::figures(), error_time::sphere()]),
-        ("Lights in place of the map", vec![median_cut::figures(), median_cut_error::figures()]),
-        ("Paths up to a depth", vec![depth::figures(), error_depth::figures(), error_time::cornell()]),
+        (
+            "Reflectance of an interface",
+            vec![
+                (Nothing, fresnel::figures()),
+                (Nothing, special_angles::figures()),
+                (Nothing, fresnel_media::figures()),
+            ],
+        ),
+        ("Samples of an environment map", vec![(Map, envmap_samples::figures()), (Map, proposal::figures())]),
+        ("Sphere under the map", vec![(Map, sphere::figures()), (Map, error_time::sphere())]),
+        ("Lights in place of the map", vec![(Map, median_cut::figures()), (Map, median_cut_error::figures())]),
+        (
+            "Paths up to a depth",
+            vec![(Spheres, depth::figures()), (Spheres, error_depth::figures()), (Spheres, error_time::cornell())],
+        ),
         (
             "Metals and their roughness",
             vec![
-                metals_table::figures(),
-                roughness::figures(),
-                roughness::iron(),
-                sampling::figures(),
-                error_time_roughness::figures(),
+                (Nothing, metals_table::figures()),
+                (Statue, roughness::figures()),
+                (Statue, roughness::iron()),
+                (Copper, sampling::figures()),
+                (Statue, error_time_roughness::figures()),
             ],
         ),
-        ("More materials", vec![multiple_scattering::figures(), anisotropy::figures(), rough_glass::figures()]),
-        ("Tests of samplers", vec![planted_fault::figures(), validation::figures()]),
-        ("What the reports print and claim", vec![audit::figures(), claims::figures()]),
-        ("Numerical errors and cost", vec![stability::figures(), scaling::figures()]),
+        (
+            "More materials",
+            vec![
+                (Nothing, multiple_scattering::figures()),
+                (Nothing, anisotropy::figures()),
+                (Spheres, rough_glass::figures()),
+            ],
+        ),
+        ("Tests of samplers", vec![(Nothing, planted_fault::figures()), (Nothing, validation::figures())]),
+        (
+            "What the reports print and claim",
+            vec![
+                (Nothing, audit::figures()),
+                (Map, claims::first()),
+                (Nothing, claims::second()),
+                (Spheres, claims::places()),
+            ],
+        ),
+        ("Numerical errors and cost", vec![(Nothing, stability::figures()), (Nothing, scaling::figures())]),
     ];
-    let titled = |(section, figures): (&'static str, Vec<Vec<Figure>>)| {
-        figures.into_iter().flatten().map(move |figure| Figure { section, ..figure })
+    let titled = |(section, groups): (&'static str, Vec<(Shown, Vec<Figure>)>)| {
+        let of_input = move |(input, figures): (Shown, Vec<Figure>)| {
+            figures.into_iter().map(move |figure| Figure { section, input, ..figure })
+        };
+        groups.into_iter().flat_map(of_input)
     };
     sections.into_iter().flat_map(titled).collect()
 }

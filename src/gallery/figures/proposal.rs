@@ -50,7 +50,8 @@ pub fn tested(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Option<Propos
 fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let tested = tested(inputs, studies)?;
     let Some(result) = tested.as_ref() else {
-        let check = Check::is_true("the map has light in enough rows for a test", false);
+        let check = Check::is_true("sampled rows against the map's distribution", false);
+        let check = check.unless(Some("the map has light in too few rows for a test"));
         return Content::new(view::nothing_to_test(), &[] as &[RowBin], vec![check]);
     };
     let checks = vec![

@@ -96,10 +96,9 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         checks.push(Check::at_most(name, shot.row.rel_rmse / noisiest.row.rel_rmse, limit));
     }
     // PBRT's errors were measured on the Grace map: no other map's can be compared with them.
-    let grace = studies.map_info(inputs)?.is_grace();
-    let pbrt = PBRT_RMSE.iter().find(|(n, _)| *n == spp).filter(|_| grace);
-    if let Some((_, rmse)) = pbrt {
-        checks.push(Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0));
+    if let Some((_, rmse)) = PBRT_RMSE.iter().find(|(n, _)| *n == spp) {
+        let check = Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0);
+        checks.push(check.unless(inputs.other_map()));
     }
     let content = Content::new(view::shot(&shot, &noisiest), &[shot.row], checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
@@ -118,12 +117,11 @@ pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Vec<Series>>>
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let series = series(inputs, studies)?;
-    let grace = studies.map_info(inputs)?.is_grace();
+    let other_map = inputs.other_map();
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
-    if grace {
-        checks.extend(study::against_pbrt(&inputs.map.map).iter().flat_map(radiance));
-    }
-    Content::new(view::errors(&series, grace), &view::rows(&series), checks)
+    let radiances = study::against_pbrt(&inputs.map.map);
+    checks.extend(radiances.iter().flat_map(radiance).map(|check| check.unless(other_map.as_deref())));
+    Content::new(view::errors(&series, other_map.is_none()), &view::rows(&series), checks)
 }
 
 /// Independent random numbers have a slope of −1/2; scrambled Sobol' points must not be worse.

@@ -38,7 +38,7 @@ impl EmbeddedImage {
 impl Article<'_> {
     /// The number of failed checks.
     pub fn failed(&self) -> usize {
-        self.record.checks.iter().filter(|c| !c.pass).count()
+        self.record.checks.iter().filter(|c| c.failed()).count()
     }
 
     /// The figure as HTML that is well-formed XML.
@@ -46,8 +46,10 @@ impl Article<'_> {
         let EmbeddedImage { source, width, height, .. } = &self.image;
         let Figure { title, shows, matters, .. } = self.figure;
         let (id, number, failed, kind) = (escape(self.figure.id), self.number, self.failed(), self.image.kind());
+        let input = &self.record.input;
+        let shows = &if input.is_empty() { (*shows).to_owned() } else { format!("{shows} Made with {input}.") };
         let [title, shows, matters, alternative] =
-            [*title, *shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
+            [*title, shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
         let (beside, render) = (self.figure.beside.unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
         let there = FILES.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
@@ -144,18 +146,30 @@ fn checks(checks: &[Check]) -> String {
         return String::new();
     }
     let row = |check: &Check| {
-        let (class, verdict) = if check.pass { ("pass", "✓ pass") } else { ("fail", "✗ FAIL") };
+        let (class, verdict) = match check.pass {
+            Some(true) => ("pass", "✓ pass"),
+            Some(false) => ("fail", "✗ FAIL"),
+            None => ("skip", "skipped"),
+        };
         let [name, measured, demand] = [&check.name, &check.measured(), &check.demand()].map(|text| escape(text));
+        let why = if check.pass.is_none() {
+            format!(" <span class=\"fine\">({})</span>", escape(&check.skipped))
+        } else {
+            String::new()
+        };
         format!(
-            "<tr><td class=\"{class}\">{verdict}</td><td>{name}</td><td class=\"number\" data-label=\"measured\" \
+            "<tr><td class=\"{class}\">{verdict}</td><td>{name}{why}</td><td class=\"number\" data-label=\"measured\" \
              title=\"{}\">{measured}</td><td class=\"number\" data-label=\"must be\">{demand}</td></tr>\n",
             check.got
         )
     };
-    let failed = checks.iter().filter(|check| !check.pass).count();
+    let failed = checks.iter().filter(|check| check.failed()).count();
+    let skipped = checks.iter().filter(|check| check.pass.is_none()).count();
+    let left_out = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
     let (open, class, outcome) = match failed {
-        0 => ("", "pass", "✓ passed".to_owned()),
-        failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED")),
+        0 if skipped == checks.len() => ("", "skip", "none was made".to_owned()),
+        0 => ("", "pass", format!("✓ passed{left_out}")),
+        failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED{left_out}")),
     };
     let (count, rows) = (counted(checks.len(), "check"), checks.iter().map(row).collect::<String>());
     format!(

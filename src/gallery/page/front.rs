@@ -3,6 +3,7 @@
 use super::article::{Article, join};
 use super::record::Setup;
 use crate::figure::escape;
+use crate::gallery::check::skipped;
 use crate::view::text::{counted, seconds};
 use std::collections::BTreeMap;
 
@@ -10,13 +11,18 @@ use std::collections::BTreeMap;
 pub fn summary(articles: &[Article<'_>]) -> String {
     let checks: usize = articles.iter().map(|a| a.record.checks.len()).sum();
     let failed: usize = articles.iter().map(Article::failed).sum();
-    let (figures, passed) = (articles.len(), checks - failed);
+    let reasons = skipped(articles.iter().flat_map(|a| &a.record.checks));
+    let left_out: usize = reasons.iter().map(|(count, _)| count).sum();
+    let (figures, passed) = (articles.len(), checks - failed - left_out);
     let count = counted(figures, "figure");
     let time = seconds(articles.iter().map(|a| a.record.seconds).sum());
     let verdict = if failed == 0 { "none" } else { "fail" };
     let with_failures = articles.iter().filter(|a| a.failed() > 0);
     let links: String = with_failures.map(|a| format!(" <a href=\"#figure-{0}\">{0}</a>", a.figure.id)).collect();
     let failures = if failed > 0 { format!("<p class=\"fail\">Checks failed in:{links}</p>\n") } else { String::new() };
+    let why: Vec<String> =
+        reasons.iter().map(|(count, why)| format!("{}: {}", counted(*count, "check"), escape(why))).collect();
+    let skips = if left_out > 0 { format!("<p>Checks skipped. {}.</p>\n", why.join("; ")) } else { String::new() };
     format!(
         r#"<header>
 <h1>How light is sampled, in {count}</h1>
@@ -24,8 +30,9 @@ pub fn summary(articles: &[Article<'_>]) -> String {
 counterpart was published, which values it is checked against, and which command reproduces it.</p>
 <dl class="totals"><div><dt>Figures</dt><dd>{figures}</dd></div>
 <div><dt>Checks passed</dt><dd class="pass">{passed}</dd></div>
-<div><dt>Checks failed</dt><dd class="{verdict}">{failed}</dd></div><div><dt>Total time</dt><dd>{time}</dd></div></dl>
-{failures}</header>
+<div><dt>Checks failed</dt><dd class="{verdict}">{failed}</dd></div>
+<div><dt>Checks skipped</dt><dd>{left_out}</dd></div><div><dt>Total time</dt><dd>{time}</dd></div></dl>
+{failures}{skips}</header>
 "#
     )
 }
@@ -89,13 +96,18 @@ pub fn footer(articles: &[Article<'_>]) -> String {
         *setups.entry(&article.record.setup).or_default() += 1;
     }
     let setup = |(setup, count): (&Setup, usize)| {
-        let Setup { version, commit, date, seed, map, options, cpu, cores, threads, system } = setup;
+        let Setup { version, commit, date, seed, map, options, originals, cpu, cores, threads, system } = setup;
         let (figures, command) = (counted(count, "figure"), escape(&join("etalon reproduce", options)));
         let built = if commit.is_empty() { String::new() } else { format!(" (commit {commit})") };
         let day = if date.is_empty() { String::new() } else { format!(", {date}") };
         let run = escape(&format!("etalon {version}{built}{day}, seed {seed}, map {map}"));
         let machine = format!("{cpu}, {}, {}, {system}", counted(*cores, "core"), counted(*threads, "thread"));
-        format!("<p>{figures} by <code>{command}</code>: {run}; {}</p>\n", escape(&machine))
+        let known = if originals.is_empty() {
+            "none of the reports' own files".to_owned()
+        } else {
+            format!("the reports' own files, recognised by checksums: {}", originals.join(", "))
+        };
+        format!("<p>{figures} by <code>{command}</code>: {run}; {}; {}</p>\n", escape(&known), escape(&machine))
     };
     let setups: String = setups.into_iter().map(setup).collect();
     let repository = env!("CARGO_PKG_REPOSITORY");

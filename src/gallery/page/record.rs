@@ -20,6 +20,9 @@ pub type Records = BTreeMap<String, Record>;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     pub seconds: f64,
+    /// The input that it shows, as "the map nave"; empty if none, and in records of earlier versions.
+    #[serde(default)]
+    pub input: String,
     pub checks: Vec<Check>,
     pub errata: Vec<Erratum>,
     /// None in records of earlier versions.
@@ -45,6 +48,9 @@ pub struct Setup {
     /// The environment map, as the command line names it.
     pub map: String,
     pub options: String,
+    /// Files of the reports, recognised by their content; none in records of earlier versions.
+    #[serde(default)]
+    pub originals: Vec<String>,
     pub cpu: String,
     pub cores: usize,
     pub threads: usize,
@@ -60,6 +66,7 @@ impl Setup {
             seed: inputs.seed,
             map: without_folder(&inputs.map.name),
             options: options.to_owned(),
+            originals: inputs.recognised(),
             cpu: cpu(),
             cores: std::thread::available_parallelism().map_or(1, NonZero::get),
             threads: rayon::current_num_threads(),
@@ -160,7 +167,7 @@ mod tests {
         let read = read_records(dir.path(), &registry()).unwrap();
         assert_eq!(read.keys().collect::<Vec<_>>(), ["iron"]);
         let checks = &read["iron"].checks;
-        assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && !checks[1].pass);
+        assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && checks[1].failed());
         write(FILE);
         assert!(matches!(read_records(dir.path(), &registry()), Err(Error::Input { .. })));
     }

@@ -65,11 +65,17 @@ pub fn claims(articles: &[Article<'_>]) -> String {
         return String::new();
     }
     let (count, held) = (counted(all.len(), "claim"), all.iter().filter(|claim| claim.verdict == "holds").count());
+    let elsewhere = all.iter().filter(|claim| claim.verdict.starts_with("measured on ")).count();
+    let unjudged = if elsewhere > 0 {
+        format!("; {elsewhere} are not judged: their input is not the report's")
+    } else {
+        String::new()
+    };
     let rows: String = all.into_iter().map(row).collect();
     format!(
         r#"<section>
 <h2 id="claims">What the reports claim</h2>
-<details class="panel"><summary>{count}, of which {held} hold</summary><table class="cards">
+<details class="panel"><summary>{count}, of which {held} hold{unjudged}</summary><table class="cards">
 <thead><tr><th scope="col">Claim</th><th scope="col">In the report</th><th scope="col">Its number</th>
 <th scope="col">Measured, and what the claim demands</th><th scope="col">Verdict</th><th scope="col">Evidence</th></tr></thead>
 <tbody>

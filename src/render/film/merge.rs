@@ -5,7 +5,7 @@ use super::ranges::Ranges;
 use super::ranges::list;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::raster::Metadata;
+use crate::raster::{BUILD_NAME, Metadata};
 use std::path::{Path, PathBuf};
 
 /// Reads the parts of a render from files, one after the other, and merges them. Their order does not matter.
@@ -54,10 +54,12 @@ fn same_picture(path_a: &Path, a: &Part, path_b: &Path, b: &Part) -> Result<()> 
     let size = |part: &Part| format!("{}x{}", part.film.width(), part.film.height());
     let samples = |part: &Part| part.ranges.spp().to_string();
     let paths = |part: &Part| part.film.classes().map_or("no".into(), |c| c.count().to_string());
+    let build = |part: &Part| part.metadata.get(BUILD_NAME).unwrap_or("unknown").to_owned();
     let differences: Vec<String> = [
         ("pixels", size(a), size(b)),
         ("samples per pixel", samples(a), samples(b)),
         ("path classes", paths(a), paths(b)),
+        (BUILD_NAME, build(a), build(b)),
         ("fingerprint of scene and settings", a.fingerprint.clone(), b.fingerprint.clone()),
     ]
     .into_iter()

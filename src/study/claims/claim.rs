@@ -117,10 +117,30 @@ pub struct Claim {
     pub remark: &'static str,
     /// Figures that show it.
     pub evidence: &'static [&'static str],
+    /// What the findings were measured on, where that is not what the report speaks of; empty where it is. Then the
+    /// numbers answer no claim.
+    pub elsewhere: String,
 }
 
 impl Claim {
-    /// The verdict on the claim.
+    /// The claim with its findings measured on `input` in place of the report's map or scene, or on that if `None`.
+    #[must_use]
+    pub fn measured_on(self, input: Option<&str>) -> Self {
+        let has_numbers = !self.findings.is_empty();
+        Self { elsewhere: input.filter(|_| has_numbers).unwrap_or_default().to_owned(), ..self }
+    }
+
+    /// Whether its findings are about what the report speaks of.
+    pub fn is_judged(&self) -> bool {
+        self.elsewhere.is_empty()
+    }
+
+    /// The verdict, or on what the numbers were measured in place of the report's input.
+    pub fn answer(&self) -> String {
+        if self.is_judged() { self.verdict().name().to_owned() } else { format!("measured on {}", self.elsewhere) }
+    }
+
+    /// What the findings say of the claim.
     pub fn verdict(&self) -> Verdict {
         let decided: Option<Vec<bool>> = self.findings.iter().map(Finding::holds).collect();
         let Some(decided) = decided.filter(|all| !all.is_empty()) else { return Verdict::NotTestable };
@@ -158,6 +178,10 @@ mod tests {
         assert_eq!(verdict(&[yes, unclear]), Verdict::NotTestable);
         assert_eq!(verdict(&[finding(f64::NAN, 0.0)]), Verdict::NotTestable);
         assert_eq!(verdict(&[]), Verdict::NotTestable);
+        let claim = |input| Claim { findings: vec![no.clone()], ..Claim::default() }.measured_on(input);
+        assert_eq!(claim(None).answer(), "does not hold");
+        assert_eq!(claim(Some("nave")).answer(), "measured on nave");
+        assert_eq!(Claim::default().measured_on(Some("nave")).answer(), "not testable");
         let at_most = |value| Finding::exact("error", value, Unit::Plain, Bound::AtMost(0.0)).holds();
         assert_eq!((at_most(0.0), at_most(1e-9)), (Some(true), Some(false)));
     }

@@ -38,6 +38,8 @@ pub struct DepthClaims {
     pub claims: Vec<Claim>,
     /// Of the claims that are about a place.
     pub pictures: Vec<PlacePicture>,
+    /// Places of which there is no picture: no light of their class was found.
+    pub unseen: Vec<&'static str>,
     /// Of classes that both measure.
     pub agreement: Vec<Agreement>,
 }
@@ -72,15 +74,16 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -
             evidence: feature.evidence,
             ..Claim::default()
         });
-        if let Some(title) = feature.picture.filter(|_| found.is_some()) {
-            done.pictures.push(PlacePicture {
+        match feature.picture {
+            Some(title) if found.is_some() => done.pictures.push(PlacePicture {
                 title,
                 word: class.word.clone(),
                 depth: feature.depth,
                 class: class.image(),
                 place,
                 share,
-            });
+            }),
+            unseen => done.unseen.extend(unseen),
         }
         if feature.events == [Reflected, Diffuse] {
             done.pictures.push(faint(depths, &class, &place));
@@ -110,7 +113,8 @@ fn untestable() -> DepthClaims {
         evidence: feature.evidence,
         ..Claim::default()
     };
-    DepthClaims { claims: features().into_iter().map(claim).collect(), ..DepthClaims::default() }
+    let unseen = features().into_iter().filter_map(|feature| feature.picture).collect();
+    DepthClaims { claims: features().into_iter().map(claim).collect(), unseen, ..DepthClaims::default() }
 }
 
 fn class_image(

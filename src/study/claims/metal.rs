@@ -13,36 +13,33 @@ use crate::study::roughness::StatueRender;
 use crate::study::sampling_strategies::{RIM, StrategyComparison};
 use glam::DVec3;
 
-/// What the claims are tested on.
-pub struct MetalInputs<'a> {
+/// What the claims on gold are tested on.
+pub struct StatueInputs<'a> {
     /// The scene of the smoothest statue.
     pub scene: &'a Scene,
     /// Its request.
     pub request: &'a Request,
     /// Statues of gold of increasing roughness.
     pub statues: &'a [&'a StatueRender],
-    /// A statue of copper by importance and by hemisphere sampling, its roughness, and the table of metals.
-    pub sampling: &'a StrategyComparison,
-    /// All metals.
-    pub metals: &'a MetalTable,
 }
 
 /// Pixels below this share of the statue's mean are black.
 const BLACK: f64 = 0.1;
 
-/// Tests the claims.
-pub fn metal_claims(inputs: &MetalInputs) -> Vec<Claim> {
-    let mut claims = vec![amplitude(), iron(), approximation(inputs.metals)];
-    if let [smooth, .., rough] = inputs.statues {
-        claims.extend([
-            diffuse(inputs.statues),
-            black(inputs, smooth, rough),
-            blue(inputs, smooth, rough),
-            golden(smooth, rough),
-        ]);
-    }
-    claims.extend([dark_line(inputs.sampling), explanation(inputs.sampling), noise(inputs.sampling)]);
-    claims
+/// Tests the claims on formulas and indices, which no scene has a part in.
+pub fn metal_claims(metals: &MetalTable) -> Vec<Claim> {
+    vec![amplitude(), iron(), approximation(metals)]
+}
+
+/// Tests the claims on statues of gold.
+pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
+    let [smooth, .., rough] = inputs.statues else { return Vec::new() };
+    vec![diffuse(inputs.statues), black(inputs, smooth, rough), blue(inputs, smooth, rough), golden(smooth, rough)]
+}
+
+/// Tests the claims on a statue of copper by importance and by hemisphere sampling.
+pub fn sampling_claims(sampling: &StrategyComparison) -> Vec<Claim> {
+    vec![dark_line(sampling), explanation(sampling), noise(sampling)]
 }
 
 fn amplitude() -> Claim {
@@ -125,7 +122,7 @@ enum Mirrored {
 }
 
 /// What each pixel of the statue mirrors, along the reflected ray through its centre.
-fn mirrored(inputs: &MetalInputs, mask: &[bool]) -> Vec<Mirrored> {
+fn mirrored(inputs: &StatueInputs, mask: &[bool]) -> Vec<Mirrored> {
     const REFLECTIONS: usize = 4;
     let Request { width, height, .. } = *inputs.request;
     let shapes: Vec<&Shape> = inputs.scene.objects.iter().map(|object| &object.shape).collect();
@@ -167,7 +164,7 @@ fn share_of(chosen: &[bool], mirrored: &[Mirrored], what: Mirrored) -> f64 {
     chosen.iter().zip(mirrored).filter(|(c, m)| **c && **m == what).count() as f64 / count
 }
 
-fn black(inputs: &MetalInputs, smooth: &StatueRender, rough: &StatueRender) -> Claim {
+fn black(inputs: &StatueInputs, smooth: &StatueRender, rough: &StatueRender) -> Claim {
     let is_black = |p: DVec3, mean: f64| p.element_sum() / 3.0 < BLACK * mean;
     let ((share, chosen), (rough_share, _)) = (selected(smooth, is_black), selected(rough, is_black));
     let outside = share_of(&chosen, &mirrored(inputs, &smooth.mask), Mirrored::Outside);
@@ -191,7 +188,7 @@ fn black(inputs: &MetalInputs, smooth: &StatueRender, rough: &StatueRender) -> C
     }
 }
 
-fn blue(inputs: &MetalInputs, smooth: &StatueRender, rough: &StatueRender) -> Claim {
+fn blue(inputs: &StatueInputs, smooth: &StatueRender, rough: &StatueRender) -> Claim {
     // Gold reflects less blue than red: bluish pixels are blue by what they mirror.
     let is_blue = |p: DVec3, mean: f64| p.z > p.x && p.element_sum() / 3.0 >= BLACK * mean;
     let ((share, chosen), (rough_share, _)) = (selected(smooth, is_blue), selected(rough, is_blue));

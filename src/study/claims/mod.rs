@@ -20,4 +20,4 @@ pub use depths::{DepthClaims, Effort, depth_claims};
 pub use feature::{Place, PlacePicture};
 pub use glass::glass_claims;
 pub use map::{MapInputs, map_claims, sampled_shares};
-pub use metal::{MetalInputs, metal_claims};
+pub use metal::{StatueInputs, metal_claims, sampling_claims, statue_claims};

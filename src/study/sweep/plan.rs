@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::raster::BUILD;
 use etalon_stats::bsdf::{ALL, Family};
 use etalon_stats::sweep::{Configuration, Finding, Space, Strategy, confirm, screen};
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ struct Described {
 /// A sweep without its families: what the parts of one sweep have in common.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// The version of the program.
+    /// The build of the program.
     version: String,
     families: Vec<Described>,
     strategy: String,
@@ -88,7 +89,7 @@ impl Description {
         };
         let name = STRATEGIES.iter().find(|(_, known)| *known == strategy).map_or("", |(name, _)| name);
         Ok(Self {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: BUILD.to_owned(),
             families: families.iter().map(|family| described(&**family)).collect(),
             strategy: name.to_owned(),
             configurations,
@@ -109,7 +110,7 @@ impl Description {
         match again.difference(self) {
             None => Plan::new(again, families),
             Some(difference) => Err(Error::parameter("parts", format!("made by another program ({difference})"))
-                .with_hint("merge with the version that made the parts")),
+                .with_hint("merge with the build that made the parts")),
         }
     }
 
@@ -147,7 +148,7 @@ impl Description {
         let list = |of: &Self| of.families().collect::<Vec<_>>().join(" ");
         let entries = |of: &Self| {
             [
-                ("version", of.version.clone()),
+                ("build", of.version.clone()),
                 ("families", list(of)),
                 ("strategy", of.strategy.clone()),
                 ("configurations", of.configurations.to_string()),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::error::{Error, Result};
+use crate::raster::BUILD;
 use crate::study::validation::families;
 use etalon_stats::bsdf::{BatchBsdf, Bsdf, BsdfSample, Density, Direction, Family, Parameter, Properties, Spectrum};
 use etalon_stats::sweep::Strategy;
@@ -137,6 +138,7 @@ fn parts_that_do_not_belong_together_are_refused() {
         (text.replace(",ok,", ",ok"), "the table is damaged"),
         (format!("{text}{}\n", rows[2]), "is there twice"),
         (text.replace("\"sweep\":1", "\"sweep\":2"), "another version"),
+        (text.replace(BUILD, "0.1.0+9"), "build: 0.1.0+9 here"),
         (text.replace("\"index\":2", "\"index\":4"), "makes no sense"),
         (text.replace("\"count\":3", "\"count\":4000000000"), "one of 4000000000 parts"),
         (text.replace("\"configurations\":4", "\"configurations\":99999999999"), "configurations of each family"),
