@@ -55,13 +55,15 @@ pub struct Drawing {
     pub height: f64,
     /// PNG pixels per drawing unit.
     pub scale: f64,
+    /// The PNG file has at most 256 colours and is a third as large.
+    pub few_colours: bool,
     /// From the lowest to the topmost.
     pub items: Vec<Item>,
 }
 
 impl Drawing {
     pub fn new(width: f64, height: f64, scale: f64) -> Self {
-        Self { width, height, scale, items: Vec::new() }
+        Self { width, height, scale, few_colours: false, items: Vec::new() }
     }
 
     /// A page of the image's size in units, filled by it; pixel (x, y) covers `[x, x + 1] x [y, y + 1]`.

@@ -13,6 +13,7 @@ mod heatmap;
 mod legend;
 mod marks;
 mod occupancy;
+mod palette;
 mod panel;
 mod pdf;
 mod pdf_font;

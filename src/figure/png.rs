@@ -1,6 +1,7 @@
 //! A drawing as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
 
 use super::drawing::{Drawing, Item};
+use super::palette::palette;
 use super::rgb8::Rgb8;
 use super::shapes::{Colour, Paint, Rect, Text};
 use super::text;
@@ -34,8 +35,24 @@ impl Drawing {
         }
         // The page is opaque white below everything, so alpha is not needed.
         let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        Ok(with_resolution(Rgb8::new(w as usize, h as usize, rgb).png(), self.scale))
+        let image = Rgb8::new(w as usize, h as usize, rgb);
+        Ok(with_resolution(&if self.few_colours { indexed(&image) } else { image.png().to_vec() }, self.scale))
     }
+}
+
+/// The image as a PNG file with a palette. Neighbours in it are no neighbours in colour, so that filters would only add to it.
+fn indexed(image: &Rgb8) -> Vec<u8> {
+    let (colours, places) = palette(image);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.width() as u32, image.height() as u32);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(colours.concat());
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&places));
+    written.expect("a sound image, written to memory");
+    bytes
 }
 
 /// Length of a PNG file's signature and of its header, before which no other chunk stands.
@@ -223,6 +240,15 @@ mod tests {
         // 192 pixels per inch are 7559 per metre; decoders check the sum
         assert_eq!(png[PNG_HEADER + 8..PNG_HEADER + 12], 7559u32.to_be_bytes());
         assert_eq!(image::load_from_memory(&png).unwrap().width(), 40);
+    }
+
+    #[test]
+    fn few_colours_are_the_same_picture_in_a_smaller_file() {
+        let mut drawing = Drawing::new(200.0, 100.0, 2.0);
+        drawing.text(Text::new([2.0, 60.0], 40.0, "θ∥ 0.25"));
+        let (exact, few) = (painted(&drawing), Drawing { few_colours: true, ..drawing.clone() });
+        assert_eq!(painted(&few), exact, "a text has few colours");
+        assert!(few.png().unwrap().len() < drawing.png().unwrap().len());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a figure is: an entry of the registry, and the content that it makes.
 
 use super::check::Check;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Shown};
 use super::studies::Studies;
 use crate::error::Result;
 use crate::figure::Drawing;
@@ -55,21 +55,6 @@ impl Report {
             Self::Neither => "",
         }
     }
-}
-
-/// The input of a run that a figure shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
-    /// None: formulas, or scenes of its own.
-    Nothing,
-    /// The environment map.
-    Map,
-    /// The box with a mirror and a glass sphere.
-    Spheres,
-    /// The box with a statue of gold or iron.
-    Statue,
-    /// The box with a statue of copper.
-    Copper,
 }
 
 /// Makes a figure's content from the inputs and from studies that other figures may share.

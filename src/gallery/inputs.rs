@@ -1,6 +1,5 @@
 //! The inputs of a run of the gallery: the map, the scenes, the seed and the effort.
 
-use super::figure::Shown;
 use super::originals::Originals;
 use crate::envmap::{Grace, NamedMap};
 use crate::error::{Error, Result};
@@ -25,6 +24,21 @@ impl Effort {
             Self::Quick => quick,
         }
     }
+}
+
+/// The input of a run that a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// None: formulas, or scenes of its own.
+    Nothing,
+    /// The environment map.
+    Map,
+    /// The box with a mirror and a glass sphere.
+    Spheres,
+    /// The box with a statue of gold or iron.
+    Statue,
+    /// The box with a statue of copper.
+    Copper,
 }
 
 /// The inputs of all figures.

@@ -115,7 +115,7 @@ fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) 
     if checks.is_empty() {
         checks.push(Check::is_true("the figure has a check", false));
     }
-    let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), ..drawing };
+    let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), few_colours: true, ..drawing };
     let stem = folder.join(figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)

@@ -382,7 +382,7 @@ fn reproduce_lists_and_makes() {
         }
         written.extend(made);
         for check in figure["checks"].as_array().unwrap() {
-            assert_keys(check, "name, kind, expected, got, tolerance, pass");
+            assert_keys(check, "name, kind, expected, got, tolerance, pass, skipped");
             assert_eq!(check["pass"], true, "{check}");
             checks += 1;
         }
@@ -390,8 +390,9 @@ fn reproduce_lists_and_makes() {
     assert_eq!((number(&value, "passed"), number(&value, "failed")), (f64::from(checks), 0.0));
     assert_eq!(tree(dir.path()), written, "files outside the place that was given, or not reported");
 
-    // The black map gives no samples to test, so that the check of the proposal must fail.
-    let failing = ["reproduce", "--quick", "--only", "proposal,fresnel-enter", "--envmap", "black", "-o", "black"];
+    // Under the black map the proposal has no samples to test, and the sphere's error has nothing to be relative to.
+    let failing =
+        ["reproduce", "--quick", "--only", "proposal,sphere-8,fresnel-enter", "--envmap", "black", "-o", "black"];
     let ran = etalon(dir.path(), &[&failing[..], &["--markdown", "black.md", "--junit", "black.xml"]].concat());
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     let lines: Vec<&str> = ran.stdout.lines().collect();
@@ -400,18 +401,26 @@ fn reproduce_lists_and_makes() {
             && lines[0].ends_with(" s  fresnel-enter.{csv,svg,png,pdf}")
     );
     assert!(
-        lines[1].starts_with("proposal       FAILED 1 of 1   ") && lines[2].starts_with("    FAILED: "),
+        lines[1].starts_with("proposal       skipped")
+            && lines[2].starts_with("    1 check skipped: the map has light in too few rows")
+            && lines[3].starts_with("sphere-8       FAILED 1 of 3   ")
+            && lines[4].starts_with("    FAILED: ")
+            && lines[5] == "    1 check skipped: the map is black, not the first report's",
         "{lines:?}"
     );
     assert!(
-        lines[3] == "wrote black.{xml,md}"
-            && lines[4].starts_with("2 figures in black/index.html: 4 checks, 1 failed; ")
+        lines[6] == "wrote black.{xml,md}"
+            && lines[7].starts_with("3 figures in black/index.html: 7 checks, 1 failed, 2 skipped (1: the map")
     );
     let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
     assert!(
-        read("black.md").starts_with("## etalon reproduce: rejected\n") && read("black.md").contains("\n| proposal/")
+        read("black.md").starts_with("## etalon reproduce: rejected\n") && read("black.md").contains("\n| sphere-8/")
     );
-    assert!(read("black.xml").contains("tests=\"4\" failures=\"1\" errors=\"0\""), "{}", read("black.xml"));
+    assert!(
+        read("black.xml").contains("tests=\"7\" failures=\"1\" errors=\"0\" skipped=\"2\""),
+        "{}",
+        read("black.xml")
+    );
     let ran = etalon(dir.path(), &["reproduce", "--quick", "--only", "fresnel-enter", "-o", "black", "-v"]);
     assert!(ran.code == 0 && ran.stdout.matches("    ok: ").count() == 3, "{}", ran.stdout);
     assert_eq!(etalon(dir.path(), &["reproduce", "--list", "-v"]).code, 2);

@@ -21,6 +21,7 @@ impl Lines {
     pub fn of(&self, figure: &Reproduced) -> String {
         let Reproduced { id, files, seconds, checks, .. } = figure;
         let verdict = match checks.iter().filter(|check| check.failed()).count() {
+            0 if checks.iter().all(|check| check.pass.is_none()) => "skipped".into(),
             0 => format!("ok, {}", counted(checks.len(), "check")),
             failed => format!("FAILED {failed} of {}", checks.len()),
         };
@@ -37,7 +38,7 @@ impl Lines {
             text += &wrapped(&format!("{verdict}: {}: {}", check.name, found(check)), "    ", WIDTH);
         }
         for (count, why) in skipped(checks.iter()) {
-            text += &wrapped(&format!("{count} of them skipped: {why}"), "    ", WIDTH);
+            text += &wrapped(&format!("{} skipped: {why}", counted(count, "check")), "    ", WIDTH);
         }
         text
     }
@@ -99,7 +100,7 @@ mod tests {
         assert_eq!(text, "iron  ok, 1 check     1234.6 s  iron.csv\n");
         let other = Check::at_most("error", 2.0, 1.0).unless(Some("the map is nave"));
         let text = |verbose| Lines { id: 4, verbose }.of(&figure("iron", &["csv"], vec![other.clone()]));
-        assert_eq!(text(false), "iron  ok, 1 check     1234.6 s  iron.csv\n    1 of them skipped: the map is nave\n");
+        assert_eq!(text(false), "iron  skipped         1234.6 s  iron.csv\n    1 check skipped: the map is nave\n");
         assert!(text(true).contains("    skipped: error: not measured, must be ≤ 1 (the map is nave)\n"));
     }
 

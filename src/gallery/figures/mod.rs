@@ -26,7 +26,8 @@ mod sphere;
 mod stability;
 mod validation;
 
-use super::figure::{Figure, Shown};
+use super::figure::Figure;
+use super::inputs::Shown;
 
 /// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
 pub fn registry() -> Vec<Figure> {
