@@ -46,7 +46,7 @@ impl Proposal {
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
         let mut files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate
-        let costs = proposal_cost::costs(&source.map, CHECKED, global.seed)?;
+        let costs = proposal_cost::costs(&source.map, CHECKED, global.seed);
         if let Some(costs) = &costs {
             let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
             files.extend(output::write(&stem, &cost_view::drawing(costs), &output::table(&costs.costs)?)?);
