@@ -3,6 +3,7 @@
 pub mod adjoint;
 mod bsdfs;
 mod camera;
+mod exact_images;
 pub mod filters;
 mod in_lanes;
 pub(super) mod inputs;

@@ -6,9 +6,9 @@
 
 use super::super::case::Case;
 use super::super::shared::Shared;
+use super::exact_images::lit_sphere_image;
 use super::split::Split;
 use crate::envmap::EnvMap;
-use crate::envmap::irradiance::IrradianceTree;
 use crate::envmap::samplers::MapSampling;
 use crate::envmap::synthetic::Synthetic;
 use crate::error::Result;
@@ -27,7 +27,6 @@ use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
 use etalon_stats::{Directions, Grid, Outcome, Pole, Protocol, SampleCount};
 use glam::{DVec3, Vec3};
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -211,31 +210,6 @@ pub fn finer(protocol: &Protocol, share: f64) -> Protocol {
     Protocol { samples, ..*protocol }
 }
 
-/// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.
-fn sphere(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
-    const NODES: [(f64, f64); 3] =
-        [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
-    // Closer to the silhouette, three points an axis are not exact enough.
-    const INSIDE: f64 = 0.9;
-    let Some(environment) = &scene.environment else { return Vec::new() };
-    let tree = IrradianceTree::new(&environment.map);
-    let scale = f64::from(environment.scale.x) / PI;
-    let size = request.width as f64;
-    let radiance = |x: f64, y: f64| {
-        let z2 = 1.0 - x * x - y * y;
-        (z2 > 1.0 - INSIDE * INSIDE).then(|| tree.irradiance(DVec3::new(x, -y, z2.sqrt())).value.x * scale)
-    };
-    // Nodes of the quadrature in each pixel, in units of the radius.
-    let at = |i: usize, node: f64| (2.0 * i as f64 + 1.0 + node) / size - 1.0;
-    let pixel = |i: usize| {
-        let (x, y) = (i % request.width, i / request.width);
-        NODES.iter().try_fold(0.0, |sum, (u, wu)| {
-            NODES.iter().try_fold(sum, |sum, (v, wv)| Some(sum + wu * wv * radiance(at(x, *u), at(y, *v))?))
-        })
-    };
-    (0..request.width * request.height).map(pixel).collect()
-}
-
 /// A small square image to that depth.
 fn request(side: usize, max_depth: u32) -> Request {
     Request { width: side, height: side, spp: PILOT, light_samples: 1, max_depth }
@@ -321,7 +295,7 @@ fn lit_sphere_truth() -> Arc<Vec<Option<f64>>> {
     static TRUTH: Shared<Vec<Option<f64>>> = Shared::new();
     TRUTH.get(|| {
         let RenderTest { scene, request, .. } = lit_sphere(Settings::default());
-        sphere(&scene, &request)
+        lit_sphere_image(&scene, &request)
     })
 }
 
