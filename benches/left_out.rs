@@ -1,5 +1,5 @@
-//! What each scene goes without, and what that would cost: every scene rendered as it needs and with everything (`--general`),
-//! alternating, each in a process of its own, as a table for BENCHMARKS.md.
+//! What each scene goes without, and what that would cost: every scene rendered as it needs and with everything (`--general`, and all
+//! techniques), alternating, each in a process of its own, as a table for BENCHMARKS.md.
 //!
 //! `cargo bench --bench left_out -- [--scenes FOLDER] [--envmap MAP] [NAME ...]` renders the built-in scenes, and with `--scenes` the scene
 //! files of a folder, a map of which is replaced by MAP; names choose some of them.
@@ -10,6 +10,10 @@ use std::process::Command;
 
 /// Renders of each kind, with a seed for each round.
 const ROUNDS: u32 = 5;
+/// Options of a render with everything; the techniques change the image where one is left out.
+const ALL_TECHNIQUES: [&str; 3] = ["--general", "--sampling", "mis+lt"];
+/// A technique that is left out together with the others.
+const TECHNIQUE: &str = "BSDF sampling";
 /// Samples per pixel, light samples for each.
 const SAMPLES: [&str; 4] = ["-s", "16", "-l", "1"];
 
@@ -79,7 +83,13 @@ struct Measured {
 impl Scene {
     /// Renders all rounds and prints the row.
     fn row(&self) {
-        let both = |seed| [false, true].map(|general| self.render(seed, general));
+        let both = |seed| {
+            let lean = self.render(seed, &[]);
+            let techniques: &[&str] =
+                if lean.left_out.contains(TECHNIQUE) { &ALL_TECHNIQUES } else { &ALL_TECHNIQUES[..1] };
+            let general = self.render(seed, techniques);
+            [lean, general]
+        };
         let rounds: Vec<[Measured; 2]> = (1..=ROUNDS).map(both).collect();
         let all = |general: usize, of: fn(&Measured) -> f64| rounds.iter().map(move |pair| of(&pair[general]));
         let mut ratios: Vec<f64> = rounds.iter().map(|[lean, general]| general.seconds / lean.seconds).collect();
@@ -103,16 +113,14 @@ impl Scene {
         );
     }
 
-    fn render(&self, seed: u32, general: bool) -> Measured {
+    fn render(&self, seed: u32, options: &[&str]) -> Measured {
         let folder = tempfile::tempdir().expect("a folder for the image");
         let path = folder.path().join("image.pfm");
         let mut args = vec!["render".to_owned()];
         args.extend(self.args.iter().cloned());
         args.extend(SAMPLES.map(str::to_owned));
         args.extend(["--seed".into(), seed.to_string(), "--json".into(), "-o".into(), path.display().to_string()]);
-        if general {
-            args.push("--general".into());
-        }
+        args.extend(options.iter().map(|option| (*option).to_owned()));
         let json = run(&args);
         let words = json["left_out"].as_array().into_iter().flatten().filter_map(|word| word.as_str());
         Measured {
