@@ -221,8 +221,11 @@ impl<'a> Reference<'a> {
                 let local = direction(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
                 let wi = Frame::from_normal(normal).to_world(local.as_vec3());
                 let weight = 1.0 / (pdf(local.z) as f32 * count as f32);
-                let (f, _) = vertex.eval(wi);
-                sum += f * self.light_seen([vertex.surface.ray_origin(wi), wi]) * weight;
+                let ray = [vertex.surface.ray_origin(wi), wi];
+                let found = self.nearest(ray).map_or_else(|| self.environment(wi), |vertex| vertex.emission);
+                if let Some(Emission { radiance, source: Source::Environment | Source::Surface(_) }) = found {
+                    sum += vertex.eval(wi).0 * radiance * weight;
+                }
             }
         }
         sum
@@ -236,18 +239,6 @@ impl<'a> Reference<'a> {
         let mut blocked = [0; LANES];
         self.scene.geometry.occluded(&self.rays, 1, &limit, &mut blocked);
         if blocked[0] == 0 { value } else { Rgb::ZERO }
-    }
-
-    /// The light that surfaces see along a ray.
-    fn light_seen(&mut self, ray: [Vec3; 2]) -> Rgb {
-        let found = match self.nearest(ray) {
-            Some(vertex) => vertex.emission,
-            None => self.environment(ray[1]),
-        };
-        match found {
-            Some(Emission { source: Source::CameraOnly, .. }) | None => Rgb::ZERO,
-            Some(Emission { radiance, .. }) => radiance,
-        }
     }
 
     /// The light of the environment from a direction.
