@@ -156,3 +156,28 @@ fn maps_beyond_the_range_of_renders_are_refused_everywhere() {
     let value = json(dir.path(), &["render", "sphere-env", "--envmap", "bright.pfm", "-s", "4", "-r", "8", "8"]);
     assert_eq!(value["dropped"]["nonfinite"], 0, "{value}");
 }
+
+#[test]
+fn light_outside_of_the_range_of_the_film_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let dim = |name: &str, value: f32| {
+        let image = Image::from_fn(4, 2, |_, _| Rgb::splat(value));
+        write(&dir.path().join(name), &image, &Metadata::default()).unwrap();
+        etalon(dir.path(), &["render", "sphere-env", "--envmap", name, "-s", "4", "-r", "8", "8", "--json"])
+    };
+    // 8 times the radiance of the map, below and above 2^-64 = 5.4e-20.
+    let black = dim("black.pfm", 1e-25);
+    let value: serde_json::Value = serde_json::from_str(&black.stdout).unwrap();
+    assert!(black.code == 0 && value["dropped"]["faint"].as_u64() == Some(4 * 64), "{value}");
+    assert!(black.stderr.contains("up to 100.0 % of it (256 samples count as black)"), "{}", black.stderr);
+    assert!(dim("faint.pfm", 1e-18).stderr.contains("rounding takes up to"));
+    assert!(!dim("right.pfm", 1e-12).stderr.contains("rounding"));
+    // Radiance from 2^63 on is dropped, and a comparison with dropped samples does not pass.
+    let light = "LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin Shape \"sphere\" AttributeBegin Translate 0 0 3 \
+                 AreaLightSource \"diffuse\" \"rgb L\" [1e25 1e25 1e25] Shape \"sphere\" \"float radius\" 0.1 AttributeEnd";
+    std::fs::write(dir.path().join("huge.pbrt"), light).unwrap();
+    let line = "converge huge.pbrt --strategies light,mis --budget 2 --max-spp 4";
+    let ran = etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
+    assert_ne!(ran.code, 0, "{}", ran.stdout);
+    assert!((ran.stdout + &ran.stderr).contains("samples were not finite"), "{}", ran.stderr);
+}
