@@ -52,8 +52,8 @@ pub fn drawing(angles: &AngleCurves) -> Drawing {
         let marked: Vec<Point> = angles.media.iter().map(|row| [row.eta_t, at(row)]).collect();
         let named: Vec<Point> = angles.media.iter().enumerate().map(|(i, row)| [at(row), i as f64 + 0.5]).collect();
         let stroke = Stroke { colour, width: theme::BOLD, dash };
-        curves = curves.line(label.clone(), stroke, line).markers(label.clone(), theme::INK, marker, marked);
-        media = media.line(label.clone(), stroke, named.clone()).markers(label, theme::INK, marker, named);
+        curves = curves.line(label.clone(), stroke, line).markers(label, theme::INK, marker, marked);
+        media = media.markers("", colour, marker, named);
     }
     Plot::new(if angles.media.is_empty() { vec![curves] } else { vec![curves, media] }).frame_size(400.0, 320.0).draw()
 }
