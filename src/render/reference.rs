@@ -209,18 +209,19 @@ impl<'a> Reference<'a> {
                 sum += self.unoccluded(vertex, NOTHING, wi, f32::INFINITY, value);
             }
             // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
-            let sampled: Option<(fn([f64; 2]) -> glam::DVec3, fn(f64) -> f64)> = match (scene.sampling, kind) {
-                (Sampling::Bsdf, Kind::Diffuse) => Some((warp::cosine_hemisphere, warp::cosine_hemisphere_pdf)),
-                (Sampling::Hemisphere, Kind::Transmitting) => {
-                    Some((warp::uniform_sphere, |_| warp::UNIFORM_SPHERE_PDF))
+            let u = numbers.pair(slot, dimensions.bsdf_direct(), sub_sample);
+            let sampled = match (scene.sampling, kind) {
+                (Sampling::Bsdf, Kind::Diffuse) => {
+                    let local = warp::cosine_hemisphere(u);
+                    Some((local, warp::cosine_hemisphere_pdf(local.z)))
                 }
-                (Sampling::Hemisphere, _) => Some((warp::uniform_hemisphere, |_| warp::UNIFORM_HEMISPHERE_PDF)),
+                (Sampling::Hemisphere, Kind::Transmitting) => Some((warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF)),
+                (Sampling::Hemisphere, _) => Some((warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF)),
                 _ => None,
             };
-            if let Some((direction, pdf)) = sampled {
-                let local = direction(numbers.pair(slot, dimensions.bsdf_direct(), sub_sample));
+            if let Some((local, pdf)) = sampled {
                 let wi = Frame::from_normal(normal).to_world(local.as_vec3());
-                let weight = 1.0 / (pdf(local.z) as f32 * count as f32);
+                let weight = 1.0 / (pdf as f32 * count as f32);
                 let ray = [vertex.surface.ray_origin(wi), wi];
                 let found = self.nearest(ray).map_or_else(|| self.environment(wi), |vertex| vertex.emission);
                 if let Some(Emission { radiance, source: Source::Environment | Source::Surface(_) }) = found {

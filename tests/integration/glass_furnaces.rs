@@ -133,7 +133,7 @@ fn views(body: Body, eta: f64) -> Vec<View> {
     let new = |name, from, towards, field, inside| View { name, from, towards, field, inside };
     let at = DVec3::new;
     // Within the critical angle of every face that it meets.
-    let oblique = at(0.3, 0.2, -1.0 * eta.max(1.0)).normalize();
+    let oblique = at(0.3, 0.2, -eta.max(1.0)).normalize();
     let mut views = vec![
         new("centre, 1 deg", DVec3::ZERO, oblique, Field::Degrees(1.0), Some(true)),
         new("centre, 0.01 deg", DVec3::ZERO, DVec3::NEG_Z, Field::Degrees(0.01), Some(true)),

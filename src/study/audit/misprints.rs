@@ -274,7 +274,7 @@ fn determinant() -> Suspect {
     // A ring of half-vectors about the viewer is reflected to a ring of twice the angle: the probability of both is the same.
     let wrong = |pdf: fn(f64, f64) -> f64| {
         move |cos: f64, _: f64| {
-            if cos < HALF || cos > 1.0 - HALF {
+            if !(HALF..=1.0 - HALF).contains(&cos) {
                 return 0.0;
             }
             let twice = |cos: f64| (2.0 * cos.acos()).cos();
