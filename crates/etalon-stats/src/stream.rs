@@ -55,7 +55,7 @@ pub trait Stream: Copy + Send + Sync {
 }
 
 /// Independent uniform random numbers of 53 bits: the words of SplitMix64 under the key of the pixel, each at a place of its own
-/// ([`Independent::counter`]).
+/// by dimension, sample and index.
 #[derive(Debug, Clone, Copy)]
 pub struct Independent {
     key: u64,

@@ -1,7 +1,7 @@
 //! Images of the path tracer against exact ones: furnaces, the sphere under an environment map, and each sampling strategy
 //! against the others.
 //!
-//! Scenes are grey, so that one channel is enough. Every image is rendered in [`REPLICATES`] independent parts, whose differences
+//! Scenes are grey, so that one channel is enough. Every image is rendered in independent parts, whose differences
 //! tell the error of each tile: light paths contribute to many pixels at once, so that the errors of pixels are not enough.
 
 use super::super::case::Case;
