@@ -13,6 +13,7 @@ mod merge;
 mod part;
 mod pixel;
 mod ranges;
+mod rounding;
 mod row;
 mod splats;
 mod sums;
