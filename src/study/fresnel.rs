@@ -21,6 +21,8 @@ pub struct DielectricRow {
     pub transmittance: f64,
     /// Schlick's approximation.
     pub r_schlick: f64,
+    /// Schlick's formula with the cosine of incidence on the denser side, too, where it is that of refraction which counts.
+    pub r_schlick_incident: f64,
 }
 
 /// The curves of one interface, and special angles and values.
@@ -113,6 +115,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -
             r_unpolarized: exact.unpolarized(),
             transmittance: exact.transmittance(),
             r_schlick: approximate(cos_deg(theta_deg)),
+            r_schlick_incident: schlick_incident_cosine(cos_deg(theta_deg), eta),
         }
     };
     let error = |r: &DielectricRow| (r.r_schlick - r.r_unpolarized).abs();

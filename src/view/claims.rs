@@ -191,12 +191,15 @@ pub fn table(claims: &[Claim]) -> Drawing {
         sheet.circle([x + 4.0, y + 4.2], 3.2, colour(verdict));
         sheet.text(Text::new([x + BULLET, y], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Top));
     }
-    let elsewhere =
-        Text::new([left(2) + 420.0, y], theme::NOTE_SIZE, "no dot: measured on another input than the report's");
+    let elsewhere = Text::new(
+        [left(2) + BULLET, y + LINE],
+        theme::NOTE_SIZE,
+        "no dot: measured on another input than the report's",
+    );
     sheet.text(elsewhere.held(Anchor::Start, Level::Top));
     let note = "Dots: a number with what the claim demands of it.";
     sheet.text(Text::new([EDGE, y], theme::NOTE_SIZE, note).held(Anchor::Start, Level::Top));
-    sheet.height = (y + LINE + EDGE).ceil();
+    sheet.height = (y + 2.0 * LINE + EDGE).ceil();
     sheet
 }
 

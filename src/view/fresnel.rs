@@ -18,8 +18,11 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
     let title = format!("From /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
-    // Beyond the critical angle the curves lie on each other
-    let schlick = if curves.critical_deg.is_some() { "Schlick (from /{θ}_{c} on equal to /{R})" } else { "Schlick" };
+    let schlick = match (curves.critical_deg, curves.model) {
+        (None, _) => "Schlick",
+        (Some(_), "exact") => "Schlick, angle of refraction",
+        (Some(_), _) => "Schlick, angle of incidence",
+    };
     // Room above 1 and below 0, where curves run along both
     let share = Axis::linear("share of the power").range(-0.04, 1.04).every(0.2);
     let mut main = Panel::new(angle_axis(), share)
@@ -35,6 +38,11 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
         main = main.vertical_above(brewster, label, special(theme::BREWSTER));
     }
     if let Some(critical) = curves.critical_deg {
+        if curves.model == "exact" {
+            let inside = curves.rows.iter().filter(|row| row.theta_deg <= critical);
+            let points: Vec<Point> = inside.map(|row| [row.theta_deg, row.r_schlick_incident]).collect();
+            main = main.line("Schlick, angle of incidence", stroke(theme::SCHLICK, theme::SOLID), points);
+        }
         let label = format!("critical angle /{{θ}}_{{c}} = {critical:.2}°");
         main = main.vertical_above(critical, label, special(theme::CRITICAL));
         if curves.rows.last().is_some_and(|last| last.theta_deg > critical) {

@@ -54,8 +54,8 @@ fn numbers(metals: &MetalTable) -> Drawing {
         vec![
             metal,
             format!("{:.0}", r.wavelength_nm),
-            format!("{:.3}", r.eta),
-            format!("{:.3}", r.k),
+            format!("{:.4}", r.eta),
+            format!("{:.4}", r.k),
             format!("{:.4}", r.r_normal),
             format!("{:.2}°", r.pseudo_brewster_deg),
             format!("{:.4}", r.albedo),

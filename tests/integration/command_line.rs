@@ -88,7 +88,8 @@ fn image(path: &Path) -> Image {
 fn fresnel_of_a_dielectric_both_ways() {
     const KEYS: &str =
         "eta_i, eta_t, brewster_deg, critical_deg, r_normal, schlick_max_abs_error, schlick_max_abs_error_deg, files";
-    const HEADER: &str = "theta_deg,r_parallel,r_perpendicular,r_unpolarized,transmittance,r_schlick";
+    const HEADER: &str =
+        "theta_deg,r_parallel,r_perpendicular,r_unpolarized,transmittance,r_schlick,r_schlick_incident";
     let dir = folder();
     let critical = 43.602_818_972_703_62;
     for (eta, brewster, critical) in

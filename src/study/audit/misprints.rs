@@ -176,7 +176,7 @@ fn squared_difference() -> Suspect {
         right: "refracted cosine √(1 − (1 − (eᵢ·n)²)/nᵣ²)",
         test: "length of the refracted direction, at every angle from both sides",
         error_in_picture: leaves(printed) / leaves(right) - 1.0,
-        error_of: "directions that leave glass",
+        error_of: "light that leaves glass",
         curves: ErratumCurves {
             x: "/{θ} inside (degrees)",
             every: 30.0,

@@ -55,7 +55,9 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
     let conserved =
         largest(cosines(89.0).map(|c| power(c, ETA))).max(largest(cosines(critical).map(|c| power(c, inside))));
     let from_outside = largest(cosines(90.0).map(|c| schlick::schlick(c, ETA) - exact(c, ETA)));
-    let from_inside = largest(cosines(critical).map(|c| schlick_incident_cosine(c, inside) - exact(c, inside)));
+    // The error rises steeply up to the critical angle, which the steps miss.
+    let up_to_critical = || cosines(critical).chain([critical.to_radians().cos()]);
+    let from_inside = largest(up_to_critical().map(|c| schlick_incident_cosine(c, inside) - exact(c, inside)));
     let correct_inside = largest(cosines(critical).map(|c| schlick::schlick(c, inside) - exact(c, inside)));
     // R₀ with an index that is 1 % larger
     let r0 = schlick::normal_reflectance::<f64>;

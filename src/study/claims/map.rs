@@ -113,18 +113,13 @@ fn middle(map: &EnvMap, of_rows: bool) -> Claim {
     // Uniform directions: ½ (cos 45° − cos 135°) of them in the middle rows.
     let by_solid_angle = if of_rows { FRAC_1_SQRT_2 } else { 0.5 };
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-    let share = |what: String, value| Finding::exact(what, value, Unit::Percent, Bound::AtLeast(0.5));
-    let findings = if of_rows {
-        vec![
-            share("of the samples, in the middle half of the rows".into(), both),
-            share("with a constant map, by sin θ alone".into(), by_solid_angle),
-            share("by the map's radiance alone, without sin θ".into(), by_map),
-        ]
-    } else {
-        let what =
-            format!("of the samples, in the middle half of the columns (constant map: {})", percent(by_solid_angle));
-        vec![share(what, both)]
-    };
+    let what = format!(
+        "of the samples, in the middle half of the {} (of a constant map: {}; by the radiance without sin θ: {})",
+        if of_rows { "rows" } else { "columns" },
+        percent(by_solid_angle),
+        percent(by_map)
+    );
+    let findings = vec![Finding::exact(what, both, Unit::Percent, Bound::AtLeast(0.5))];
     let claim = if of_rows {
         "Pixels in the middle of the image are more likely than those at the edge: rows."
     } else {
@@ -134,12 +129,21 @@ fn middle(map: &EnvMap, of_rows: bool) -> Claim {
 }
 
 fn balance(regions: &[RegionRow]) -> Claim {
-    let what = format!("regions (largest energy over the mean: {:.2})", median_cut::imbalance(regions));
+    let imbalance = median_cut::imbalance(regions);
     Claim {
         place: "Fig. 10",
-        claim: "Six cuts, of every region at its median pixel, make 64 regions.",
+        claim: "Six cuts, of every region at its median pixel into halves of the same energy, make 64 regions.",
         number: "6 cuts",
-        findings: vec![Finding::exact(what, regions.len() as f64, Unit::Plain, Bound::AtLeast(64.0))],
+        findings: vec![
+            Finding::exact("regions", regions.len() as f64, Unit::Plain, Bound::AtLeast(64.0)),
+            Finding::exact(
+                "largest energy of a region over the mean",
+                imbalance,
+                Unit::Times,
+                Bound::AtMost(1.0 + VISIBLE),
+            ),
+        ],
+        remark: "A cut falls between two texels.",
         evidence: &["median-cut-64"],
         ..Claim::default()
     }
