@@ -136,5 +136,7 @@ fn dropped(attributes: &Metadata) -> Option<Dropped> {
         }
         None => None,
     };
-    Some(Dropped { nonfinite: count(NONFINITE)?, negative: count(NEGATIVE)?, faint: count(FAINT)?, first_pixel })
+    // Older files do not count faint samples.
+    let faint = if attributes.get(FAINT).is_some() { count(FAINT)? } else { 0 };
+    Some(Dropped { nonfinite: count(NONFINITE)?, negative: count(NEGATIVE)?, faint, first_pixel })
 }
