@@ -79,9 +79,7 @@ fn student(risk: f64, freedom: f64) -> f64 {
 /// between 0 and a bound; so an empirical Bernstein inequality bounds the error of this mean without an assumption on the distribution of the differences: a lobe
 /// that hides between the nodes is found by the points as often as it is sampled.
 ///
-/// If no bound is declared, the mean is taken to have a normal distribution, with the remainder that Bernstein's inequality has for the
-/// largest difference found; it is that of points whose number does not depend on what
-/// they find, on a square that is warped such that weights which grow as the inverse root of the distance from its border are bounded. BSDFs without such a map are averaged over a
+/// If no bound is declared, the mean is taken to have a normal distribution. BSDFs without such a map are averaged over a
 /// randomized Sobol' sequence, 16 times.
 ///
 /// That weights are f |cos θᵢ| over the pdf of the samples is what the checks `formula`, `sampling` and `weights` test.
@@ -118,7 +116,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
         let [value, bound] = match same {
             Some(integral) => integral,
             None => {
-                let mut weights = Weights::new(&mapped, channel, largest.is_none());
+                let mut weights = Weights::new(&mapped, channel);
                 let integral = integral(&mut weights, largest, target)?;
                 let [least, most] = weights.extremes;
                 if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {

@@ -16,24 +16,14 @@ const UNBOUNDED_POINTS: f64 = (1u32 << 20) as f64;
 /// The fewest and the most of them in one round: enough to meet rare large weights, few enough for the memory.
 const FEWEST: f64 = (1u32 << 12) as f64;
 const MOST: f64 = (1u32 << 18) as f64;
-/// The fewest points for weights without a bound: as many as certified bounds take where the weight is smooth, so that large differences of a
-/// probability of 10⁻³ or more are met often enough for a normal distribution of the mean.
-const UNBOUNDED_FEWEST: f64 = (1u32 << 16) as f64;
-/// The share of the asked error that is planned for, as the mean square is an estimate.
-const MARGIN: f64 = 0.9;
-/// The first round of random numbers for points that do not end by what they find.
-const AGAIN: u64 = 1 << 32;
 /// The share of the points that is distributed by area times the largest possible difference. The others are distributed by area times the
-/// root mean square of the differences: half of the points if no largest difference is known.
+/// root mean square of the differences.
 const BY_LARGEST_DIFFERENCE: f64 = 7.0 / 8.0;
-const BY_UNBOUNDED_DIFFERENCE: f64 = 1.0 / 2.0;
 
-/// The weights of one channel as a function on the unit square, with the extremes of all channels.
+/// The weights of one channel, with the extremes of all channels.
 pub struct Weights<'a> {
     mapped: &'a Mapped<'a>,
     channel: usize,
-    /// Whether the square is warped.
-    is_warped: bool,
     /// The channels that had the same values everywhere.
     pub equal: [bool; 3],
     /// The smallest and the largest weight of any channel.
@@ -41,29 +31,21 @@ pub struct Weights<'a> {
 }
 
 impl<'a> Weights<'a> {
-    /// Of this channel. Weights without a bound may have poles at the borders of the square, where samplers have their horizons. The warp
-    /// u = v² (3 − 2v) of either number has a derivative of 0 there: times it, a weight that grows as the inverse root of the distance is
-    /// bounded. Source: Korobov, *Number-Theoretic Methods in Approximate Analysis*, 1963; Sidi, "A New Variable Transformation for
-    /// Numerical Integration", 1993.
-    pub fn new(mapped: &'a Mapped<'a>, channel: usize, is_warped: bool) -> Self {
-        Self { mapped, channel, is_warped, equal: [true; 3], extremes: [0.0; 2] }
+    /// Of this channel.
+    pub fn new(mapped: &'a Mapped<'a>, channel: usize) -> Self {
+        Self { mapped, channel, equal: [true; 3], extremes: [0.0; 2] }
     }
 
     fn at(&mut self, points: &[[f64; 2]]) -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(points.len());
         for points in points.chunks(BATCH) {
             poll(self.mapped.subject.protocol.cancelled)?;
-            let places: Vec<[f64; 2]> = match self.is_warped {
-                true => points.iter().map(|at| at.map(|v| v * v * (3.0 - 2.0 * v))).collect(),
-                false => points.to_vec(),
-            };
-            for (at, weight) in points.iter().zip(self.mapped.weights(&places)?) {
-                let scale = if self.is_warped { at.iter().map(|v| 6.0 * v * (1.0 - v)).product() } else { 1.0 };
+            for weight in self.mapped.weights(points)? {
                 let value = weight[self.channel];
                 (0..3).for_each(|other| self.equal[other] &= weight[other] == value);
                 let [least, most] = self.extremes;
                 self.extremes = [weight.into_iter().fold(least, f64::min), weight.into_iter().fold(most, f64::max)];
-                values.push(value * scale);
+                values.push(value);
             }
         }
         Ok(values)
@@ -82,7 +64,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         (0.075 * error * largest.unwrap_or(1.0) * (1.0 - BY_LARGEST_DIFFERENCE) / BY_LARGEST_DIFFERENCE).sqrt();
     let pieces = pieces(allowed, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
-    let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest, polynomials)).collect();
+    let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
     let (mut mean, most) = match largest {
         Some(_) => (Mean::Bounded(EmpiricalBernstein::default()), POINTS),
         None => (Mean::Normal { n: 0.0, sum: 0.0, squares: 0.0 }, UNBOUNDED_POINTS),
@@ -92,7 +74,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         if result[1] <= error || used >= most || !result[0].is_finite() {
             break;
         }
-        let shares = shares(&strata, largest.is_some());
+        let shares = shares(&strata);
         // What is expected of the next points: the largest difference and the mean square.
         let square = |(stratum, share): (&Stratum, &f64)| (stratum.distance() * stratum.area()).powi(2) / share;
         let square: f64 = strata.iter().zip(&shares).map(square).sum();
@@ -115,53 +97,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         let [difference, bound] = mean.interval();
         (result, used) = ([polynomials + difference, bound], used + total);
     }
-    if largest.is_none() && result[0].is_finite() {
-        let [difference, bound] = measured_again(weights, &mut strata, error)?;
-        result = [polynomials + difference, bound + unresolved(weights)?];
-    }
     Ok(result)
-}
-
-/// What the rounding of random numbers may change: those nearer to a border of the square than the precision of the BSDF count as one at that
-/// distance ε. A weight that grows as the inverse root of the distance has the integral 2 ε w(ε) there.
-fn unresolved(weights: &mut Weights) -> Result<f64> {
-    const PLACES: i32 = 256;
-    let precision = weights.mapped.subject.properties.precision;
-    let borders = [precision, 1.0 - precision].into_iter().flat_map(|at| {
-        let along = (0..PLACES).map(|i| (f64::from(i) + 0.5) / f64::from(PLACES));
-        along.flat_map(move |x| [[at, x], [x, at]])
-    });
-    let places: Vec<[f64; 2]> = borders.collect();
-    let found = weights.mapped.weights(&places)?;
-    let sum: f64 = found.iter().map(|weight| weight[weights.channel].abs()).sum();
-    Ok(2.0 * precision * sum / f64::from(PLACES))
-}
-
-/// The mean difference, and its largest distance from the expected value, by points of their own: as many as suffice by what is known
-/// of the strata. The points before ended where their error seemed to be small enough, and small errors go with small estimates of them.
-fn measured_again(weights: &mut Weights, strata: &mut [Stratum], error: f64) -> Result<[f64; 2]> {
-    let shares = shares(strata, false);
-    let square = |(stratum, share): (&Stratum, &f64)| (stratum.distance() * stratum.area()).powi(2) / share;
-    let square: f64 = strata.iter().zip(&shares).map(square).sum();
-    // The second term of Bernstein's inequality, for the largest difference found, is what rare large ones add to the standard error.
-    let remainder = |strata: &[Stratum], shares: &[f64]| {
-        let largest = strata.iter().zip(shares).map(|(stratum, share)| stratum.most * stratum.area() / share);
-        largest.fold(0.0, f64::max) * (2.0 / RISK).ln() / 3.0
-    };
-    let planned = MARGIN * error;
-    let enough = (quantile() / planned).powi(2) * square + remainder(strata, &shares) / planned;
-    let enough = enough.clamp(UNBOUNDED_FEWEST, UNBOUNDED_POINTS);
-    let parts = (enough / MOST).ceil();
-    let counts: Vec<f64> = shares.iter().map(|share| (share * enough / parts).ceil()).collect();
-    let total: f64 = counts.iter().sum();
-    let mut mean = Mean::Normal { n: 0.0, sum: 0.0, squares: 0.0 };
-    for part in 0..parts as u64 {
-        let sums = differences(weights, strata, &counts, total, AGAIN + part)?;
-        mean.add(0.0, 0.0, total, sums);
-    }
-    let shares: Vec<f64> = counts.iter().map(|count| count / total).collect();
-    let [difference, bound] = mean.interval();
-    Ok([difference, bound + remainder(strata, &shares) / (parts * total)])
 }
 
 /// The sum of the differences between weights and polynomials at random points, so many in each stratum, as estimates of the whole square's,
@@ -181,7 +117,6 @@ fn differences(
     for ((number, at), value) in numbers().zip(local).zip(weights.at(&places)?) {
         let stratum = &mut strata[number];
         let difference = value - stratum.piece.value(at);
-        stratum.most = stratum.most.max(difference.abs());
         (stratum.squares, stratum.count) = (stratum.squares + difference * difference, stratum.count + 1.0);
         // A point stands for its stratum's area over its share of the points.
         let weighted = difference * stratum.area() * total / counts[number];
@@ -231,22 +166,19 @@ fn quantile() -> f64 {
 /// A rectangle with what is known of the distances between the weights and its polynomial.
 struct Stratum {
     piece: Piece,
-    /// No distance is larger; if none is known to be the largest, what the polynomial reaches, and the mean weight at least.
+    /// No distance is larger; 1 if none is known to be the largest.
     largest_difference: f64,
-    /// The largest that was found.
-    most: f64,
     /// Of the distances that were measured.
     squares: f64,
     count: f64,
 }
 
 impl Stratum {
-    fn new(piece: Piece, largest: Option<f64>, mean: f64) -> Self {
+    fn new(piece: Piece, largest: Option<f64>) -> Self {
         let [low, high] = piece.range();
         Self {
             piece,
-            largest_difference: largest.map_or(high.max(-low).max(mean), |largest| high.max(largest - low)),
-            most: 0.0,
+            largest_difference: largest.map_or(1.0, |largest| high.max(largest - low)),
             squares: 0.0,
             count: 0.0,
         }
@@ -272,14 +204,13 @@ fn scale(strata: &[Stratum], shares: &[f64]) -> f64 {
 }
 
 /// The shares of the points that strata have.
-fn shares(strata: &[Stratum], is_bounded: bool) -> Vec<f64> {
-    let by_largest = if is_bounded { BY_LARGEST_DIFFERENCE } else { BY_UNBOUNDED_DIFFERENCE };
+fn shares(strata: &[Stratum]) -> Vec<f64> {
     let hidden: f64 = strata.iter().map(|stratum| stratum.area() * stratum.largest_difference).sum();
     let missed: f64 = strata.iter().map(|stratum| stratum.area() * stratum.distance()).sum();
     let share = |stratum: &Stratum| {
         let hidden = stratum.largest_difference / hidden;
         let missed = if missed > 0.0 { stratum.distance() / missed } else { hidden };
-        stratum.area() * (by_largest * hidden + (1.0 - by_largest) * missed)
+        stratum.area() * (BY_LARGEST_DIFFERENCE * hidden + (1.0 - BY_LARGEST_DIFFERENCE) * missed)
     };
     strata.iter().map(share).collect()
 }
