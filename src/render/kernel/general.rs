@@ -120,9 +120,9 @@ pub fn extend(
         slots[i] = vertex.slot;
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    // A BSDF of one lobe has nothing to choose.
+    // A BSDF of one lobe has nothing to choose, unless several parts of a mixture have that lobe.
     let mut choice = [[0.0; LANES]; 2];
-    if shader.bsdf.lobes().len() > 1 {
+    if shader.bsdf.lobes().len() > 1 || matches!(shader.bsdf, Bsdf::Mixture(_)) {
         numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
     }
     let random = (&choice[0], &u);
