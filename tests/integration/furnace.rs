@@ -1,9 +1,6 @@
 //! `etalon furnace` as a script relies on it: keys, columns, files, exit codes.
 
 use crate::program::{etalon, json};
-use etalon::study::validation::families;
-use etalon_stats::Protocol;
-use etalon_stats::bsdf::{Basis, BatchBsdf, Family as _, directional_albedo};
 use tempfile::tempdir;
 
 #[test]
@@ -60,62 +57,4 @@ fn what_is_too_coarse_or_makes_no_sense_has_its_exit_code() {
     assert!(
         !left.exists() || left.read_dir().unwrap().all(|e| e.unwrap().path().to_string_lossy().contains("diffuse"))
     );
-}
-
-/// The albedo of `ggx` with these parameters, with a bound from theory, and the light that `name` reflects more: of multiple scattering,
-/// which does not depend on the azimuth.
-fn expected(name: &str, parameters: &[f64; 3], wo: [f64; 3]) -> f64 {
-    let all = families::all();
-    let family = |name: &str| all.iter().find(|family| family.name() == name).unwrap();
-    let &[alpha, eta, k] = parameters;
-    let single = family("ggx").with(&[alpha, alpha, eta, k]).unwrap();
-    let albedo = directional_albedo(&*single, wo, 1e-5, &Protocol::default()).unwrap();
-    assert!(matches!(albedo.basis, Basis::Certified(_)));
-    if name == "ggx-ndf" {
-        return albedo.value[0];
-    }
-    let whole = family(name).with(parameters).unwrap();
-    let n = 20_000;
-    let pair = |i: i32| {
-        let cos = (f64::from(i) + 0.5) / f64::from(n);
-        // Across the plane of `wo`, where single scattering is weak.
-        [wo, [0.0, (1.0 - cos * cos).sqrt(), cos]]
-    };
-    let pairs: Vec<_> = (0..n).map(pair).collect();
-    let of = |bsdf: &dyn BatchBsdf| bsdf.eval(&pairs, &[]).unwrap();
-    let more = of(&*whole).into_iter().zip(of(&*single)).zip(&pairs).map(|((a, b), [_, wi])| (a[0] - b[0]) * wi[2]);
-    albedo.value[0] + std::f64::consts::TAU * more.sum::<f64>() / f64::from(n)
-}
-
-#[test]
-#[ignore = "takes minutes: cargo test -- --ignored"]
-fn intervals_without_a_bound_cover_as_often_as_they_say() {
-    let (all, seeds) = (families::all(), 300);
-    for (name, parameters) in
-        [("ggx-ndf", [0.3, 0.5, 10.0]), ("compensated-ggx", [0.3, 0.5, 10.0]), ("compensated-ggx", [1.0, 0.5, 2.0])]
-    {
-        let [alpha, eta, k] = parameters;
-        let values = if name == "ggx-ndf" { vec![alpha, alpha, eta, k] } else { parameters.to_vec() };
-        let family = all.iter().find(|family| family.name() == name).unwrap();
-        let bsdf = family.with(&values).unwrap();
-        for degrees in [0.0f64, 60.0, 85.0, 89.99] {
-            let wo = [degrees.to_radians().sin(), 0.0, degrees.to_radians().cos()];
-            let expected = expected(name, &parameters, wo);
-            let (mut covered, mut sum, mut bounds) = (0, 0.0, 0.0);
-            for seed in 0..seeds {
-                let found = directional_albedo(&*bsdf, wo, 1e-3, &Protocol { seed, ..Protocol::default() }).unwrap();
-                assert!(matches!(found.basis, Basis::Normal(_)));
-                covered += u32::from((found.value[0] - expected).abs() <= found.error[0]);
-                (sum, bounds) = (sum + found.value[0] - expected, bounds + found.error[0]);
-            }
-            let n = f64::from(seeds as u32);
-            println!(
-                "{name} {parameters:?} {degrees} deg: {covered} of {seeds}, mean {:.2e}, bound {:.2e}",
-                sum / n,
-                bounds / n
-            );
-            // Of 300 with a risk of 1 %, 10 or more outside have a probability of 0.1 %.
-            assert!(covered > 290, "{name} {parameters:?} at {degrees} deg: {covered} of {seeds}");
-        }
-    }
 }
