@@ -115,6 +115,11 @@ pub trait Scatter {
         self.lobes().iter().all(|lobe| lobe.is_delta())
     }
 
+    /// Whether [`sample`](Self::sample) depends on `uc`.
+    fn needs_choice(&self) -> bool {
+        self.lobes().len() > 1
+    }
+
     /// The BSDF f(wo, wi), without the cosine (1/sr); 0 for delta lobes and where nothing is scattered.
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {

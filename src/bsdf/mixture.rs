@@ -83,6 +83,11 @@ impl<B: Scatter> Scatter for Mixture<B> {
         &self.lobes
     }
 
+    /// Several parts may have the same lobe.
+    fn needs_choice(&self) -> bool {
+        true
+    }
+
     fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         self.parts.iter().fold((Rgb::ZERO, 0.0), |(f, pdf), part| {
             let (of_part, pdf_of_part) = part.bsdf.eval_pdf(wo, wi);

@@ -119,6 +119,12 @@ macro_rules! bsdfs {
                 }
             }
 
+            fn needs_choice(&self) -> bool {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.needs_choice(),)*
+                }
+            }
+
             fn eval_adjoint(&self, wo: Vec3, wi: Vec3) -> Rgb {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.eval_adjoint(wo, wi),)*

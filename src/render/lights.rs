@@ -82,6 +82,11 @@ impl RectangleLight {
         self.centre + self.axes[0] * (x * self.half[0]) + self.axes[1] * (y * self.half[1])
     }
 
+    #[inline(always)]
+    fn plane(&self) -> Plane {
+        Plane::through(self.centre, self.axes[2])
+    }
+
     /// The rectangle's extent along its axes as seen from a point, its distance, and on which side the point is.
     #[inline(always)]
     fn seen_from(&self, point: Vec3) -> ([[f32; 2]; 2], f32, f32) {
@@ -236,18 +241,52 @@ impl Sampled {
         }
     }
 
-    /// [`solids::short_of`] this light, whose object has this [`offset`](super::geometry::Surface::offset). Without a
-    /// surface, the limit remains.
+    /// How far off its surface rays must start near a point of it, at least the [`least_offset`] of its object.
+    ///
+    /// [`least_offset`]: super::geometry::Geometry::least_offset
     #[inline(always)]
-    pub fn short_of(&self, offset: f32, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
+    pub fn offset(&self, least: f32, point: Vec3) -> f32 {
+        match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => least.max(panel.plane().offset(point)),
+            Kind::Triangle(triangle) => triangle.plane().offset(point),
+            Kind::Sphere(_) | Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => least,
+        }
+    }
+
+    /// [`solids::short_of`] this light, whose object has this least offset. Without a surface, the limit remains.
+    #[inline(always)]
+    pub fn short_of(&self, least_offset: f32, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
+        let offset = self.offset(least_offset, origin + limit * wi);
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
-                solids::short_of(&Plane::through(panel.centre, panel.axes[2]), offset, origin, wi, limit)
+                solids::short_of(&panel.plane(), offset, origin, wi, limit)
             }
             Kind::Triangle(triangle) => solids::short_of(&triangle.plane(), offset, origin, wi, limit),
             Kind::Sphere(light) => solids::short_of(&light.sphere, offset, origin, wi, limit),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit,
         }
+    }
+
+    /// The distance of the light along a ray in the direction of a sample that was taken from another point close by, where
+    /// the distance was `sampled`; `None` if the light is not ahead, or does not emit towards the ray's origin.
+    #[inline]
+    pub fn ahead(&self, [origin, wi]: [Vec3; 2], sampled: f32) -> Option<f32> {
+        let (distance, is_front, two_sided) = match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
+                let plane = panel.plane();
+                (plane.distance(origin, wi), panel.axes[2].dot(wi) < 0.0, panel.two_sided)
+            }
+            Kind::Triangle(triangle) => {
+                let two_sided = triangle.point([0.0; 2]).two_sided;
+                (triangle.plane().distance(origin, wi), triangle.normal().dot(wi) < 0.0, two_sided)
+            }
+            Kind::Sphere(SphereLight { sphere, two_sided, .. }) => {
+                let from_centre = (origin - sphere.centre).length_squared();
+                (sphere.distance(origin, wi), from_centre > sphere.radius * sphere.radius, *two_sided)
+            }
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => return Some(sampled),
+        };
+        (distance > 0.0 && distance.is_finite() && (two_sided || is_front)).then_some(distance)
     }
 
     /// Where it is and how it emits, for selecting one of many lights; `None` of lights at infinity.

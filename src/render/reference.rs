@@ -189,11 +189,16 @@ impl<'a> Reference<'a> {
                 };
                 let Some((light, probability)) = chosen else { continue };
                 let sample = scene.lights.sample(light, probability, position, u);
+                // Beyond a surface that transmits, the light is seen from the other side.
                 let (f, pdf) = vertex.eval(sample.wi);
-                let is_hit = scene.lights.all[light as usize].object != NOTHING;
-                let share = if by_mis && is_hit { power_heuristic(round.count as f32 * sample.pdf, pdf) } else { 1.0 };
+                let origin = vertex.surface.ray_origin(sample.wi);
+                let sampled = &scene.lights.all[light as usize];
+                let Some(distance) = sampled.ahead([origin, sample.wi], sample.distance) else { continue };
+                let is_weighted = by_mis && sampled.object != NOTHING;
+                let density = || scene.lights.density(light, origin, kind.one_sided(normal));
+                let share = if is_weighted { power_heuristic(density(), pdf) } else { 1.0 };
                 let value = f * sample.weight * (share / round.count as f32);
-                sum += self.unoccluded(vertex, light, sample.wi, sample.distance, value);
+                sum += self.unoccluded(vertex, light, sample.wi, distance, value);
             }
         }
         let count = scene.request.light_samples;

@@ -26,8 +26,10 @@ pub trait Light {
 /// The plane n · p = `height` of a rectangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane {
-    normal: Vec3,
-    height: f32,
+    /// n, of unit length.
+    pub normal: Vec3,
+    /// Of its points along the normal.
+    pub height: f32,
 }
 
 impl Plane {
@@ -36,7 +38,44 @@ impl Plane {
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         Self { normal, height: normal.dot(point) }
     }
+
+    /// The point of the plane below one that is close to it.
+    #[inline(always)]
+    pub fn project(&self, point: Vec3) -> Vec3 {
+        point - self.normal * (self.normal.dot(point) - self.height)
+    }
+
+    /// The distance along a ray.
+    #[inline(always)]
+    pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        (self.height - self.normal.dot(origin)) / self.normal.dot(direction)
+    }
+
+    /// How far off the plane a ray must start, near a point of it, so that [`distance`](Self::distance) sees on which side.
+    #[inline(always)]
+    pub fn offset(&self, point: Vec3) -> f32 {
+        LEAST_OFFSET + ROUNDING * (self.normal.abs().dot(point.abs()) + self.height.abs())
+    }
 }
+
+/// How far off a polygon a ray must start, so that the intersection with the triangle of three corners sees on which side.
+#[inline(always)]
+pub fn offset_of_polygon(normal: Vec3, corners: &[Vec3]) -> f32 {
+    let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
+    LEAST_OFFSET + ROUNDING * normal.abs().dot(farthest)
+}
+
+/// How far off a sphere a ray must start, so that the intersection sees on which side.
+pub fn offset_of_sphere(sphere: &Sphere) -> f32 {
+    ROUNDING * (sphere.centre.abs().max_element() + sphere.radius)
+}
+
+/// More than the rounding of a point's height over a surface, relative to the terms that are added: about ten roundings of
+/// half of f32's epsilon, of the point, the dot product, and the normal.
+const ROUNDING: f32 = 16.0 * f32::EPSILON;
+
+/// More than 0 on planes through the origin, where nothing is rounded; its products with directions are not denormal.
+const LEAST_OFFSET: f32 = 1e-30;
 
 impl Light for Plane {
     #[inline(always)]
@@ -109,11 +148,10 @@ impl Wall {
     }
 }
 
-/// A rectangle as the plane n · p = `height` and two coordinates on it that are −1 and 1 at the edges.
+/// A rectangle as its plane and two coordinates on it that are −1 and 1 at the edges.
 #[derive(Debug, Clone, Copy)]
 pub struct TiltedPanel {
-    normal: Vec3,
-    height: f32,
+    plane: Plane,
     across: [Vec3; 2],
     offset: [f32; 2],
 }
@@ -122,15 +160,14 @@ impl TiltedPanel {
     fn new(rectangle: &Rectangle) -> Self {
         let across = rectangle.half_sides().map(|half| half / half.length_squared());
         let offset = across.map(|a| a.dot(rectangle.centre()));
-        let normal = rectangle.normal();
-        Self { normal, height: normal.dot(rectangle.centre()), across, offset }
+        Self { plane: Plane::through(rectangle.centre(), rectangle.normal()), across, offset }
     }
 }
 
 impl Solid for TiltedPanel {
     #[inline(always)]
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
-        let t = (self.height - self.normal.dot(origin)) / self.normal.dot(direction);
+        let t = self.plane.distance(origin, direction);
         let inside = |i: usize| {
             let at = self.across[i].dot(origin) - self.offset[i] + t * self.across[i].dot(direction);
             at.abs() <= 1.0

@@ -59,7 +59,7 @@ impl Material {
     }
 
     /// Whether light passes through the surface.
-    fn is_transmitting(&self) -> bool {
+    pub(crate) fn is_transmitting(&self) -> bool {
         match self {
             Self::Refraction { .. } | Self::Dielectric(_) => true,
             Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_transmitting()),

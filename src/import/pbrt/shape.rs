@@ -9,7 +9,7 @@ use crate::import::place::At;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{corner_uv, simplest, sphere};
 use crate::import::transform::{directions, in_range};
-use crate::scene::{Material, Mesh, Object, Shape, Sphere};
+use crate::scene::{Mesh, Object, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
 /// How a shape is placed.
@@ -26,7 +26,7 @@ impl Reader<'_> {
     pub(super) fn shape(&mut self, p: &Params) -> Result<()> {
         let (material, emission, to_world) = (self.state.material.clone(), self.state.emission, self.state.transform);
         // Only emission and glass depend on the orientation.
-        let depends = emission.is_some() || has_inside(&material);
+        let depends = emission.is_some() || material.is_transmitting();
         let anisotropic = material.is_anisotropic();
         let needs_uv = anisotropic || material.is_textured();
         let setting = Setting { to_world: &to_world, reversed: self.state.reversed && depends, needs_uv };
@@ -61,15 +61,6 @@ impl Reader<'_> {
         let mesh = mesh::read(&path, &mut self.warnings).map_err(|e| at.cannot_read(e))?;
         let numbers = |vectors: &[Vec3]| vectors.iter().map(|v| v.as_dvec3().to_array()).collect::<Vec<_>>();
         place(&numbers(&mesh.positions), &numbers(&mesh.normals), mesh.triangles, mesh.uv, setting, at)
-    }
-}
-
-/// Whether the two sides of a surface differ.
-fn has_inside(material: &Material) -> bool {
-    match material {
-        Material::Dielectric(_) => true,
-        Material::Mixture(parts) => parts.iter().any(|(_, part)| has_inside(part)),
-        _ => false,
     }
 }
 

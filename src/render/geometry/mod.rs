@@ -9,7 +9,7 @@ mod loops;
 mod tests;
 
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
-use super::solids::{Panel, Wall};
+use super::solids::{Panel, Plane, Wall, offset_of_polygon, offset_of_sphere};
 use super::wide::wide;
 use crate::math::Frame;
 use crate::scene::bvh::{self, Bvh};
@@ -81,7 +81,7 @@ pub struct Geometry<'a> {
     spheres: Vec<(Sphere, u32)>,
     /// All other shapes.
     tree: Option<Tree>,
-    /// Per object, [`Surface::offset`].
+    /// Per object, the least [`Surface::offset`] anywhere on it.
     offsets: Vec<f32>,
     extent: f32,
     arch: Arch,
@@ -136,11 +136,15 @@ impl<'a> Geometry<'a> {
         let (mut whole, mut in_tree) = (EMPTY, EMPTY);
         let mut offsets = Vec::with_capacity(objects.len());
         for (i, object) in (0..).zip(objects) {
-            let bounds = object.shape.bounds();
-            offsets.push(bounds.map_or(0.0, |b| 16.0 * f32::EPSILON * b[0].abs().max(b[1].abs()).max_element()));
-            let bounds = bounds.unwrap_or(EMPTY);
+            let bounds = object.shape.bounds().unwrap_or(EMPTY);
             whole = union(whole, bounds);
             let is_alone = outside_bvh[i as usize];
+            offsets.push(match &object.shape {
+                Shape::Sphere(sphere) => offset_of_sphere(sphere),
+                // In the tree it is two triangles.
+                Shape::Rectangle(r) if !is_alone => offset_of_polygon(r.normal(), &r.corners()),
+                Shape::Rectangle(_) | Shape::Mesh(_) => 0.0,
+            });
             match &object.shape {
                 Shape::Rectangle(rectangle) if is_alone => walls.push(Wall::new(rectangle, i)),
                 Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
@@ -184,8 +188,8 @@ impl<'a> Geometry<'a> {
                     hits.t[i] = match &self.objects[object as usize].shape {
                         // Large triangles are not as accurate.
                         Shape::Rectangle(r) => {
-                            let (origin, direction) = (at(&rays.origin, i), at(&rays.direction, i));
-                            (r.normal().dot(r.centre() - origin) / r.normal().dot(direction)).max(0.0)
+                            let plane = Plane::through(r.centre(), r.normal());
+                            plane.distance(at(&rays.origin, i), at(&rays.direction, i)).max(0.0)
                         }
                         _ => hit.t,
                     };
@@ -232,9 +236,9 @@ impl<'a> Geometry<'a> {
         self.extent
     }
 
-    /// [`Surface::offset`] of an object.
+    /// The least [`Surface::offset`] anywhere on an object.
     #[inline]
-    pub fn offset(&self, object: u32) -> f32 {
+    pub fn least_offset(&self, object: u32) -> f32 {
         self.offsets[object as usize]
     }
 
@@ -248,9 +252,10 @@ impl<'a> Geometry<'a> {
         match &self.objects[id].shape {
             Shape::Rectangle(r) => {
                 let normal = r.normal();
+                let plane = Plane::through(r.centre(), normal);
+                let offset = offset.max(plane.offset(position));
                 // Back onto the plane: the error of the position no longer depends on t.
-                let position = position - normal * normal.dot(position - r.centre());
-                Surface { position, normal, shading: normal, offset }
+                Surface { position: plane.project(position), normal, shading: normal, offset }
             }
             Shape::Sphere(s) => {
                 let normal = (origin - s.centre + hits.t[i] * direction).normalize();
@@ -262,7 +267,9 @@ impl<'a> Geometry<'a> {
                     return Surface { position, normal: -direction, shading: -direction, offset };
                 };
                 let s = tree.bvh.surface(hits.place[i], hits.u[i], hits.v[i]);
-                Surface { position: s.point, normal: s.normal, shading: s.shading, offset }
+                let plane = Plane { normal: s.normal, height: tree.bvh.height(hits.place[i]) };
+                let offset = plane.offset(s.point);
+                Surface { position: plane.project(s.point), normal: s.normal, shading: s.shading, offset }
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Direct light at the hits: light sampling, and directions that are sampled without regard to light.
 
-use super::light_samples::{Choice, Places, Source, sample, sources};
+use super::light_samples::{Choice, Places, Source, sample, shorten, sources};
 use super::paths::{Points, Radiance, Shadows, Vertex};
 use super::rough::{self, Bsdfs, Scattered};
 use super::step::Step;
@@ -11,6 +11,7 @@ use crate::render::mis::power_heuristic;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::scene::EmitterVisibility;
+use glam::Vec3;
 
 /// The buffers of direct light.
 #[derive(Default)]
@@ -52,6 +53,9 @@ pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, rad
     for (source, count) in sources(step.scene, Kind::Diffuse) {
         for index in 0..count {
             sample(step, source, (index, count), &places, choices, samples);
+            if let Source::Lights(..) = source {
+                shorten(step.scene, &points.position, points.count, samples);
+            }
             diffuse::values(step.scene.arch, points, samples, count as f32, shadows);
             shadows.rays.direction = samples.wi;
             add_light(step.scene, source, shadows, hits, radiance);
@@ -103,13 +107,32 @@ pub fn light_general(
                 } else {
                     0.0
                 };
-                let share = power_heuristic(count as f32 * samples.pdf[i], [pdf, by_light_tracing]);
                 let ray = [vertex.surface.ray_origin(wi), wi];
-                shadows.push(ray, samples.limit[i], value * share, vertex.slot, vertex.path_class.then(false));
+                let sampled = [samples.distance[i], count as f32 * samples.pdf[i]];
+                let is_transmitted = local.z * vertex.wo.z < 0.0;
+                let Some([distance, density]) = (match samples.light[i] {
+                    NOTHING => Some(sampled),
+                    light if is_transmitted => from_other_side(step.scene, light, ray, sampled),
+                    _ => Some(sampled),
+                }) else {
+                    continue;
+                };
+                let limit = step.scene.shadow_limit(samples.light[i], ray, distance);
+                let share = power_heuristic(density, [pdf, by_light_tracing]);
+                shadows.push(ray, limit, value * share, vertex.slot, vertex.path_class.then(false));
             }
             add_light(step.scene, source, shadows, hits, radiance);
         }
     }
+}
+
+/// The distance of a light and the density of its samples on a ray that leaves the other side of a surface than the one from which
+/// they are `sampled`; `None` if the light cannot be seen there. A BSDF sample on that ray is weighted by the same density.
+fn from_other_side(scene: &PreparedScene, light: u32, ray: [Vec3; 2], sampled: [f32; 2]) -> Option<[f32; 2]> {
+    let [distance, density] = sampled;
+    let distance = scene.lights.all[light as usize].ahead(ray, distance)?;
+    let is_weighted = density.is_finite();
+    Some([distance, if is_weighted { scene.lights.density(light, ray[0], None) } else { density }])
 }
 
 /// What the light of sample `i` contributes to the density of light tracing.

@@ -110,7 +110,11 @@ pub fn extend(
     next: &mut Paths,
 ) {
     let Step { scene, numbers, scatterings } = step;
-    if !scene.goes_on(scatterings) && !scene.finds_light(&scene.light_samples(1.0, Vec3::Z, shader.kind)) {
+    // After the last scattering, go on only to light that was not sampled. Light samples miss what delta lobes find.
+    let has_delta = shader.bsdf.lobes().iter().any(|lobe| lobe.is_delta());
+    let of_delta = has_delta.then_some(LightSamples::Impossible);
+    let mut left = of_delta.into_iter().chain([scene.light_samples(1.0, Vec3::Z, shader.kind)]);
+    if !scene.goes_on(scatterings) && !left.any(|light_samples| scene.finds_light(&light_samples)) {
         return;
     }
     let dimensions = scene.dimensions(scatterings);
@@ -120,9 +124,8 @@ pub fn extend(
         slots[i] = vertex.slot;
     }
     numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    // A BSDF of one lobe has nothing to choose, unless several parts of a mixture have that lobe.
     let mut choice = [[0.0; LANES]; 2];
-    if shader.bsdf.lobes().len() > 1 || matches!(shader.bsdf, Bsdf::Mixture(_)) {
+    if shader.bsdf.needs_choice() {
         numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
     }
     let random = (&choice[0], &u);

@@ -43,8 +43,8 @@ pub struct Places<'a> {
     pub surface: Kind,
 }
 
-/// Fills `out` with sample number `sub_sample.0` of `sub_sample.1` of a source for each place. The pdf is infinite where no BSDF
-/// samples are combined with it.
+/// Fills `out` with sample number `sub_sample.0` of `sub_sample.1` of a source for each place, without the lengths of shadow rays.
+/// The pdf is infinite where no BSDF samples are combined with it.
 pub fn sample(
     step: Step,
     source: Source,
@@ -69,7 +69,7 @@ pub fn sample(
                 }
                 let choice = &choices[sub_sample.0 as usize];
                 light_lanes::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], position, &u, out);
-                return wide(scene.arch, WeighChosen { scene, places, choice, by_mis, out });
+                return wide(scene.arch, WeighChosen { scene, count, choice, by_mis, out });
             };
             let sampled = &scene.lights.all[light as usize];
             light_lanes::sample_many(scene.arch, sampled, position, count, &u, out);
@@ -77,7 +77,6 @@ pub fn sample(
             if !by_mis || !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);
             }
-            wide(scene.arch, Limits { scene, places, light, out });
         }
         Source::Environment => {
             let Some(environment) = &scene.environment else { return };
@@ -156,7 +155,7 @@ impl<'a> Choose<'a> {
 /// The loop that divides the samples of the lights that were chosen by the probability of the choice.
 struct WeighChosen<'a> {
     scene: &'a PreparedScene<'a>,
-    places: &'a Places<'a>,
+    count: usize,
     choice: &'a Choice,
     by_mis: bool,
     out: &'a mut LightSampleLanes,
@@ -165,32 +164,35 @@ struct WeighChosen<'a> {
 impl Wide for WeighChosen<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { scene, places, choice, by_mis, out } = self;
-        for i in 0..places.slots.len().min(LANES) {
+        let Self { scene, count, choice, by_mis, out } = self;
+        for i in 0..count.min(LANES) {
             let (light, probability) = (choice.light[i], choice.probability[i]);
             let weight = at(&out.weight, i) / probability;
             set(&mut out.weight, i, weight);
             let is_weighed = by_mis && scene.lights.is_found_by_rays(light);
             out.pdf[i] = if is_weighed { out.pdf[i] * probability } else { f32::INFINITY };
-            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
         }
     }
 }
 
-/// The loop that computes the lengths of shadow rays to a light.
-struct Limits<'a> {
+/// Sets the lengths of shadow rays from `origins` to the lights of samples.
+pub fn shorten(scene: &PreparedScene, origins: &Lane3, count: usize, out: &mut LightSampleLanes) {
+    wide(scene.arch, Shorten { scene, origins, count, out });
+}
+
+struct Shorten<'a> {
     scene: &'a PreparedScene<'a>,
-    places: &'a Places<'a>,
-    light: u32,
+    origins: &'a Lane3,
+    count: usize,
     out: &'a mut LightSampleLanes,
 }
 
-impl Wide for Limits<'_> {
+impl Wide for Shorten<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { scene, places, light, out } = self;
-        for i in 0..places.slots.len().min(LANES) {
-            out.limit[i] = scene.shadow_limit(light, [at(places.position, i), at(&out.wi, i)], out.distance[i]);
+        let Self { scene, origins, count, out } = self;
+        for i in 0..count.min(LANES) {
+            out.limit[i] = scene.shadow_limit(out.light[i], [at(origins, i), at(&out.wi, i)], out.distance[i]);
         }
     }
 }

@@ -3,6 +3,7 @@
 mod adaptive;
 mod filters;
 mod light_tracing;
+mod near;
 mod reference;
 mod strategies;
 mod textures;

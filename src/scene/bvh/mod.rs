@@ -127,6 +127,16 @@ impl Bvh {
         self.tree.surface(place, [u, v])
     }
 
+    /// The height of the triangle at a [`Hit`] along its normal, from the hit's [`place`](Hit::place).
+    ///
+    /// # Panics
+    /// For a place that no hit of a triangle had.
+    #[inline]
+    #[must_use]
+    pub fn height(&self, place: u32) -> f32 {
+        self.tree.height(place)
+    }
+
     /// [`Hit::triangle`] from the hit's [`place`](Hit::place).
     ///
     /// # Panics

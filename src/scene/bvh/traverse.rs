@@ -236,8 +236,7 @@ impl Shear {
         let (x_per_z, y_per_z) = (l.splat(self.x), l.splat(self.y));
         let relative = |i: usize| axes(|k| l.sub(l.load(&pack.corner[i][self.order[k]]), origin[k]));
         let sheared = |[x, y, z]: [L::F; 3]| [l.sub(x, l.mul(x_per_z, z)), l.sub(y, l.mul(y_per_z, z)), z];
-        let origin_to_a = relative(0);
-        let [a, b, c] = [sheared(origin_to_a), sheared(relative(1)), sheared(relative(2))];
+        let [a, b, c] = [sheared(relative(0)), sheared(relative(1)), sheared(relative(2))];
         let edge = |p: [L::F; 3], q: [L::F; 3]| l.sub(l.mul(p[0], q[1]), l.mul(p[1], q[0]));
         let [w, u, v] = [edge(c, b), edge(a, c), edge(b, a)];
         let zero = l.splat(0.0);
@@ -251,9 +250,9 @@ impl Shear {
         let (w, u, v) = (l.mul(w, scale), l.mul(u, scale), l.mul(v, scale));
         let t = l.mul(dot([w, u, v], [a[2], b[2], c[2]]), l.splat(self.z));
         // The weights of a sliver are not accurate, so its t may come out above 0 for a ray that starts just in front
-        // of it. The side on which the ray starts is certain.
+        // of it. The side of the plane on which the ray starts is certain.
         let normal = axes(|k| l.load(&pack.normal[self.order[k]]));
-        let ahead = l.mul(dot(normal, origin_to_a), dot(normal, direction));
+        let ahead = l.mul(l.sub(l.load(&pack.height), dot(normal, origin)), dot(normal, direction));
         let mut hits = inside & !l.le(ahead, zero) & !l.le(t, zero) & l.le(t, l.splat(best.t));
         if hits == 0 {
             return false;

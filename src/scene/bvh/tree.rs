@@ -41,6 +41,8 @@ pub struct Triangles {
     pub corner: [[[f32; WIDTH]; 3]; 3],
     /// Unit normals, by axis.
     pub normal: [[f32; WIDTH]; 3],
+    /// Of the first corner along the normal.
+    pub height: [f32; WIDTH],
     /// Numbers of the shapes.
     pub shape: [u32; WIDTH],
     /// Numbers in the shapes.
@@ -153,6 +155,12 @@ impl Tree {
         Surface::on(pack.corner.each_ref().map(at), at(&pack.normal), normals, weights)
     }
 
+    /// The height of the triangle at a place along its normal.
+    #[inline]
+    pub fn height(&self, place: u32) -> f32 {
+        self.triangles[place as usize / WIDTH].height[place as usize % WIDTH]
+    }
+
     /// The number, in its shape, of the triangle at a place.
     #[inline]
     pub fn triangle(&self, place: u32) -> u32 {
@@ -184,7 +192,13 @@ impl Tree {
         let unused = [[f32::NAN; WIDTH]; 3];
         let first = self.corner_normals.len();
         self.corner_normals.resize(first + WIDTH, [Vec3::ZERO; 3]);
-        let mut pack = Triangles { corner: [unused; 3], normal: unused, shape: [0; WIDTH], triangle: [0; WIDTH] };
+        let mut pack = Triangles {
+            corner: [unused; 3],
+            normal: unused,
+            height: unused[0],
+            shape: [0; WIDTH],
+            triangle: [0; WIDTH],
+        };
         for (i, id) in ids.iter().enumerate() {
             let Some(facet) = Facet::of(shapes[id.shape as usize], id.triangle) else { continue };
             for axis in 0..3 {
@@ -193,6 +207,7 @@ impl Tree {
                     to[axis][i] = from[axis];
                 }
             }
+            pack.height[i] = facet.normal.dot(facet.corners[0]);
             (pack.shape[i], pack.triangle[i]) = (id.shape, id.triangle);
             self.corner_normals[first + i] = facet.corner_normals;
         }

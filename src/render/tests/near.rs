@@ -1,0 +1,159 @@
+//! Rays leave surfaces of any size, place and tilt, and find what is close to them.
+
+use super::*;
+use crate::scene::Distribution;
+use glam::{DQuat, Quat};
+
+/// A scene turned about z by an angle, and then moved.
+fn moved(mut scene: Scene, angle: f32, by: Vec3) -> Scene {
+    let turn = Quat::from_rotation_z(angle);
+    let place = |p: Vec3| turn * p + by;
+    for object in &mut scene.objects {
+        object.shape = match &object.shape {
+            Shape::Sphere(sphere) => Shape::Sphere(Sphere { centre: place(sphere.centre), ..*sphere }),
+            Shape::Rectangle(rectangle) => {
+                let [x, y] = rectangle.half_sides().map(|side| turn * side);
+                Shape::Rectangle(Rectangle::new(place(rectangle.centre()), x, y).unwrap())
+            }
+            Shape::Mesh(mesh) => {
+                let positions = mesh.positions.iter().map(|&p| place(p)).collect();
+                Shape::Mesh(Arc::new(Mesh::new(positions, Vec::new(), mesh.triangles.clone()).unwrap()))
+            }
+        };
+    }
+    let turn = DQuat::from_rotation_z(f64::from(angle));
+    let camera = &mut scene.camera;
+    camera.position = turn * camera.position + by.as_dvec3();
+    for axis in [&mut camera.right, &mut camera.up, &mut camera.forward] {
+        *axis = turn * *axis;
+    }
+    scene
+}
+
+/// A rectangle as two triangles.
+fn triangles(rectangle: &Rectangle) -> Shape {
+    let mesh = Mesh::new(rectangle.corners().to_vec(), Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    Shape::Mesh(Arc::new(mesh))
+}
+
+/// The mean of all pixels and its standard error.
+fn mean(scene: &Scene, settings: &Settings, max_depth: u32) -> (f64, f64) {
+    let request = Request { width: 16, height: 16, spp: 64, light_samples: 1, max_depth };
+    let film = render(scene, &request, settings, &Silent).unwrap().part.film;
+    let count = film.image().pixels().len() as f64;
+    let mean = film.image().pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / count;
+    let square = film.standard_error().pixels().iter().map(|p| f64::from(p.x).powi(2)).sum::<f64>();
+    (mean, square.sqrt() / count)
+}
+
+/// Light that a ground of albedo ½ under a white sky sends up beside a black sphere, which takes the share r² h/d³ of it.
+#[test]
+fn a_ground_of_any_size_is_in_the_shadow_of_what_stands_on_it() {
+    let (mut scene, _) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    scene.camera = above(0.3, 0.2);
+    let (radius, height) = (0.2, 0.3);
+    let occluder = Shape::Sphere(Sphere { centre: Vec3::new(0.0, height as f32, 0.0), radius: radius as f32 });
+    let distance = (0.3f64 * 0.3 + 0.2 * 0.2 + height * height).sqrt();
+    let expected = 0.5 * (1.0 - radius * radius * height / distance.powi(3));
+    for size in [1.0, 5e3, 5e4, 1e6] {
+        let ground = Rectangle::new(Vec3::ZERO, size * Vec3::Z, size * Vec3::X).unwrap();
+        for shape in [Shape::Rectangle(ground), triangles(&ground)] {
+            for (angle, by) in [(0.0, Vec3::ZERO), (0.0, Vec3::new(7.0, 0.0, -20.0)), (0.4, Vec3::ZERO)] {
+                // Rounding moves the corners of a larger tilted ground, and points of a larger triangle, by more than 0.01.
+                let is_mesh = matches!(shape, Shape::Mesh(_));
+                if angle != 0.0 && size > 1e4 || is_mesh && size > 1e5 {
+                    continue;
+                }
+                scene.objects = vec![
+                    Object::new(shape.clone(), Material::Diffuse { albedo: Rgb::splat(0.5) }),
+                    Object::new(occluder.clone(), Material::Diffuse { albedo: Rgb::ZERO }),
+                ];
+                let scene = moved(scene.clone(), angle, by);
+                for sampling in ALL {
+                    let (found, error) = mean(&scene, &Settings { sampling, ..Settings::default() }, 1);
+                    let case = format!("{size} {angle} {by} {sampling:?} {:?}", shape.bounds());
+                    assert!((found - expected).abs() < 4.0 * error + 5e-4, "{case}: {found} ± {error}, {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// A light close behind a pane of rough glass lights it from there.
+#[test]
+fn rough_glass_passes_the_light_of_what_is_close_behind_it() {
+    for distance in [1e-3, 0.1, 3.0] {
+        let pane = Rectangle::new(Vec3::ZERO, 5.0 * Vec3::Z, 5.0 * Vec3::X).unwrap();
+        let light = Rectangle::new(Vec3::new(0.3, -distance, 0.2), 0.5 * Vec3::Z, 0.5 * Vec3::X).unwrap();
+        let glass = Material::Dielectric(Dielectric::rough(1.5, 0.4, Distribution::Ggx));
+        let mut scene = floor(vec![emitter(Shape::Rectangle(light))], Vec::new());
+        scene.objects[0] = Object::new(Shape::Rectangle(pane), glass);
+        for (angle, x) in [(0.0, 0.0), (0.0, 100.0), (0.5, 0.0), (0.5, 5.0), (0.5, 100.0)] {
+            // Rays start farther from the pane than the light is, for rounding.
+            if angle != 0.0 && x / distance > 1e4 {
+                continue;
+            }
+            let scene = moved(scene.clone(), angle, Vec3::new(x, 0.0, 0.0));
+            let by = |sampling, kernel| {
+                let stream = StreamKind::Independent;
+                mean(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 1)
+            };
+            let (expected, of_expected) = by(Sampling::Bsdf, Kernel::Reference);
+            assert!(expected > 0.1, "{distance} {angle} {x}: {expected}");
+            for sampling in ALL {
+                for kernel in [Kernel::Lanes, Kernel::Reference] {
+                    if sampling == Sampling::MisLt && kernel == Kernel::Reference {
+                        continue;
+                    }
+                    let (found, error) = by(sampling, kernel);
+                    let bound = 4.0 * of_expected.hypot(error) + 1e-3 * expected;
+                    let case = format!("{distance} {angle} {x} {sampling:?} {kernel:?}");
+                    assert!((found - expected).abs() < bound, "{case}: {found} ± {error}, not {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// A flat emitter of glass sees no light of its own; through a sphere of glass that emits on both sides, the far side is seen.
+#[test]
+fn emitters_of_rough_glass_light_what_they_face_alone() {
+    let glass = Material::Dielectric(Dielectric::rough(1.5, 0.3, Distribution::Ggx));
+    let emit = |shape, two_sided| {
+        let object = emitter(shape);
+        let emission = object.emission.map(|emission| Emission { two_sided, ..emission });
+        Object { emission, material: glass.clone(), ..object }
+    };
+    let flat = Rectangle::new(Vec3::ZERO, Vec3::Z, Vec3::X).unwrap();
+    let ball = Shape::Sphere(Sphere { centre: Vec3::new(0.3, -1.0, 0.2), radius: 1.0 });
+    for (shape, two_sided) in [
+        (Shape::Rectangle(flat), false),
+        (Shape::Rectangle(flat), true),
+        (triangles(&flat), false),
+        (ball.clone(), false),
+        (ball, true),
+    ] {
+        let is_alone = !two_sided || !matches!(shape, Shape::Sphere(_));
+        let mut scene = floor(Vec::new(), Vec::new());
+        scene.objects = vec![emit(shape.clone(), two_sided)];
+        for (angle, x) in [(0.0, 0.0), (0.7, 3.0)] {
+            let scene = moved(scene.clone(), angle, Vec3::new(x, 0.0, 0.0));
+            let by = |sampling, kernel| {
+                let stream = StreamKind::Independent;
+                mean(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 2)
+            };
+            let (expected, of_expected) = if is_alone { (2.0, 0.0) } else { by(Sampling::Bsdf, Kernel::Reference) };
+            for sampling in ALL {
+                for kernel in [Kernel::Lanes, Kernel::Reference] {
+                    if sampling == Sampling::MisLt && kernel == Kernel::Reference {
+                        continue;
+                    }
+                    let (found, error) = by(sampling, kernel);
+                    let bound = 4.0 * error.hypot(of_expected) + 1e-5;
+                    let case = format!("{:?} {two_sided} {angle} {sampling:?} {kernel:?}", shape.bounds());
+                    assert!((found - expected).abs() < bound, "{case}: {found} ± {error}, not {expected}");
+                }
+            }
+        }
+    }
+}
