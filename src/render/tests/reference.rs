@@ -38,6 +38,8 @@ pub(super) fn many_materials() -> Scene {
         Material::CoatedDiffuse { albedo: Rgb::splat(0.6), eta: 1.5 },
         mix(&[(0.5, diffuse.clone()), (0.5, Material::Conductor(metal))]),
         mix(&[(0.5, glass), (0.4, diffuse)]),
+        // Two parts of the same lobe.
+        mix(&[(0.7, Material::Conductor(Conductor::new(k, eta, 0.3, ggx))), (0.3, Material::Conductor(metal))]),
     ];
     for (i, material) in materials.into_iter().enumerate() {
         let centre = Vec3::new(0.5 * (i % 4) as f32 - 0.75, 0.3, 0.6 * (i / 4) as f32 - 0.4);

@@ -47,12 +47,15 @@ fn all_strategies_have_the_same_mean() {
     scenes.push(frosted());
     // The statues differ by their metals.
     scenes.retain(|scene| !scene.name.starts_with("cornell-statue") || scene.name.ends_with("-cu"));
-    for scene in &scenes {
-        let request = Request { width: 32, height: 24, spp: 256, light_samples: 1, max_depth: 4 };
+    // After one scattering, light is found where none was sampled.
+    let rough = scenes.iter().filter(|scene| ["many materials", "frosted"].contains(&scene.name.as_str()));
+    for (scene, max_depth) in scenes.iter().map(|scene| (scene, 4)).chain(rough.map(|scene| (scene, 1))) {
+        let request = Request { width: 32, height: 24, spp: 256, light_samples: 1, max_depth };
         let mis = Settings { sampling: Sampling::Mis, stream: StreamKind::Independent, ..Settings::default() };
         for (seed, other) in (1..).zip(strategies(scene)) {
             let z = z(scene, &request, &mis, &Settings { seed, ..other });
-            assert!(z.abs() < STANDARD_ERRORS, "{}, {:?} {:?}: {z}", scene.name, other.sampling, other.density);
+            let case = format!("{}, {:?} {:?}, {max_depth}", scene.name, other.sampling, other.density);
+            assert!(z.abs() < STANDARD_ERRORS, "{case}: {z}");
         }
     }
 }
