@@ -29,8 +29,10 @@ pub struct Summary<'a> {
     /// Of the whole process; null where the system does not say.
     peak_memory_bytes: Option<u64>,
     mean_rgb: [f64; 3],
-    /// Root of the mean over all pixels of the squared standard error; null where a pixel has fewer than two samples.
+    /// Of the mean, if the errors of pixels are independent; null where a pixel has fewer than two samples.
     standard_error_mean_rgb: [f64; 3],
+    /// Root of the mean over all pixels of the squared standard error.
+    standard_error_pixel_rgb: [f64; 3],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     paths: Vec<PathClass>,
     /// Samples that count as black.
@@ -78,7 +80,8 @@ impl<'a> Summary<'a> {
             samples_per_second: done as f64 / seconds,
             peak_memory_bytes: memory::of_process("VmHWM:"),
             mean_rgb: mean.to_array(),
-            standard_error_mean_rgb: square.to_array().map(f64::sqrt),
+            standard_error_mean_rgb: square.to_array().map(|v| (v / film.pixels().len() as f64).sqrt()),
+            standard_error_pixel_rgb: square.to_array().map(f64::sqrt),
             paths: classes.collect(),
             dropped: film.dropped(),
             left_out: Vec::new(),
@@ -108,8 +111,8 @@ impl<'a> Summary<'a> {
             self.seconds,
             self.samples_per_second * 1e-6
         );
-        text +=
-            &format!("mean {}, standard error of a pixel {}\n", rgb(self.mean_rgb), rgb(self.standard_error_mean_rgb));
+        let [of_mean, of_pixel] = [self.standard_error_mean_rgb, self.standard_error_pixel_rgb].map(rgb);
+        text += &format!("mean {}, standard error {of_mean} (of a pixel {of_pixel})\n", rgb(self.mean_rgb));
         if !self.left_out.is_empty() {
             text += &format!("left out, as the scene does not need it: {}\n", self.left_out.join(", "));
         }

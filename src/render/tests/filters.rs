@@ -159,7 +159,7 @@ fn the_lanes_and_the_reference_sample_the_same_film_positions() {
     for filter in ["triangle:2x1", "gaussian"] {
         scene.camera.filter = filter.parse().unwrap();
         let settings = Settings { sampling: Sampling::Mis, seed: 7, ..Settings::default() };
-        let different = different(&scene, &settings);
+        let different = different(&scene, &settings, 8);
         assert!(different <= 6, "{filter}: {different} samples");
     }
 }

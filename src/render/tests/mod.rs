@@ -159,9 +159,7 @@ fn many_lights() -> Scene {
 /// Radiance that the floor sends up, by direct light alone, and its standard error.
 fn rendered_mean(scene: &Scene, settings: &Settings) -> (f64, f64) {
     let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
-    let rendered = render(scene, &request, settings, &Silent).unwrap();
-    let error = rendered.part.film.standard_error().get(0, 0).x;
-    (f64::from(rendered.image.get(0, 0).x), f64::from(error))
+    mean(scene, &request, settings)
 }
 
 /// Irradiance from a polygon of radiance 1 at the origin, whose normal is +y: Lambert's formula, ½ Σ of the angles of the
@@ -257,6 +255,16 @@ fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
             assert!((mean / expected - 1.0).abs() < tolerance, "{albedo} {max_depth}: {mean} {expected}");
         }
     }
+}
+
+/// The mean of all pixels in red, and its standard error.
+fn mean(scene: &Scene, request: &Request, settings: &Settings) -> (f64, f64) {
+    let film = render(scene, request, settings, &Silent).unwrap().part.film;
+    let (image, errors) = (film.image(), film.standard_error());
+    let count = image.pixels().len() as f64;
+    let sum: f64 = image.pixels().iter().map(|p| f64::from(p.x)).sum();
+    let square: f64 = errors.pixels().iter().map(|p| f64::from(p.x).powi(2)).sum();
+    (sum / count, square.sqrt() / count)
 }
 
 /// The difference of two renders' means in standard errors, for the mean of all channels.

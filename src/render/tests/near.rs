@@ -36,14 +36,9 @@ fn triangles(rectangle: &Rectangle) -> Shape {
     Shape::Mesh(Arc::new(mesh))
 }
 
-/// The mean of all pixels and its standard error.
-fn mean(scene: &Scene, settings: &Settings, max_depth: u32) -> (f64, f64) {
-    let request = Request { width: 16, height: 16, spp: 64, light_samples: 1, max_depth };
-    let film = render(scene, &request, settings, &Silent).unwrap().part.film;
-    let count = film.image().pixels().len() as f64;
-    let mean = film.image().pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / count;
-    let square = film.standard_error().pixels().iter().map(|p| f64::from(p.x).powi(2)).sum::<f64>();
-    (mean, square.sqrt() / count)
+/// The mean of a small image, and its standard error.
+fn of_small(scene: &Scene, settings: &Settings, max_depth: u32) -> (f64, f64) {
+    mean(scene, &Request { width: 16, height: 16, spp: 64, light_samples: 1, max_depth }, settings)
 }
 
 /// Light that a ground of albedo ½ under a white sky sends up beside a black sphere, which takes the share r² h/d³ of it.
@@ -70,7 +65,7 @@ fn a_ground_of_any_size_is_in_the_shadow_of_what_stands_on_it() {
                 ];
                 let scene = moved(scene.clone(), angle, by);
                 for sampling in ALL {
-                    let (found, error) = mean(&scene, &Settings { sampling, ..Settings::default() }, 1);
+                    let (found, error) = of_small(&scene, &Settings { sampling, ..Settings::default() }, 1);
                     let case = format!("{size} {angle} {by} {sampling:?} {:?}", shape.bounds());
                     assert!((found - expected).abs() < 4.0 * error + 5e-4, "{case}: {found} ± {error}, {expected}");
                 }
@@ -96,7 +91,7 @@ fn rough_glass_passes_the_light_of_what_is_close_behind_it() {
             let scene = moved(scene.clone(), angle, Vec3::new(x, 0.0, 0.0));
             let by = |sampling, kernel| {
                 let stream = StreamKind::Independent;
-                mean(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 1)
+                of_small(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 1)
             };
             let (expected, of_expected) = by(Sampling::Bsdf, Kernel::Reference);
             assert!(expected > 0.1, "{distance} {angle} {x}: {expected}");
@@ -140,7 +135,7 @@ fn emitters_of_rough_glass_light_what_they_face_alone() {
             let scene = moved(scene.clone(), angle, Vec3::new(x, 0.0, 0.0));
             let by = |sampling, kernel| {
                 let stream = StreamKind::Independent;
-                mean(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 2)
+                of_small(&scene, &Settings { sampling, kernel, stream, ..Settings::default() }, 2)
             };
             let (expected, of_expected) = if is_alone { (2.0, 0.0) } else { by(Sampling::Bsdf, Kernel::Reference) };
             for sampling in ALL {

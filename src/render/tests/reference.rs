@@ -49,8 +49,8 @@ pub(super) fn many_materials() -> Scene {
 }
 
 /// How many of 1200 samples differ by more than rounding.
-pub(super) fn different(scene: &Scene, settings: &Settings) -> usize {
-    let request = Request { width: 40, height: 30, spp: 1, light_samples: 2, max_depth: 8 };
+pub(super) fn different(scene: &Scene, settings: &Settings, max_depth: u32) -> usize {
+    let request = Request { width: 40, height: 30, spp: 1, light_samples: 2, max_depth };
     let image = |kernel| render(scene, &request, &Settings { kernel, ..*settings }, &Silent).unwrap().image;
     let (lanes, reference) = (image(Kernel::Lanes), image(Kernel::Reference));
     assert!(lanes.pixels().iter().any(|p| p.max_element() > 0.0), "{}: all black", scene.name);
@@ -68,8 +68,12 @@ fn the_lanes_agree_with_the_reference_sample_by_sample() {
             // The last misses part of the light, which BSDF samples find.
             for density in densities.into_iter().filter(|density| density.entry().complete || sampling.is_mis()) {
                 let settings = Settings { sampling, density: Some(density), seed: 7, ..Settings::default() };
-                let different = different(scene, &settings);
-                assert!(different <= 6, "{}, {sampling:?}, {density}: {different} samples", scene.name);
+                // Deep paths, and paths that end at the first surface.
+                for max_depth in [8, 1] {
+                    let different = different(scene, &settings, max_depth);
+                    let case = format!("{}, {sampling:?}, {density}, depth {max_depth}", scene.name);
+                    assert!(different <= 6, "{case}: {different} samples");
+                }
                 if scene.environment.is_none() {
                     break;
                 }

@@ -60,6 +60,19 @@ fn all_strategies_have_the_same_mean() {
     }
 }
 
+/// A sphere that reflects all light, half of it as a mirror, is invisible in a white furnace after one scattering.
+#[test]
+fn delta_lobes_find_light_after_the_last_scattering() {
+    let (mut scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    let (diffuse, mirror) = (Material::Diffuse { albedo: Rgb::ONE }, Material::Mirror { reflectance: Rgb::ONE });
+    scene.objects[0].material = Material::Mixture([(0.5, diffuse), (0.5, mirror)].into_iter().collect());
+    let request = Request { spp: 64, max_depth: 1, ..request };
+    for sampling in ALL {
+        let (mean, error) = mean(&scene, &request, &Settings { sampling, ..Settings::default() });
+        assert!((mean - 1.0).abs() < 4.0 * error + 1e-5, "{sampling:?}: {mean} ± {error}");
+    }
+}
+
 /// A light around the scene, which a sphere hides from part of the floor.
 #[test]
 fn a_light_around_the_scene_is_occluded() {
