@@ -4,7 +4,7 @@
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime};
 use etalon::sampling::stream::{Independent, Stream};
 use etalon::scene::statue::statue;
-use etalon::scene::{Bvh, Camera, Mesh, Projection, Ray, Rays, Shape, Sphere};
+use etalon::scene::{Bvh, Camera, Mesh, Plane, Projection, Ray, Rays, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use pulp::{Arch, Simd, WithSimd};
 use std::array::from_fn;
@@ -33,15 +33,15 @@ fn direction([z, around]: [f64; 2]) -> Vec3 {
 /// Rays that leave random points of the surface in random directions of its outer side.
 fn incoherent() -> Vec<Ray> {
     let mesh = statue();
-    let error = mesh.error();
     let ray = |i: usize| {
         let stream = Independent::new(1, i as u64, 0);
         let [a, u] = stream.pair(0);
         let triangle = (a * mesh.triangles.len() as f64) as u32;
         let surface = mesh.surface(triangle, 0.5 * u as f32, 0.25).unwrap();
+        let plane = Plane::through(surface.point, surface.normal);
         let direction = direction(stream.pair(1));
         let outwards = direction * direction.dot(surface.normal).signum();
-        Ray { origin: surface.point + 2.0 * error * surface.normal, direction: outwards }
+        Ray { origin: surface.point + plane.offset(surface.point) * surface.normal, direction: outwards }
     };
     (0..SIDE * SIDE).map(ray).collect()
 }

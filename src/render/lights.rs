@@ -4,13 +4,13 @@ use super::lanes::NOTHING;
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::Settings;
-use super::solids::{self, Plane};
+use super::solids;
 use super::triangle_light::TriangleLight;
 use crate::errata::light::falloff_error;
 use crate::math::circular::Circular;
 use crate::math::{Rgb, map_array, mean_rgb};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
-use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Rectangle, Scene, Shape, Sphere};
+use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Plane, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -241,28 +241,30 @@ impl Sampled {
         }
     }
 
-    /// How far off its surface rays must start near a point of it, at least the [`least_offset`] of its object.
-    ///
-    /// [`least_offset`]: super::geometry::Geometry::least_offset
+    /// How far off its surface rays must start near a point of it.
     #[inline(always)]
-    pub fn offset(&self, least: f32, point: Vec3) -> f32 {
+    pub fn offset(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => least.max(panel.plane().offset(point)),
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.plane().offset(point),
             Kind::Triangle(triangle) => triangle.plane().offset(point),
-            Kind::Sphere(_) | Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => least,
+            Kind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
     }
 
-    /// [`solids::short_of`] this light, whose object has this least offset. Without a surface, the limit remains.
+    /// [`solids::short_of`] this light. Without a surface, the limit remains.
     #[inline(always)]
-    pub fn short_of(&self, least_offset: f32, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
-        let offset = self.offset(least_offset, origin + limit * wi);
+    pub fn short_of(&self, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
+        let offset = self.offset(origin + limit * wi);
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
-                solids::short_of(&panel.plane(), offset, origin, wi, limit)
+                let size = panel.half[0] + panel.half[1];
+                solids::short_of(&panel.plane(), [offset, size], origin, wi, limit)
             }
-            Kind::Triangle(triangle) => solids::short_of(&triangle.plane(), offset, origin, wi, limit),
-            Kind::Sphere(light) => solids::short_of(&light.sphere, offset, origin, wi, limit),
+            Kind::Triangle(triangle) => {
+                solids::short_of(&triangle.plane(), [offset, triangle.size()], origin, wi, limit)
+            }
+            Kind::Sphere(light) => solids::short_of(&light.sphere, [offset, 0.0], origin, wi, limit),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit,
         }
     }

@@ -106,9 +106,7 @@ impl<'a> PreparedScene<'a> {
     pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
         let limit = distance * SHORT_OF_LIGHT;
         match self.lights.all.get(light as usize) {
-            Some(light) if light.object != NOTHING => {
-                light.short_of(self.geometry.least_offset(light.object), ray, limit)
-            }
+            Some(light) if light.object != NOTHING => light.short_of(ray, limit),
             _ => limit,
         }
     }

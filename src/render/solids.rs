@@ -1,6 +1,6 @@
 //! Where a ray meets a rectangle or a sphere, as straight-line arithmetic.
 
-use crate::scene::{Rectangle, Sphere};
+use crate::scene::{Plane, Rectangle, Sphere};
 use glam::Vec3;
 
 /// A shape that is tried against all rays.
@@ -23,59 +23,11 @@ pub trait Light {
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32;
 }
 
-/// The plane n · p = `height` of a rectangle.
-#[derive(Debug, Clone, Copy)]
-pub struct Plane {
-    /// n, of unit length.
-    pub normal: Vec3,
-    /// Of its points along the normal.
-    pub height: f32,
-}
-
-impl Plane {
-    /// The plane through a point with this unit normal.
-    #[inline(always)]
-    pub fn through(point: Vec3, normal: Vec3) -> Self {
-        Self { normal, height: normal.dot(point) }
-    }
-
-    /// The point of the plane below one that is close to it.
-    #[inline(always)]
-    pub fn project(&self, point: Vec3) -> Vec3 {
-        point - self.normal * (self.normal.dot(point) - self.height)
-    }
-
-    /// The distance along a ray.
-    #[inline(always)]
-    pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
-        (self.height - self.normal.dot(origin)) / self.normal.dot(direction)
-    }
-
-    /// How far off the plane a ray must start, near a point of it, so that [`distance`](Self::distance) sees on which side.
-    #[inline(always)]
-    pub fn offset(&self, point: Vec3) -> f32 {
-        LEAST_OFFSET + ROUNDING * (self.normal.abs().dot(point.abs()) + self.height.abs())
-    }
-}
-
-/// How far off a polygon a ray must start, so that the intersection with the triangle of three corners sees on which side.
+/// How far off a sphere a ray must start, so that rounding to f32 does not hide on which side.
 #[inline(always)]
-pub fn offset_of_polygon(normal: Vec3, corners: &[Vec3]) -> f32 {
-    let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
-    LEAST_OFFSET + ROUNDING * normal.abs().dot(farthest)
-}
-
-/// How far off a sphere a ray must start, so that the intersection sees on which side.
 pub fn offset_of_sphere(sphere: &Sphere) -> f32 {
-    ROUNDING * (sphere.centre.abs().max_element() + sphere.radius)
+    16.0 * f32::EPSILON * (sphere.centre.abs().max_element() + sphere.radius)
 }
-
-/// More than the rounding of a point's height over a surface, relative to the terms that are added: about ten roundings of
-/// half of f32's epsilon, of the point, the dot product, and the normal.
-const ROUNDING: f32 = 16.0 * f32::EPSILON;
-
-/// More than 0 on planes through the origin, where nothing is rounded; its products with directions are not denormal.
-const LEAST_OFFSET: f32 = 1e-30;
 
 impl Light for Plane {
     #[inline(always)]
@@ -102,11 +54,12 @@ impl Light for Sphere {
 }
 
 /// The length of a shadow ray to a light at the distance `limit`, shortened so that rounding does not let the light occlude
-/// itself: the ray ends `offset` in front of the light's surface. Not above 0 if it starts within `offset` of it.
+/// itself: the ray ends `offset` in front of the light's surface, and more for a large `size` of it. Not above 0 if it starts
+/// within that of it.
 #[inline(always)]
-pub fn short_of(light: &impl Light, offset: f32, origin: Vec3, direction: Vec3, limit: f32) -> f32 {
+pub fn short_of(light: &impl Light, [offset, size]: [f32; 2], origin: Vec3, direction: Vec3, limit: f32) -> f32 {
     // What rounding to f32 does to coordinates relative to the ray's origin.
-    let margin = offset + 8.0 * f32::EPSILON * limit;
+    let margin = offset + 8.0 * f32::EPSILON * (limit + size);
     light.distance_within(origin, direction, margin, limit).min(limit)
 }
 

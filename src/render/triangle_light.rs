@@ -2,9 +2,9 @@
 
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
-use super::solids::Plane;
 use crate::math::{Rgb, mean_rgb};
 use crate::sampling::spherical_triangle::SphericalTriangle;
+use crate::scene::Plane;
 use glam::Vec3;
 
 /// An emissive triangle.
@@ -15,6 +15,8 @@ pub struct TriangleLight {
     edges: [Vec3; 2],
     /// Unit normal of the front.
     normal: Vec3,
+    /// Sum of the lengths of two sides.
+    size: f32,
     radiance: Rgb,
     two_sided: bool,
 }
@@ -22,7 +24,9 @@ pub struct TriangleLight {
 impl TriangleLight {
     /// The triangle with these corners, whose front is where the normal points.
     pub fn new([a, b, c]: [Vec3; 3], normal: Vec3, radiance: Rgb, two_sided: bool) -> Self {
-        Self { corner: a, edges: [b - a, c - a], normal, radiance, two_sided }
+        let edges = [b - a, c - a];
+        let size = edges[0].length() + edges[1].length();
+        Self { corner: a, edges, normal, size, radiance, two_sided }
     }
 
     /// Where it is and how it emits, for selecting one of many lights.
@@ -37,6 +41,12 @@ impl TriangleLight {
     #[inline(always)]
     pub fn plane(&self) -> Plane {
         Plane::through(self.corner, self.normal)
+    }
+
+    /// At least its largest extent.
+    #[inline(always)]
+    pub fn size(&self) -> f32 {
+        self.size
     }
 
     /// Unit normal of the front.

@@ -143,14 +143,6 @@ impl Mesh {
         a * (1.0 - u - v) + b * u + c * v
     }
 
-    /// How far, per axis, the point of any [`Surface`] may be off its triangle, with a margin for the rounding of the ray
-    /// that leaves it: 4 ε times the largest coordinate. Looks at all vertices: ask once.
-    #[must_use]
-    pub fn error(&self) -> f32 {
-        let [min, max] = self.bounds().unwrap_or_default();
-        4.0 * f32::EPSILON * min.abs().max(max.abs()).max_element()
-    }
-
     /// Least and largest coordinates of the triangles that have an area; `None` without any.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
@@ -223,7 +215,7 @@ fn usable(position: Vec3) -> bool {
 mod tests {
     use super::*;
     use crate::sampling::stream::{Independent, Stream};
-    use crate::scene::{Bvh, Ray, Shape};
+    use crate::scene::{Bvh, Plane, Ray, Shape};
 
     fn random(i: u64, j: u64) -> f32 {
         (2.0 * Independent::new(7, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -291,7 +283,8 @@ mod tests {
             let around = random_vec(i, 5).normalize();
             let tangent = around.cross(normal).normalize();
             for direction in [around, normal, (tangent + 1e-4 * normal).normalize(), (q - p).normalize()] {
-                let origin = point + normal * (2.0 * mesh.error()).copysign(normal.dot(direction));
+                let plane = Plane::through(mesh.facet(0).unwrap().0[0], normal);
+                let origin = plane.project(point) + normal * plane.offset(point).copysign(normal.dot(direction));
                 let again = bvh.nearest(&Ray { origin, direction }, f32::INFINITY);
                 assert!(again.is_none(), "{i} {direction} {mesh:?} {again:?}");
             }

@@ -1,5 +1,6 @@
 //! The rectangle: walls and area lights.
 
+use super::Plane;
 use glam::Vec3;
 
 /// A rectangle in the world; both sides count unless its use says otherwise.
@@ -63,6 +64,13 @@ impl Rectangle {
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         self.normal
+    }
+
+    /// Its plane.
+    #[inline(always)]
+    #[must_use]
+    pub fn plane(&self) -> Plane {
+        Plane::through(self.centre, self.normal)
     }
 
     /// The distance t > 0 along a ray at which it meets the rectangle, from either side; infinite where it does not.

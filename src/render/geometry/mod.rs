@@ -9,7 +9,7 @@ mod loops;
 mod tests;
 
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
-use super::solids::{Panel, Plane, Wall, offset_of_polygon, offset_of_sphere};
+use super::solids::{Panel, Wall, offset_of_sphere};
 use super::wide::wide;
 use crate::math::Frame;
 use crate::scene::bvh::{self, Bvh};
@@ -81,8 +81,6 @@ pub struct Geometry<'a> {
     spheres: Vec<(Sphere, u32)>,
     /// All other shapes.
     tree: Option<Tree>,
-    /// Per object, the least [`Surface::offset`] anywhere on it.
-    offsets: Vec<f32>,
     extent: f32,
     arch: Arch,
 }
@@ -134,17 +132,10 @@ impl<'a> Geometry<'a> {
         let (mut walls, mut spheres) = (Vec::new(), Vec::new());
         let (mut shapes, mut shape_objects) = (Vec::new(), Vec::new());
         let (mut whole, mut in_tree) = (EMPTY, EMPTY);
-        let mut offsets = Vec::with_capacity(objects.len());
         for (i, object) in (0..).zip(objects) {
             let bounds = object.shape.bounds().unwrap_or(EMPTY);
             whole = union(whole, bounds);
             let is_alone = outside_bvh[i as usize];
-            offsets.push(match &object.shape {
-                Shape::Sphere(sphere) => offset_of_sphere(sphere),
-                // In the tree it is two triangles.
-                Shape::Rectangle(r) if !is_alone => offset_of_polygon(r.normal(), &r.corners()),
-                Shape::Rectangle(_) | Shape::Mesh(_) => 0.0,
-            });
             match &object.shape {
                 Shape::Rectangle(rectangle) if is_alone => walls.push(Wall::new(rectangle, i)),
                 Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
@@ -158,7 +149,7 @@ impl<'a> Geometry<'a> {
         let tree =
             with_tree.then(|| Tree { bvh: Bvh::build(&shapes), bounds: with_margin(in_tree), object: shape_objects });
         let extent = (whole[1] - whole[0]).length();
-        Self { objects, walls, spheres, tree, offsets, extent, arch: Arch::new() }
+        Self { objects, walls, spheres, tree, extent, arch: Arch::new() }
     }
 
     /// The nearest object of the first `count` rays.
@@ -187,10 +178,7 @@ impl<'a> Geometry<'a> {
                     let object = tree.object[hit.shape as usize];
                     hits.t[i] = match &self.objects[object as usize].shape {
                         // Large triangles are not as accurate.
-                        Shape::Rectangle(r) => {
-                            let plane = Plane::through(r.centre(), r.normal());
-                            plane.distance(at(&rays.origin, i), at(&rays.direction, i)).max(0.0)
-                        }
+                        Shape::Rectangle(r) => r.plane().distance(at(&rays.origin, i), at(&rays.direction, i)).max(0.0),
                         _ => hit.t,
                     };
                     hits.object[i] = object;
@@ -236,40 +224,33 @@ impl<'a> Geometry<'a> {
         self.extent
     }
 
-    /// The least [`Surface::offset`] anywhere on an object.
-    #[inline]
-    pub fn least_offset(&self, object: u32) -> f32 {
-        self.offsets[object as usize]
-    }
-
     /// The surface that ray `i` has hit.
     #[inline(always)]
     pub fn surface(&self, rays: &Rays, hits: &Hits, i: usize) -> Surface {
         let id = hits.object[i] as usize;
         let (origin, direction) = (at(&rays.origin, i), at(&rays.direction, i));
         let position = origin + hits.t[i] * direction;
-        let offset = self.offsets[id];
         match &self.objects[id].shape {
             Shape::Rectangle(r) => {
-                let normal = r.normal();
-                let plane = Plane::through(r.centre(), normal);
-                let offset = offset.max(plane.offset(position));
+                let plane = r.plane();
                 // Back onto the plane: the error of the position no longer depends on t.
-                Surface { position: plane.project(position), normal, shading: normal, offset }
+                let (position, normal) = (plane.project(position), plane.normal);
+                Surface { position, normal, shading: normal, offset: plane.offset(position) }
             }
             Shape::Sphere(s) => {
                 let normal = (origin - s.centre + hits.t[i] * direction).normalize();
-                Surface { position: s.centre + s.radius * normal, normal, shading: normal, offset }
+                let position = s.centre + s.radius * normal;
+                Surface { position, normal, shading: normal, offset: offset_of_sphere(s) }
             }
             Shape::Mesh(_) => {
                 // Without a tree no mesh is ever hit.
                 let Some(tree) = &self.tree else {
-                    return Surface { position, normal: -direction, shading: -direction, offset };
+                    return Surface { position, normal: -direction, shading: -direction, offset: 0.0 };
                 };
                 let s = tree.bvh.surface(hits.place[i], hits.u[i], hits.v[i]);
-                let plane = Plane { normal: s.normal, height: tree.bvh.height(hits.place[i]) };
-                let offset = plane.offset(s.point);
-                Surface { position: plane.project(s.point), normal: s.normal, shading: s.shading, offset }
+                let plane = tree.bvh.plane(hits.place[i]);
+                let position = plane.project(s.point);
+                Surface { position, normal: s.normal, shading: s.shading, offset: plane.offset(position) }
             }
         }
     }

@@ -8,6 +8,7 @@ mod tests;
 mod traverse;
 mod tree;
 
+use super::Plane;
 use super::camera::Ray;
 use super::description::Shape;
 use super::mesh::Surface;
@@ -127,14 +128,15 @@ impl Bvh {
         self.tree.surface(place, [u, v])
     }
 
-    /// The height of the triangle at a [`Hit`] along its normal, from the hit's [`place`](Hit::place).
+    /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place): on which side of it a ray starts is certain if the ray
+    /// starts [`Plane::offset`] away.
     ///
     /// # Panics
     /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
-    pub fn height(&self, place: u32) -> f32 {
-        self.tree.height(place)
+    pub fn plane(&self, place: u32) -> Plane {
+        self.tree.plane(place)
     }
 
     /// [`Hit::triangle`] from the hit's [`place`](Hit::place).

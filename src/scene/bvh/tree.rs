@@ -3,6 +3,7 @@
 use super::build::{Bounds, Branch, Id, Kind};
 use super::lanes::WIDTH;
 use crate::sampling::prefetch::prefetch;
+use crate::scene::Plane;
 use crate::scene::description::Shape;
 use crate::scene::mesh::{Surface, normal_of};
 use crate::scene::sphere::Sphere;
@@ -41,7 +42,7 @@ pub struct Triangles {
     pub corner: [[[f32; WIDTH]; 3]; 3],
     /// Unit normals, by axis.
     pub normal: [[f32; WIDTH]; 3],
-    /// Of the first corner along the normal.
+    /// Of their planes.
     pub height: [f32; WIDTH],
     /// Numbers of the shapes.
     pub shape: [u32; WIDTH],
@@ -64,7 +65,7 @@ pub struct Spheres {
 #[derive(Debug, Clone, Copy)]
 pub struct Facet {
     pub corners: [Vec3; 3],
-    pub normal: Vec3,
+    pub plane: Plane,
     pub corner_normals: [Vec3; 3],
 }
 
@@ -74,14 +75,15 @@ impl Facet {
         match shape {
             Shape::Mesh(mesh) => {
                 let (corners, normal) = mesh.facet(triangle)?;
-                Some(Self { corners, normal, corner_normals: mesh.corner_normals(triangle, normal) })
+                let corner_normals = mesh.corner_normals(triangle, normal);
+                Some(Self { corners, plane: Plane::through(corners[0], normal), corner_normals })
             }
             Shape::Rectangle(rectangle) => {
                 // They share the corners a and c to the bit, so that no ray passes between them.
                 let [a, b, c, d] = rectangle.corners();
                 let corners = if triangle == 0 { [a, b, c] } else { [a, c, d] };
-                let normal = normal_of(corners)?;
-                Some(Self { corners, normal, corner_normals: [normal; 3] })
+                normal_of(corners)?;
+                Some(Self { corners, plane: rectangle.plane(), corner_normals: [rectangle.normal(); 3] })
             }
             Shape::Sphere(_) => None,
         }
@@ -155,10 +157,11 @@ impl Tree {
         Surface::on(pack.corner.each_ref().map(at), at(&pack.normal), normals, weights)
     }
 
-    /// The height of the triangle at a place along its normal.
+    /// The plane of the triangle at a place.
     #[inline]
-    pub fn height(&self, place: u32) -> f32 {
-        self.triangles[place as usize / WIDTH].height[place as usize % WIDTH]
+    pub fn plane(&self, place: u32) -> Plane {
+        let (pack, i) = (&self.triangles[place as usize / WIDTH], place as usize % WIDTH);
+        Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }
     }
 
     /// The number, in its shape, of the triangle at a place.
@@ -202,12 +205,12 @@ impl Tree {
         for (i, id) in ids.iter().enumerate() {
             let Some(facet) = Facet::of(shapes[id.shape as usize], id.triangle) else { continue };
             for axis in 0..3 {
-                pack.normal[axis][i] = facet.normal[axis];
+                pack.normal[axis][i] = facet.plane.normal[axis];
                 for (to, from) in pack.corner.iter_mut().zip(facet.corners) {
                     to[axis][i] = from[axis];
                 }
             }
-            pack.height[i] = facet.normal.dot(facet.corners[0]);
+            pack.height[i] = facet.plane.height;
             (pack.shape[i], pack.triangle[i]) = (id.shape, id.triangle);
             self.corner_normals[first + i] = facet.corner_normals;
         }

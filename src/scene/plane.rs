@@ -1,0 +1,50 @@
+//! Planes, and how far off them rays must start.
+
+use glam::Vec3;
+
+/// The points p with n · p = `height`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// n, of unit length.
+    pub normal: Vec3,
+    /// Of the points along the normal.
+    pub height: f32,
+}
+
+/// Twice the rounding of a height over a plane, relative to Σ |nᵢ pᵢ|: four times half of ε in [`Plane::project`], once in
+/// the ray's origin, three times in its distance.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// More than 0, for planes through the origin, where nothing may be rounded; its products with directions are not denormal.
+const LEAST_OFFSET: f32 = 1e-30;
+
+impl Plane {
+    /// The plane through a point with this unit normal.
+    #[inline(always)]
+    #[must_use]
+    pub fn through(point: Vec3, normal: Vec3) -> Self {
+        Self { normal, height: normal.dot(point) }
+    }
+
+    /// The point of the plane below one that is close to it.
+    #[inline(always)]
+    #[must_use]
+    pub fn project(&self, point: Vec3) -> Vec3 {
+        point - self.normal * (self.normal.dot(point) - self.height)
+    }
+
+    /// The distance along a ray; below 0 behind its origin, infinite or NaN of a parallel ray.
+    #[inline(always)]
+    #[must_use]
+    pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        (self.height - self.normal.dot(origin)) / self.normal.dot(direction)
+    }
+
+    /// How far along the normal a ray must start from a point that was [projected](Self::project) onto the plane, so that the sign of
+    /// its [distance](Self::distance) is certain.
+    #[inline(always)]
+    #[must_use]
+    pub fn offset(&self, point: Vec3) -> f32 {
+        LEAST_OFFSET + ROUNDING * self.normal.abs().dot(point.abs())
+    }
+}
