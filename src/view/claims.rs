@@ -100,7 +100,7 @@ pub fn place_rows(pictures: &[PlacePicture]) -> Vec<PlaceRow> {
     let row = |picture: &PlacePicture| {
         let Place { from: [x0, y0], to: [x1, y1] } = picture.place;
         let PlacePicture { title, depth, share, .. } = *picture;
-        let (class, standard_error) = (picture.word.clone(), share.error_at(share.value));
+        let (class, standard_error) = (picture.word.clone(), share.error());
         PlaceRow { title, class, depth, x0, y0, x1, y1, share: share.value, standard_error }
     };
     pictures.iter().map(row).collect()
@@ -242,11 +242,12 @@ pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) 
         let title = format!("({letter}) {}: all light at depth {}", picture.title, picture.depth);
         let factor = brightening(&cut(&picture.class, &crop));
         let class = cut(&picture.class, &crop).map(|p| p * factor);
-        let share = 100.0 * picture.share.value;
+        let share = &picture.share;
         let alone = format!(
-            "{} alone, ×\u{a0}{factor}: {share:.*}\u{a0}% of the light in the frame",
+            "{} alone, ×\u{a0}{factor}: {}\u{a0}±\u{a0}{} of the light in the frame",
             picture.word,
-            usize::from(share < 10.0)
+            number(share.value, Unit::Percent, 3),
+            number(share.error(), Unit::Percent, 1)
         );
         cells.push((title, framed(&by_conventions(&cut(&image, &crop)), &picture.place, &crop)));
         cells.push((alone, by_conventions(&class)));
