@@ -81,8 +81,9 @@ pub struct Zone {
 }
 
 impl Zone {
-    fn of(importance: &StatueRender, hemisphere: &StatueRender, mask: &[bool]) -> Self {
-        let [importance, hemisphere] = [importance, hemisphere].map(|shot| ZoneImage::of(shot, mask));
+    /// Of two images by either strategy.
+    fn of(pairs: [[&StatueRender; 2]; 2], mask: &[bool]) -> Self {
+        let [importance, hemisphere] = pairs.map(|shots| ZoneImage::of(shots, mask));
         let z = importance.mean.z(&hemisphere.mean);
         Self { importance, hemisphere, z }
     }
@@ -99,7 +100,7 @@ pub fn quotient([a, a_error]: [f64; 2], [b, b_error]: [f64; 2]) -> [f64; 2] {
     [ratio, (a_error / b).hypot(ratio * b_error / b)]
 }
 
-/// Renders the scene twice, with independent random numbers.
+/// Renders the scene twice by either strategy, with independent random numbers.
 pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<StrategyComparison> {
     let shot = |normals: NormalSampling, offset: u64| {
         let mut settings = Settings { seed: settings.seed.wrapping_add(offset), ..*settings };
@@ -107,14 +108,16 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
         render_statue(scene, request, &settings)
     };
     let (importance, hemisphere) = (shot(NormalSampling::Vndf, 0)?, shot(NormalSampling::Hemisphere, 1)?);
-    let zone = |mask: &[bool]| Zone::of(&importance, &hemisphere, mask);
+    let again = [shot(NormalSampling::Vndf, 2)?, shot(NormalSampling::Hemisphere, 3)?];
+    let pairs = [[&importance, &again[0]], [&hemisphere, &again[1]]];
+    let zone = |mask: &[bool]| Zone::of(pairs, mask);
     // Signed distances from the silhouette give the rim and the bins of the profile.
     let depth = importance.objects.depth_inside(&importance.mask, (INSIDE + 1) as usize);
     let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
     let interior: Vec<bool> = depth.iter().map(|d| from_silhouette(*d) >= INTERIOR).collect();
     let [picture, statue] = [&vec![true; depth.len()], &importance.mask].map(|mask| zone(mask));
     let [rim, interior] = [rim, interior].map(|mask| zone(&mask));
-    let profile = profile(&importance, &hemisphere, &depth);
+    let profile = profile(pairs, &depth);
     Ok(StrategyComparison { importance, hemisphere, profile, picture, statue, rim, interior })
 }
 
@@ -124,9 +127,9 @@ fn from_silhouette(depth: f64) -> f64 {
 }
 
 /// Both images at each distance from the silhouette.
-fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) -> Vec<ProfileBin> {
+fn profile(pairs: [[&StatueRender; 2]; 2], depth: &[f64]) -> Vec<ProfileBin> {
     let shown: Vec<bool> =
-        importance.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
+        pairs[0][0].objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).filter_map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> = depth
@@ -137,7 +140,7 @@ fn profile(importance: &StatueRender, hemisphere: &StatueRender, depth: &[f64]) 
         if !mask.contains(&true) {
             return None;
         }
-        let [a, b] = [importance, hemisphere].map(|shot| ZoneImage::of(shot, &mask));
+        let [a, b] = pairs.map(|shots| ZoneImage::of(shots, &mask));
         Some(ProfileBin {
             from_px,
             to_px,
@@ -167,6 +170,21 @@ pub struct ZoneImage {
     pub shown: [f64; 2],
     /// Root of the mean square of the pixels' standard errors.
     pub noise: [f64; 2],
+    /// The noise that is seen: root of the mean square of the 8-bit values' difference from those of the other image, over √2.
+    pub shown_noise: [f64; 2],
+}
+
+/// The root of the mean of `n` squares, of their sum and the sum of their squares, with its standard error at most.
+fn root_mean(sum: f64, sum_of_squares: f64, n: f64) -> [f64; 2] {
+    let root = (sum / n).sqrt();
+    // The root halves the relative error of the mean
+    [root, if sum > 0.0 { 0.5 * root * sum_of_squares.sqrt() / sum } else { 0.0 }]
+}
+
+/// Mean 8-bit values of tone-mapped pixels.
+fn brightness(image: &Image, mask: &[bool]) -> Vec<f64> {
+    let bytes = to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT));
+    inside(bytes.chunks_exact(3), mask).map(|rgb| rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0).collect()
 }
 
 impl ZoneImage {
@@ -176,35 +194,32 @@ impl ZoneImage {
         [self.mean.mean_rgb(), self.mean.error.iter().sum::<f64>() / 3.0]
     }
 
-    fn of(shot: &StatueRender, mask: &[bool]) -> Self {
+    fn of([shot, other]: [&StatueRender; 2], mask: &[bool]) -> Self {
         let film = &shot.rendered.part.film;
         let mean = Mean::of(film, mask);
         let n = mean.pixels as f64;
-        let (mut values, mut variance, mut squares) = (Vec::with_capacity(mean.pixels), 0.0, 0.0);
+        let (mut light, mut variance, mut squares) = (Vec::with_capacity(mean.pixels), 0.0, 0.0);
         for estimate in inside(film.estimates(), mask) {
-            values.push(estimate.mean);
+            light.push(f64::from(estimate.mean.element_sum()) / 3.0);
             let square = (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
             variance += square;
             squares += square * square;
         }
-        let bytes =
-            to_rgb8(&Image::from_pixels(values.len(), 1, values.clone()), &ToneMap::By(Conventions::SECOND_REPORT));
-        let shown: Vec<f64> = bytes.chunks(3).map(|rgb| rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0).collect();
+        let [shown, seen] = [shot, other].map(|shot| brightness(&shot.rendered.image, mask));
+        let differences = || shown.iter().zip(&seen).map(|(a, b)| (a - b).powi(2) / 2.0);
+        let shown_noise = root_mean(differences().sum(), differences().map(|d| d * d).sum(), n);
         let mean_shown = shown.iter().sum::<f64>() / n;
         let shown_error = shown.iter().map(|v| (v - mean_shown).powi(2)).sum::<f64>().sqrt() / n;
         // The number of pixels below the median has a standard deviation of √n/2
-        let mut light: Vec<f64> = values.iter().map(|v| f64::from(v.element_sum()) / 3.0).collect();
         light.sort_unstable_by(f64::total_cmp);
         let (middle, ranks) = (light.len() / 2, (n.sqrt() / 2.0).ceil() as usize);
         let [low, high] = [middle.saturating_sub(ranks), (middle + ranks).min(light.len() - 1)];
-        // The root halves the relative error of the mean square
-        let noise = (variance / n).sqrt();
-        let noise_error = if variance > 0.0 { 0.5 * noise * squares.sqrt() / variance } else { 0.0 };
         Self {
             mean,
             median: [light[middle], 0.5 * (light[high] - light[low])],
             shown: [mean_shown, shown_error],
-            noise: [noise, noise_error],
+            noise: root_mean(variance, squares, n),
+            shown_noise,
         }
     }
 }

@@ -73,12 +73,17 @@ pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
 /// "share of LDRE …: 14.2 % ± 0.1 % (≥ 2 %)".
 pub fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
-    let error = if *error > 0.0 { format!("\u{a0}±\u{a0}{}", number(*error, *unit, 1)) } else { String::new() };
     let bound = match bound {
         Bound::AtLeast(bound) => format!("≥\u{a0}{}", number(*bound, *unit, 3)),
         Bound::AtMost(bound) => format!("≤\u{a0}{}", number(*bound, *unit, 3)),
     };
-    format!("{what}: {}{error} ({bound})", number(*value, *unit, 3))
+    format!("{what}: {} ({bound})", with_error([*value, *error], *unit))
+}
+
+/// "14.2 % ± 0.1 %"; without the error where it is 0.
+fn with_error([value, error]: [f64; 2], unit: Unit) -> String {
+    let error = if error > 0.0 { format!("\u{a0}±\u{a0}{}", number(error, unit, 1)) } else { String::new() };
+    format!("{}{error}", number(value, unit, 3))
 }
 
 /// One place. Field names are the CSV columns.
@@ -244,10 +249,9 @@ pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) 
         let class = cut(&picture.class, &crop).map(|p| p * factor);
         let share = &picture.share;
         let alone = format!(
-            "{} alone, ×\u{a0}{factor}: {}\u{a0}±\u{a0}{} of the light in the frame",
+            "{} alone, ×\u{a0}{factor}: {} of the light in the frame",
             picture.word,
-            number(share.value, Unit::Percent, 3),
-            number(share.error(), Unit::Percent, 1)
+            with_error([share.value, share.error()], Unit::Percent)
         );
         cells.push((title, framed(&by_conventions(&cut(&image, &crop)), &picture.place, &crop)));
         cells.push((alone, by_conventions(&class)));

@@ -36,8 +36,8 @@ pub fn second() -> Vec<Figure> {
         title: "What the second report claims, and what is measured",
         report: Report::Second,
         reproduces: "all claims of its text and figures",
-        shows: "Each claim of the second report with its number and the measured one. Letters of a path class: L light, D diffuse, M mirror, R and I reflection by \
-                    glass from outside and inside, T refraction, E eye. A share of 2 % is what an observer just sees. Numbers from other scenes than the report's have no verdict.",
+        shows: "Each claim of the second report with its number and the measured one. A path class is written from the light L to the eye E: D diffuse reflection; Sₘ \
+                    mirror; Sᵣ, Sₜ, Sᵢ reflection by the outside of glass, transmission, reflection inside it (Heckbert's S, with its kind). A share of 2 % is what an observer just sees. Numbers from other scenes than the report's have no verdict.",
         matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
         papers: &[papers::HECKBERT],
         beside: Some("claims-places"),
@@ -52,8 +52,10 @@ pub fn places() -> Vec<Figure> {
         title: "The places that the second report speaks of, and the light that makes them",
         report: Report::Second,
         reproduces: "Figure 1, what appears at each depth",
-        shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone. The frame \
-                    was found with one half of the samples, its share of the light measured with the other.",
+        shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone, with its share of \
+                    the light and the standard error. Classes: L light, E eye, D diffuse reflection, Sₘ mirror, Sᵣ reflection by the \
+                    outside of glass, Sₜ transmission. The frame \
+                    was found with one half of the samples, its light measured with the other half and that of all other paths with more.",
         matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
         papers: &[papers::HECKBERT],
         beside: Some("claims-second"),

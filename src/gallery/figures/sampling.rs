@@ -20,7 +20,7 @@ pub fn figures() -> Vec<Figure> {
     vec![
         Figure {
             id: "sampling-importance",
-            title: "Copper statue, importance sampling",
+            title: "Copper statue of α = 0.05, importance sampling",
             report: Report::Second,
             reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
@@ -33,7 +33,7 @@ pub fn figures() -> Vec<Figure> {
         },
         Figure {
             id: "sampling-hemisphere",
-            title: "Copper statue, uniform hemisphere sampling",
+            title: "Copper statue of α = 0.05, uniform hemisphere sampling",
             report: Report::Second,
             reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
@@ -51,8 +51,8 @@ pub fn figures() -> Vec<Figure> {
             title: "Noise of both, and the dark rim at the silhouette",
             report: Report::Second,
             reproduces: "Figure 3, the dark rim of hemisphere sampling",
-            shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
-                    like a dark rim.",
+            shows: "Copper of α = 0.05. Both strategies have the same mean. With hemisphere sampling the median of the pixels is far below \
+                    it: at the silhouette, which looks like a dark line, and in the interior, too, where few samples are taken.",
             matters: "What looks like a bias is a skewed distribution of noise: only the mean over many pixels, with its standard error, can tell.",
             papers: &[papers::WALTER],
             ..Figure::by(errors)

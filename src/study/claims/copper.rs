@@ -1,6 +1,6 @@
 //! The second report's claims on a bunny of copper by importance and by hemisphere sampling.
 
-use super::claim::{Bound, Claim, Finding, Unit};
+use super::claim::{Bound, Claim, Finding, Unit, VISIBLE};
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::warp;
 use crate::study::sampling_strategies::{StrategyComparison, Zone, ZoneImage, quotient};
@@ -30,7 +30,7 @@ fn dark_line(sampling: &StrategyComparison) -> Claim {
                     rim[0], interior[0]
                 ),
                 quotient(rim, interior),
-                Bound::AtMost(0.5),
+                Bound::AtMost(1.0 - VISIBLE),
             ),
         ],
         evidence: &["sampling-error", "sampling-hemisphere"],
@@ -94,8 +94,8 @@ fn explanation(sampling: &StrategyComparison) -> Claim {
 
 fn noise(sampling: &StrategyComparison) -> Claim {
     let finding = |what: &str, zone: &Zone| {
-        let what = format!("noise {what}, hemisphere over importance sampling");
-        Finding::estimated(what, zone.ratio(|image| image.noise), Unit::Times, Bound::AtLeast(1.0))
+        let what = format!("noise in the 8-bit values {what}, hemisphere over importance sampling");
+        Finding::estimated(what, zone.ratio(|image| image.shown_noise), Unit::Times, Bound::AtLeast(1.0))
     };
     Claim {
         place: "Fig. 3",
