@@ -70,7 +70,7 @@ pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
     claims.iter().flat_map(of).collect()
 }
 
-/// "share of LDRE …: 14.2 % ± 0.1 % (≥ 2 %)".
+/// "share of LDSᵣE …: 14.2 % ± 0.1 % (≥ 2 %)".
 pub fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
     let bound = match bound {
