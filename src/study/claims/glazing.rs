@@ -2,7 +2,8 @@
 
 use super::claim::{Agreement, Bound, Claim, Finding, Unit, VISIBLE, percent};
 use super::deep::{BEYOND, GRAZING_DEG, LongPaths, long_paths};
-use super::feature::{Place, PlacePicture, Share, View};
+use super::feature::{Place, PlacePicture, View};
+use super::share::Share;
 use crate::math::mean_rgb;
 use crate::raster::Image;
 use crate::study::depth::{DEPTHS, Depths};

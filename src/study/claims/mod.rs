@@ -14,6 +14,7 @@ mod glazing;
 mod gold;
 mod map;
 mod metal;
+mod share;
 #[cfg(test)]
 mod tests;
 
