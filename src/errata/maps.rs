@@ -29,9 +29,24 @@ pub fn median_without_half(energies: &[f64]) -> usize {
     energies.iter().rposition(|e| *e > 0.0).unwrap_or(0)
 }
 
+/// The row that the first report's text selects: the first whose value is at least `u`, of values that it calls a cumulative
+/// distribution function and that are the rows' probabilities, not summed up.
+///
+/// Right is the first whose sum with all rows before is at least `u`. Most numbers select no row.
+#[must_use]
+pub fn row_without_sums(probabilities: &[f64], u: f64) -> Option<usize> {
+    probabilities.iter().position(|p| *p >= u)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn without_sums_only_rows_above_all_before_are_selected() {
+        let rows = |u: f64| row_without_sums(&[0.2, 0.1, 0.5, 0.2], u);
+        assert_eq!([rows(0.1), rows(0.2), rows(0.3), rows(0.6)], [Some(0), Some(0), Some(2), None]);
+    }
 
     #[test]
     fn without_the_half_all_energy_is_on_one_side() {

@@ -20,6 +20,15 @@ pub fn refracted_cosine_of_squared_difference(cos: f64, eta: f64) -> Option<f64>
     (square >= 0.0).then(|| square.sqrt())
 }
 
+/// The part along the normal of the refracted direction, of a cosine that is negative from inside, where the printed root reaches over
+/// the sign of the cosine and over the normal: −√(1 − (1 − cos²)/η² sgn cos). It is the root of a vector; this is its part along n.
+///
+/// Right is −√(1 − (1 − cos²)/η²) sgn cos. From inside the sign is lost: no light leaves the glass.
+#[must_use]
+pub fn refracted_normal_part_under_root(cos: f64, eta: f64) -> f64 {
+    -(1.0 - (1.0 - cos * cos) / (eta * eta) * cos.signum()).sqrt()
+}
+
 /// The sine of the refracted direction where the formula of its tangential part has that direction on both sides: t = −t/η has
 /// no solution but 0.
 ///
@@ -60,6 +69,10 @@ mod tests {
         // 1 − 1/1.45 is the cosine of 71.9°.
         let leaves = |degrees: f64| refracted_cosine_of_squared_difference(degrees.to_radians().cos(), 1.0 / 1.45);
         assert!(leaves(71.8).is_some() && leaves(72.0).is_none());
+        // Under the root the sign of a direction from inside makes 1 + sin²/η², and the part along n does not change sides.
+        assert_eq!(refracted_normal_part_under_root(-1.0, 1.0 / 1.45), -1.0);
+        let part = refracted_normal_part_under_root(-(0.75f64.sqrt()), 1.0 / 1.45);
+        assert!((part + (1.0 + 0.25 * 1.45f64 * 1.45).sqrt()).abs() < 1e-12);
         // At 60°: 1 + 2 cos (1 − cos)/η² with cos = ½.
         let (sin2, cos) = (0.75 / 1.45f64.powi(2), refracted_cosine_of_squared_difference(0.5, 1.45).unwrap());
         assert!(((sin2 + cos * cos).sqrt() - 1.1126).abs() < 1e-4);

@@ -59,6 +59,11 @@ impl Inputs {
         (!is_graces).then(|| format!("the map is {}, not the first report's", self.map.file_name()))
     }
 
+    /// Whether the run has this scene of the second report, recognised by its content.
+    pub fn is_original(&self, name: &str) -> bool {
+        self.originals.as_ref().is_some_and(|originals| originals.recognised.contains(&name))
+    }
+
     /// The files of the reports that the run has, recognised by their content, by name.
     pub fn recognised(&self) -> Vec<String> {
         let map = self.other_map().is_none().then(|| format!("{} (Grace Cathedral)", self.map.file_name()));

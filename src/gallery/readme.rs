@@ -63,20 +63,24 @@ fn text() -> String {
     let all = registry();
     let mut text = "# The figures of the two reports\n\nEach figure and table of the reports beside the one that `etalon reproduce` makes here. \
                     These show the built-in map `nave` and built-in scenes, with a statue of ours in place of bunny and dragon; \
-                    `--envmap` and `--scenes` take [the reports' own](../docs/src/originals.md).\n"
+                    `--envmap` and `--scenes` take [the reports' own](../docs/src/originals.md). Figures of a series have their \
+                    caption once.\n"
         .to_owned();
     for (report, labels) in [(Report::First, &FIRST), (Report::Second, &SECOND)] {
         let citation = report.citations()[0];
         writeln!(text, "\n## The {}\n\n{citation}\n\n| in the report | here | |\n|---|---|---|", report.name())
             .unwrap();
+        let mut before = "";
         for (label, figure) in of_report(&all, report, labels) {
             let Figure { id, title, shows, reproduces, input, .. } = figure;
             let counterpart = reproduces.strip_prefix(label).unwrap_or_default().trim_start_matches(", ");
             let sentence = shows.split_inclusive(". ").next().unwrap_or_default().trim_end();
             let name = inputs.name_of(*input).unwrap();
             let name = if name.is_empty() { name } else { format!(" ({name})") };
-            writeln!(text, "| **{label}**<br>{counterpart} | ![{title}{name}]({id}.png) | `{id}`: {sentence} |")
-                .unwrap();
+            // Figures of a series have one caption
+            let caption = if sentence == before { String::new() } else { format!(": {sentence}") };
+            before = sentence;
+            writeln!(text, "| **{label}**<br>{counterpart} | ![{title}{name}]({id}.png) | `{id}`{caption} |").unwrap();
         }
     }
     text

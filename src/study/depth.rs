@@ -84,6 +84,11 @@ pub struct Depths {
 }
 
 impl Depths {
+    /// The image of one of [`DEPTHS`].
+    pub fn image(&self, depth: u32) -> &Image {
+        &self.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
+    }
+
     /// The light of a class on what is "all" or a kind of object, if there is any.
     pub fn class(&self, class: &str, seen_on: &str) -> Option<&ClassRow> {
         self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)

@@ -2,7 +2,7 @@
 
 use super::text::{capitalized, power_of_ten};
 use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Rect, Stroke, Text, theme};
-use crate::study::audit::{Erratum, Nature};
+use crate::study::audit::{Erratum, ErratumCurves, Nature};
 use etalon_stats::Verdict;
 
 /// Panels in a row, the size of a frame, and of the text under it.
@@ -65,7 +65,7 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
     let curves = &erratum.curves;
     // Scattered are places on a map, whose first row is at the top.
     let y = Axis::linear(curves.y);
-    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { y };
+    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { beyond(y, curves) };
     let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y)
         .title(format!("{letter}  {}", capitalized(erratum.title)));
     let panel = if curves.scattered {
@@ -75,6 +75,15 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
         panel.line("", CORRECTED, curves.right.clone()).line("", PRINTED, curves.printed.clone())
     };
     Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
+}
+
+/// An axis that ends a little beyond the curves, so that those at the end are seen.
+fn beyond(axis: Axis, curves: &ErratumCurves) -> Axis {
+    const MARGIN: f64 = 0.06;
+    let values = || [&curves.printed, &curves.right].into_iter().flatten().map(|point| point[1]);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let margin = MARGIN * (high - low);
+    axis.range(low - margin, high + margin)
 }
 
 fn legend(sheet: &mut Drawing, middle: f64) {
@@ -107,11 +116,30 @@ pub fn consequence(erratum: &Erratum) -> String {
 
 /// "light on a floor: −12.3 %".
 fn effect(erratum: &Erratum) -> String {
-    format!("{}: {}", erratum.error_of, percent(erratum.error_in_picture))
+    format!("{}: {}", erratum.error_of, change(erratum.error_in_picture))
 }
 
-/// "−12.3 %".
-pub fn percent(error: f64) -> String {
-    let sign = if error < 0.0 { '−' } else { '+' };
-    format!("{sign}{:.1} %", 100.0 * error.abs())
+/// A relative error: "−12.3 %", or the factor where it is at least 2 or at most ½, "× 4.42".
+fn change(error: f64) -> String {
+    let factor = 1.0 + error;
+    if factor > 0.5 && factor < 2.0 {
+        let sign = if error < 0.0 { '−' } else { '+' };
+        return format!("{sign}{:.1} %", 100.0 * error.abs());
+    }
+    // Three digits, without zeros at the end
+    let decimals = if factor == 0.0 { 0 } else { (2 - factor.abs().log10().floor() as i32).max(0) as usize };
+    let text = format!("{factor:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("× {}", text.replace('-', "−"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_errors_are_factors() {
+        let shown = [-0.084, 0.668, -0.46, 3.4205, 8.078, -2.0, -1.0, -0.9375].map(change);
+        assert_eq!(shown, ["−8.4 %", "+66.8 %", "−46.0 %", "× 4.42", "× 9.08", "× −1", "× 0", "× 0.0625"]);
+    }
 }

@@ -70,15 +70,20 @@ pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
     claims.iter().flat_map(of).collect()
 }
 
-/// "share of LDRE …: 14.2 % ± 0.1 % (≥ 2 %)".
+/// "share of LDSᵣE …: 14.2 % ± 0.1 % (≥ 2 %)".
 pub fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
-    let error = if *error > 0.0 { format!("\u{a0}±\u{a0}{}", number(*error, *unit, 1)) } else { String::new() };
     let bound = match bound {
         Bound::AtLeast(bound) => format!("≥\u{a0}{}", number(*bound, *unit, 3)),
         Bound::AtMost(bound) => format!("≤\u{a0}{}", number(*bound, *unit, 3)),
     };
-    format!("{what}: {}{error} ({bound})", number(*value, *unit, 3))
+    format!("{what}: {} ({bound})", with_error([*value, *error], *unit))
+}
+
+/// "14.2 % ± 0.1 %"; without the error where it is 0.
+fn with_error([value, error]: [f64; 2], unit: Unit) -> String {
+    let error = if error > 0.0 { format!("\u{a0}±\u{a0}{}", number(error, unit, 1)) } else { String::new() };
+    format!("{}{error}", number(value, unit, 3))
 }
 
 /// One place. Field names are the CSV columns.
@@ -100,7 +105,7 @@ pub fn place_rows(pictures: &[PlacePicture]) -> Vec<PlaceRow> {
     let row = |picture: &PlacePicture| {
         let Place { from: [x0, y0], to: [x1, y1] } = picture.place;
         let PlacePicture { title, depth, share, .. } = *picture;
-        let (class, standard_error) = (picture.word.clone(), share.error_at(share.value));
+        let (class, standard_error) = (picture.word.clone(), share.error());
         PlaceRow { title, class, depth, x0, y0, x1, y1, share: share.value, standard_error }
     };
     pictures.iter().map(row).collect()
@@ -242,11 +247,11 @@ pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) 
         let title = format!("({letter}) {}: all light at depth {}", picture.title, picture.depth);
         let factor = brightening(&cut(&picture.class, &crop));
         let class = cut(&picture.class, &crop).map(|p| p * factor);
-        let share = 100.0 * picture.share.value;
+        let share = &picture.share;
         let alone = format!(
-            "{} alone, ×\u{a0}{factor}: {share:.*}\u{a0}% of the light in the frame",
+            "{} alone, ×\u{a0}{factor}: {} of the light in the frame",
             picture.word,
-            usize::from(share < 10.0)
+            with_error([share.value, share.error()], Unit::Percent)
         );
         cells.push((title, framed(&by_conventions(&cut(&image, &crop)), &picture.place, &crop)));
         cells.push((alone, by_conventions(&class)));

@@ -157,6 +157,38 @@ pub fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
+/// A strategy's name in words, for legends: "mis-compensated+lt" is "MIS, compensated map, light paths". Others keep their names.
+pub fn label(strategy: &str) -> String {
+    let mut parts = strategy.split('+');
+    let base = parts.next().unwrap_or_default();
+    let (method, map) =
+        base.split_once('-').filter(|(method, _)| ["light", "mis"].contains(method)).unwrap_or((base, ""));
+    let of_map = match map {
+        "" => String::new(),
+        "cosine" => ", map × cosine".into(),
+        "compensated" => ", compensated map".into(),
+        "cosine-compensated" => ", compensated map × cosine".into(),
+        other => format!(", {other}"),
+    };
+    let regions = |prefix: &str| base.strip_prefix(prefix).filter(|count| count.parse::<u32>().is_ok());
+    let method = match method {
+        "mis" => "MIS".into(),
+        "bsdf" => "BSDF".into(),
+        "hemisphere" => "uniform directions".into(),
+        _ => match (regions("strata-"), regions("median-cut-")) {
+            (Some(count), _) => format!("light, {count} strata"),
+            (_, Some(count)) => format!("{count} fixed lights"),
+            _ => method.to_owned(),
+        },
+    };
+    let added = parts.map(|suffix| match suffix {
+        "lt" => ", light paths".to_owned(),
+        "independent" => ", independent".into(),
+        other => format!(", {}", other.replace('-', " ")),
+    });
+    format!("{method}{of_map}{}", added.collect::<String>())
+}
+
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
 fn strokes(result: &Convergence) -> Vec<Stroke> {
     let names: Vec<String> = result.curves.iter().map(|c| c.strategy.replace("+independent", "")).collect();
@@ -186,7 +218,7 @@ pub fn curves(result: &Convergence) -> Drawing {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
-            panel = panel.banded_line(curve.strategy.as_str(), stroke, &points);
+            panel = panel.banded_line(label(&curve.strategy), stroke, &points);
         }
         panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
         match &result.reference {
@@ -250,8 +282,8 @@ fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve
     let rows = || unbiased.iter().chain(&biased);
     let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy {
         _ if !names => String::new(),
-        name if is_biased(&(curve, *stroke)) => format!("{name}: biased"),
-        name => name.clone(),
+        name if is_biased(&(curve, *stroke)) => format!("{}: biased", label(name)),
+        name => label(name),
     };
     let mut panel = Panel::new(x, Axis::named("", rows().map(name).collect::<Vec<_>>()));
     for (i, (curve, stroke)) in rows().enumerate() {
@@ -266,7 +298,7 @@ fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve
     }
     // The legend of the panels above
     for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
-        panel = panel.line(curve.strategy.as_str(), stroke, Vec::new());
+        panel = panel.line(label(&curve.strategy), stroke, Vec::new());
     }
     panel.line(GUIDE, theme::GUIDE, Vec::new())
 }

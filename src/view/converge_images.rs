@@ -1,6 +1,6 @@
 //! Images after equal time: of every contender the regions where contenders differ most, enlarged, above their errors.
 
-use super::converge::{curves, duration, round, short};
+use super::converge::{curves, duration, label, round, short};
 use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
@@ -19,8 +19,8 @@ const SHARE: f64 = 0.4;
 /// Regions of each image.
 const REGIONS: usize = 2;
 /// Pixels that the row of a cell's regions has at least after enlargement by a whole factor.
-const WIDTH: usize = 480;
-const COLUMNS: usize = 3;
+const WIDTH: usize = 360;
+const COLUMNS: usize = 5;
 
 /// Every contender's image after equal time, with its relative error below.
 pub fn images(result: &Convergence) -> Drawing {
@@ -58,7 +58,7 @@ pub fn images(result: &Convergence) -> Drawing {
     for ((curve, level, image), errors) in shown.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
-            curve.strategy,
+            label(&curve.strategy),
             level.spp,
             duration(level.cpu_seconds),
             short(level.rmse())

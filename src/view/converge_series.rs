@@ -103,7 +103,7 @@ pub fn roughness_rows(levels: &[roughness::RoughnessLevel]) -> Vec<RoughnessRow>
     levels.iter().map(row).collect()
 }
 
-/// Noise and efficiency over the roughness, a curve for each way of sampling normals.
+/// Noise and efficiency over the roughness, with 95 % intervals, a curve for each way of sampling normals.
 pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
     let mut alphas: Vec<f64> = levels.iter().map(|l| f64::from(l.alpha)).collect();
     alphas.dedup();
@@ -115,9 +115,14 @@ pub fn roughness(levels: &[roughness::RoughnessLevel]) -> Drawing {
         let stroke = Stroke { colour: colours[i], ..theme::series(i) };
         let add = |panel: Panel, of: &dyn Fn(&roughness::RoughnessLevel) -> [f64; 3]| {
             let mine = || levels.iter().filter(|l| l.normals == *name).map(|l| (f64::from(l.alpha), of(l)));
-            let band: Vec<_> = mine().map(|(x, [low, _, high])| [x, low, high]).collect();
-            let line: Vec<_> = mine().map(|(x, [_, value, _])| [x, value]).collect();
-            panel.band("", stroke.colour, band).dotted_line(*name, stroke, line)
+            // Beside each other: an interval for each point
+            let shift = 1.04f64.powi(i as i32 - 1);
+            let interval = Stroke::solid(stroke.colour, theme::THIN);
+            let line: Vec<_> = mine().map(|(x, [_, value, _])| [shift * x, value]).collect();
+            let panel = mine().fold(panel, |panel, (x, [low, _, high])| {
+                panel.line("", interval, [[shift * x, low], [shift * x, high]])
+            });
+            panel.dotted_line(*name, stroke, line)
         };
         let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
         noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));

@@ -1,7 +1,7 @@
 //! Environment maps with markers of samples and of regions.
 
 use crate::envmap::EnvMap;
-use crate::figure::{Colour, Drawing, Rect, Rgb8, Stroke, theme};
+use crate::figure::{Anchor, Colour, Drawing, Level, Rect, Rgb8, Stroke, Text, text, theme};
 use crate::math::Rgb;
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::{map_samples, median_cut};
@@ -40,6 +40,10 @@ const PAGE: [usize; 2] = [512, 2048];
 /// The map's height over the sides of the inset and of the part that it shows.
 const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
+/// Height of the strip below a map that explains its markers.
+const KEY: f64 = 30.0;
+/// Times that a larger marker of the key has the area of the smaller one.
+const LARGER: usize = 16;
 
 impl Display {
     pub fn new(map: &EnvMap, look: Look) -> Self {
@@ -98,14 +102,34 @@ impl Display {
         };
         let markers: Vec<_> = groups.iter().map(marker).collect();
         self.markers(&mut drawing, &markers, &[(2.0, theme::MARKER_SHADE), (1.0, theme::BORDER)]);
-        if let Some(densest) = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1) {
-            self.inset(&mut drawing, rows, densest.at);
-        }
+        let densest = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1);
+        let zoom = densest.map(|densest| self.inset(&mut drawing, rows, densest.at));
+        self.key(&mut drawing, side, zoom);
         drawing
     }
 
-    /// An enlarged part of the map around a texel, with a marker at each sample, in the corner with the fewest samples.
-    fn inset(&self, drawing: &mut Drawing, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) {
+    /// What the markers mean, in a strip below the map.
+    fn key(&self, drawing: &mut Drawing, side: usize, zoom: Option<usize>) {
+        let middle = drawing.height + 0.5 * KEY;
+        drawing.height += KEY;
+        let mut x = 12.0;
+        let inset = zoom.map(|zoom| (0, format!("inset: {zoom} times as large, a dot for each sample")));
+        let markers = [(1, "1 sample".to_owned()), (LARGER, format!("{LARGER} samples close together"))];
+        for (count, name) in markers.into_iter().chain(inset) {
+            let wide = side as f64 * (count as f64).sqrt() * self.scale;
+            if count > 0 {
+                drawing.rect(Rect::new(x, middle - 0.5 * wide, wide, wide), theme::MARKER);
+                x += wide + 6.0;
+            }
+            let width = text::width(&name, theme::NOTE_SIZE, false);
+            drawing.text(Text::new([x, middle], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Middle));
+            x += width + 28.0;
+        }
+    }
+
+    /// An enlarged part of the map around a texel, with a marker at each sample, in the corner with the fewest samples;
+    /// by how much it is enlarged.
+    fn inset(&self, drawing: &mut Drawing, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) -> usize {
         let (width, height) = (self.base.width(), self.base.height());
         // Pixels of the page that the part has along each side
         let part = (height / INSET_PART).max(1);
@@ -136,9 +160,9 @@ impl Display {
             drawing.rect(frame, Stroke::solid(colour, width));
         }
         drawing.image(place, image);
-        let zoom = zoom as f64;
+        let times = zoom as f64;
         let inside =
-            rows.iter().map(|r| [(r.x * self.scale - left as f64) * zoom, (r.y * self.scale - top as f64) * zoom]);
+            rows.iter().map(|r| [(r.x * self.scale - left as f64) * times, (r.y * self.scale - top as f64) * times]);
         let inside: Vec<_> = inside.filter(|p| p.iter().all(|v| (0.0..side).contains(v))).collect();
         // Samples of one texel show as a darker marker
         for [x, y] in inside {
@@ -146,6 +170,7 @@ impl Display {
             drawing.circle(centre, 5.0, theme::BORDER.faded(0.6));
             drawing.circle(centre, 3.6, theme::MARKER.faded(0.6));
         }
+        zoom
     }
 
     /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
@@ -192,12 +217,16 @@ impl Display {
         drawing
     }
 
-    /// Black but for a marker at each centroid, in the colour of the region's total flux. The brightest light is
+    /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux. The brightest light is
     /// shown at full scale, the others in proportion before the power law of 1/2.2.
     pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
+        // Part of the map's brightness on the page
+        const DIMMED: f64 = 0.4;
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
-        let mut drawing = self.black();
+        let dim = |v: u8| (DIMMED * f64::from(v)) as u8;
+        let base = Rgb8::from_fn(self.base.width(), self.base.height(), |x, y| self.base.pixel(x, y).map(dim));
+        let mut drawing = Drawing::over(base);
         let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
         let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), side, colour(r))).collect();
         self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
@@ -263,7 +292,9 @@ mod tests {
         let sides: Vec<f64> = rects(&drawing).iter().map(|rect| rect.width).collect();
         // Two rims below the markers, then the frames of the inset and of what it shows
         assert_eq!(sides[..6], [14.0, 9.0, 12.0, 7.0, 10.0, 5.0]);
-        assert_eq!(sides[6..], [21.0, 21.0, 126.0, 126.0]);
+        assert_eq!(sides[6..10], [21.0, 21.0, 126.0, 126.0]);
+        // The key
+        assert_eq!(sides[10..], [5.0, 20.0]);
     }
 
     #[test]

@@ -29,6 +29,30 @@ pub fn p_value(p: f64) -> String {
     if p >= 1e-3 { format!("/{{p}} = {p:.3}") } else { format!("/{{p}} {}", power_of_ten(p)) }
 }
 
+/// A finding of a test with its p-values ("p < 1e-300"), angles and minus signs in markup.
+pub fn finding(text: &str) -> String {
+    let words: Vec<&str> = text.split(' ').collect();
+    let mut marked: Vec<String> = Vec::new();
+    let mut i = 0;
+    while i < words.len() {
+        let number = words.get(i + 2).map(|word| word.trim_end_matches(')'));
+        let p = number.and_then(|number| number.parse::<f64>().ok());
+        match (words[i].strip_suffix('p'), words.get(i + 1), p) {
+            (Some(before @ ("" | "(")), Some(&("=" | "<")), Some(p)) => {
+                let is_limit = words[i + 1] == "<";
+                let after = if words[i + 2].ends_with(')') { ")" } else { "" };
+                marked.push(format!("{before}{}{after}", p_value(if is_limit { 0.0 } else { p })));
+                i += 3;
+            }
+            _ => {
+                marked.push(words[i].to_owned());
+                i += 1;
+            }
+        }
+    }
+    marked.join(" ").replace("theta", "/{θ}").replace("phi", "/{φ}").replace(" - ", " − ")
+}
+
 /// A p-value of a table: "0.1234", "1.5e-9", or "< 1e-300" for what f64 cannot hold.
 pub fn plain_p_value(p: f64) -> String {
     match p {
@@ -83,6 +107,16 @@ pub fn capitalized(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn findings_are_set_as_formulas() {
+        assert_eq!(
+            finding("neighbours differ by 42 % (RMS) (p < 1e-300)"),
+            "neighbours differ by 42 % (RMS) (/{p} < 10^{−300})"
+        );
+        assert_eq!(finding("1 - cos θ (p = 3.76e-212)"), "1 − cos θ (/{p} ≈ 10^{−211})");
+        assert_eq!(finding("38 % too few for theta 1..2"), "38 % too few for /{θ} 1..2");
+    }
 
     #[test]
     fn p_values_are_as_long_as_they_are_worth() {

@@ -1,6 +1,6 @@
 //! One test's counts: observed, expected, and their residuals.
 
-use super::text::p_value;
+use super::text::{finding, p_value};
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use crate::study::validation::Tested;
 use etalon_stats::{Cell, Counts};
@@ -62,7 +62,7 @@ pub fn drawing(tested: &Tested) -> Option<Drawing> {
         maps(counts.axes, cells, &columns)
     };
     // What the test says of a rejected sampler, a finding a line.
-    let diagnosis = tested.outcome.diagnosis.iter().flat_map(|text| text.split("; ")).map(str::to_owned);
+    let diagnosis = tested.outcome.diagnosis.iter().flat_map(|text| text.split("; ")).map(finding);
     let remarks = [remainder(counts.atoms, beyond)].into_iter().chain(diagnosis).filter(|line| !line.is_empty());
     Some(headed(plot.draw(), title, remarks.collect()))
 }
@@ -95,8 +95,9 @@ fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Plot {
         |size: &dyn Fn(&Row) -> f64| cells.iter().all(|row| (size(row) / size(&cells[0]) - 1.0).abs() < 1e-9);
     let equal = is_constant(&width) && is_constant(&height);
     let most = columns.iter().copied().max().unwrap_or(1);
+    let axes = axes.map(finding);
     let (across, down) = if equal {
-        (Axis::linear(axes[1]).range(0.0, 1.0), Axis::linear(axes[0]).range(1.0, 0.0))
+        (Axis::linear(axes[1].as_str()).range(0.0, 1.0), Axis::linear(axes[0].as_str()).range(1.0, 0.0))
     } else {
         (Axis::linear(format!("column, by {}", axes[1])), Axis::linear(format!("row, by {}", axes[0])))
     };

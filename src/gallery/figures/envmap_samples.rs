@@ -17,7 +17,7 @@ pub fn figures() -> Vec<Figure> {
         title,
         report: Report::First,
         reproduces,
-        shows: "A blue marker at each direction. Directions are sampled in proportion to the radiance from there. Samples \
+        shows: "A blue marker at each direction, sampled in proportion to the radiance from there. Samples \
                 that one marker would cover share one of as many times its area; the inset enlarges the place with most of \
                 them. The map is shown 1.5 stops darker than usual, so that lights keep their colours.",
         matters: "Samples where the light is are what makes an environment map with a sun renderable: uniform directions would hardly ever find it.",
@@ -53,7 +53,7 @@ pub fn figures() -> Vec<Figure> {
             title: "256 samples alone, in the colour of their radiance",
             report: Report::First,
             reproduces: "Figure 6, 256 samples alone with the RGB of the map",
-            shows: "The same 256 samples without the map: each marker has the radiance of its direction.",
+            shows: "The 256 samples of `envmap-samples-256` without the map: each marker has the radiance of its direction.",
             matters: "The samples alone are all that an estimator knows of the map: here are its brightest windows, and next to nothing else.",
             papers: &[papers::PBRT],
             beside: Some("envmap-samples-256"),

@@ -17,7 +17,8 @@ pub fn figures() -> Vec<Figure> {
         title: "Efficiency over roughness, by the way of sampling normals",
         report: Report::Second,
         reproduces: "Figure 3, over all roughnesses",
-        shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions.",
+        shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions. Bars are 95 % \
+                intervals over the replicates: long where few samples carry most of the light.",
         matters: "The gain of a good sampling technique depends on the material: it is largest for smooth metal and shrinks as the lobe widens.",
         papers: &[papers::HEITZ, papers::WALTER],
         ..Figure::by(|inputs, _| content(inputs))

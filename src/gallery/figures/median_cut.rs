@@ -7,7 +7,7 @@ use crate::study::median_cut::{self, Centroid, RegionRow};
 use crate::view::map::Display;
 
 /// Side of a light's marker in texels.
-const MARKER: usize = 5;
+const MARKER: usize = 11;
 
 /// Four partitions of the map, and the lights of the last one.
 pub fn figures() -> Vec<Figure> {
@@ -16,7 +16,8 @@ pub fn figures() -> Vec<Figure> {
         title,
         report: Report::First,
         reproduces,
-        shows: "Regions of equal energy, each halved along its longer side, with the energy centroid of each region.",
+        shows: "Regions of equal energy, each halved along its longer side. A blue dot is the energy centroid of a region, the place of \
+                its light; the report marks the median pixel instead.",
         matters: "A few lights in place of a map make a render without noise, whose error is a bias that no number of samples removes.",
         papers: &[papers::DEBEVEC],
         beside: Some(beside),
@@ -57,7 +58,8 @@ pub fn figures() -> Vec<Figure> {
             title: "The lights of 64 regions",
             report: Report::First,
             reproduces: "Figure 11, the 64 centroids with their RGB radiance",
-            shows: "One light at each centroid, in the colour of its region's flux.",
+            shows: "One light at each energy centroid, in the colour of its region's flux, on the map at two fifths of its brightness. The \
+                    regions have nearly the same energy, so that their lights differ in colour more than in brightness.",
             matters: "These lights are the whole illumination of such a render: each casts a shadow with a hard edge.",
             papers: &[papers::DEBEVEC],
             beside: Some("median-cut-64"),

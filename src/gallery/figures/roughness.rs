@@ -83,7 +83,8 @@ pub fn iron() -> Vec<Figure> {
         title: "Iron statue, α = 0.5",
         report: Report::Second,
         reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-        shows: "The same statue in iron: all colours are reflected nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
+        shows: "The scene of `roughness-0.5` with the indices of iron, those of Table 1, in place of gold's: all colours are reflected \
+                nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
         matters: "Only the indices of refraction differ from those of the golden statue: they alone make it grey.",
         papers: &[papers::JOHNSON_CHRISTY, papers::COOK_TORRANCE],
         beside: Some("roughness-0.5"),

@@ -20,7 +20,7 @@ pub fn figures() -> Vec<Figure> {
     vec![
         Figure {
             id: "sampling-importance",
-            title: "Copper statue, importance sampling",
+            title: "Copper statue of α = 0.05, importance sampling",
             report: Report::Second,
             reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
@@ -33,7 +33,7 @@ pub fn figures() -> Vec<Figure> {
         },
         Figure {
             id: "sampling-hemisphere",
-            title: "Copper statue, uniform hemisphere sampling",
+            title: "Copper statue of α = 0.05, uniform hemisphere sampling",
             report: Report::Second,
             reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
@@ -51,8 +51,8 @@ pub fn figures() -> Vec<Figure> {
             title: "Noise of both, and the dark rim at the silhouette",
             report: Report::Second,
             reproduces: "Figure 3, the dark rim of hemisphere sampling",
-            shows: "Both strategies have the same mean. With hemisphere sampling the median is far below the mean, which looks \
-                    like a dark rim.",
+            shows: "Copper of α = 0.05. Both strategies have the same mean. With hemisphere sampling the median of the pixels is far below \
+                    it: at the silhouette, which looks like a dark line, and in the interior, too, where few samples are taken.",
             matters: "What looks like a bias is a skewed distribution of noise: only the mean over many pixels, with its standard error, can tell.",
             papers: &[papers::WALTER],
             ..Figure::by(errors)
@@ -66,8 +66,8 @@ fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Co
     let name = |what: &str| format!("{what} by importance sampling minus by hemisphere sampling (standard errors)");
     let checks = vec![
         Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
-        Check::within(name("image"), 0.0, result.z_picture, SIGMAS),
-        Check::within(name("statue"), 0.0, result.z_statue, SIGMAS),
+        Check::within(name("image"), 0.0, result.picture.z, SIGMAS),
+        Check::within(name("statue"), 0.0, result.statue.z, SIGMAS),
     ];
     let content = Content::new(depth::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
@@ -77,12 +77,16 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = both(inputs, studies)?;
     let rim = "rim by importance sampling minus by hemisphere sampling (standard errors)";
     let mut checks = vec![
-        Check::within(rim, 0.0, result.z_rim, SIGMAS),
-        Check::at_most("median of the rim, hemisphere over importance sampling", result.rim_median_ratio(), 0.5),
+        Check::within(rim, 0.0, result.rim.z, SIGMAS),
+        Check::at_most(
+            "median of the rim, hemisphere over importance sampling",
+            result.rim.ratio(|image| image.median)[0],
+            0.5,
+        ),
     ];
     // The light of the report's scene has no surface: only light samples find it, and highlights are nearly as noisy in both.
-    let limit = if inputs.originals.is_some() { 1.0 } else { 0.25 };
-    let name = "noise on the statue, importance over hemisphere sampling";
-    checks.push(Check::at_most(name, result.noise_ratio(), limit));
+    let limit = if inputs.originals.is_some() { 1.0 } else { 4.0 };
+    let name = "noise on the statue, hemisphere over importance sampling";
+    checks.push(Check::at_least(name, result.statue.ratio(|image| image.noise)[0], limit));
     Content::new(view::errors(&result), &result.profile, checks)
 }

@@ -3,11 +3,11 @@
 //! With a map of 32×16 the errors are percents; with 1024×512 they would be in the fourth digit. The image is a floor under
 //! a uniform sky.
 
-use super::erratum::{Erratum, ErratumCurves, Suspect};
+use super::erratum::{Erratum, ErratumCurves, Nature, Suspect};
 use crate::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};
 use crate::envmap::{EnvMap, LatLong};
 use crate::errata::Conventions;
-use crate::errata::maps::{PLACE_IN_TEXEL, row_weight};
+use crate::errata::maps::{PLACE_IN_TEXEL, row_weight, row_without_sums};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::raster::Image;
@@ -176,4 +176,41 @@ pub fn gaussian_numbers() -> Result<Suspect> {
         ..Erratum::default()
     };
     Ok((erratum, [test("printed", true), test("right", false)]))
+}
+
+/// The first report's text divides the sums of the rows by their total and calls the result a CDF, without summing it up.
+pub fn rows_without_sums() -> Suspect {
+    let rows: Vec<f64> = (0..HEIGHT).map(right_share).collect();
+    let test = |name: &str, select: fn(&[f64], f64) -> Option<usize>| {
+        let rows = rows.clone();
+        Case::of(format!("audit/sums/{name}"), Discrete { outcomes: HEIGHT }, move || {
+            let (rows, claim) = (rows.clone(), Table1::new(&rows));
+            let draw = move |u: &[f64]| select(&rows, u[0]).map(Sample::new);
+            (sampler(1, draw), density(move |row: usize| claim.probability(row)))
+        })
+    };
+    let by_sums = |rows: &[f64], u: f64| Table1::new(rows).sample(u).map(|draw| draw.cell);
+    // A row is selected by numbers above those of all rows before.
+    let above = |y: usize| (rows[y] - rows[..y].iter().copied().fold(0.0, f64::max)).max(0.0);
+    let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * above(y) / rows[y]).sum();
+    let erratum = Erratum {
+        title: "CDF without sums",
+        report: "first report",
+        nature: Nature::Print,
+        printed: "1D CDF: the sum of each row over the total; the first row whose entry is at least u",
+        right: "1D CDF: the sums of all rows up to each, over the total; the first row whose entry is at least u",
+        test: "chi-square of the sampled rows, uniform sky of 16 rows",
+        error_in_picture: floor - 1.0,
+        error_of: "light on a floor",
+        curves: ErratumCurves {
+            x: "row",
+            every: 4.0,
+            y: "share of the samples",
+            printed: steps(above),
+            right: steps(|y| rows[y]),
+            scattered: false,
+        },
+        ..Erratum::default()
+    };
+    (erratum, [test("printed", row_without_sums), test("right", by_sums)])
 }

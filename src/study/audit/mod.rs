@@ -3,6 +3,7 @@
 
 mod area_light;
 mod erratum;
+mod formulas;
 mod glass;
 mod map;
 mod metal;
@@ -18,8 +19,9 @@ use std::cmp::Ordering;
 /// Tests all errors in one run. The most severe come first: by their nature, and by the error of an image.
 pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     let mut suspects = metal::suspects()?;
-    suspects.extend(glass::suspects());
-    suspects.extend([map::pole_rows(), map::corners(), map::gaussian_numbers()?, area_light::suspect()]);
+    suspects.extend(formulas::suspects());
+    suspects.extend([glass::suspect(), map::pole_rows(), map::corners(), map::gaussian_numbers()?]);
+    suspects.extend([map::rows_without_sums(), area_light::suspect()]);
     suspects.extend(misprints::suspects());
     let (mut errata, cases): (Vec<Erratum>, Vec<[Case; 2]>) = suspects.into_iter().unzip();
     let tests = run(&cases.into_iter().flatten().collect::<Vec<_>>(), protocol, &|_| ())?.tests;

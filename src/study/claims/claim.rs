@@ -62,6 +62,11 @@ impl Finding {
         Self { what: what.into(), value, error: 0.0, unit, bound }
     }
 
+    /// A number and its standard error.
+    pub fn estimated(what: impl Into<String>, [value, error]: [f64; 2], unit: Unit, bound: Bound) -> Self {
+        Self { error, ..Self::exact(what, value, unit, bound) }
+    }
+
     /// Whether it meets the demand; `None` if chance may decide.
     pub fn holds(&self) -> Option<bool> {
         let (low, high) = (self.value - SIGMAS * self.error, self.value + SIGMAS * self.error);

@@ -1,8 +1,8 @@
 //! The light of long paths on the glass sphere: by what happens where the eye's ray first meets it.
 
-use super::events::{Event, World};
+use super::events::Event;
+use super::feature::View;
 use crate::sampling::stream::{Independent, Stream};
-use crate::scene::{Request, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -24,34 +24,29 @@ pub struct LongPaths {
     pub internal: [f64; 2],
 }
 
+/// Events of the longest path.
+const LONGEST: u32 = 100;
+
 /// Traces `spp` paths of either kind for each pixel of the mask; also returns the image of all.
-pub fn long_paths(
-    world: &World,
-    scene: &Scene,
-    request: &Request,
-    mask: &[bool],
-    spp: u32,
-    seed: u64,
-) -> (LongPaths, Vec<DVec3>) {
+pub fn long_paths(view: &View, mask: &[bool], spp: u32) -> (LongPaths, Vec<DVec3>) {
     let pixels: Vec<usize> = (0..mask.len()).filter(|&i| mask[i]).collect();
     let limit = GRAZING_DEG.to_radians().cos();
     // Each sample's light by kind, summed, and the squares.
     let of_pixel = |&i: &usize| {
         let (mut sum, mut squares, mut light) = ([0.0; 4], [0.0; 4], DVec3::ZERO);
         for s in 0..spp {
-            let stream = Independent::new(seed, i as u64, s);
-            let [u, v] = stream.pair(0);
-            let at = [(i % request.width) as f64 + u, (i / request.width) as f64 + v];
-            let ray = scene.camera.ray(at[0] / request.width as f64, at[1] / request.height as f64);
-            let cos = world.nearest(&ray).map_or(1.0, |vertex| f64::from(vertex.cos(&ray)));
+            let stream = Independent::new(view.seed, i as u64, s);
+            let ray = view.ray(i, stream.pair(0));
+            let cos = view.world.nearest(&ray).map_or(1.0, |vertex| f64::from(vertex.cos(&ray)));
             let mut sample = [0.0; 4];
-            for first in [Event::Reflected, Event::Refracted] {
-                world.deep(ray, first, BEYOND, &stream, |internal, value| {
+            for &first in view.world.first_events(&ray) {
+                view.world.path(ray, first, BEYOND + 1..=LONGEST, &stream, |events, value| {
                     let value = value / f64::from(spp);
                     let mean = value.element_sum() / 3.0;
                     light += value;
                     let outside = first == Event::Reflected;
-                    let kinds = [true, outside, outside && cos < limit, !outside && internal > 0];
+                    let internal = events.iter().take_while(|e| !e.is_diffuse()).any(|e| *e == Event::Internal);
+                    let kinds = [true, outside, outside && cos < limit, internal];
                     sample.iter_mut().zip(kinds).for_each(|(sum, is)| *sum += if is { mean } else { 0.0 });
                 });
             }

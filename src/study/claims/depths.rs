@@ -1,17 +1,19 @@
 //! What the second report sees appear at each maximum depth: where each class is, and how it stands out there.
 
 use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE, percent};
-use super::events::{Event, World};
-use super::feature::{ClassImage, Place, PlacePicture, Share};
+use super::events::{Event, World, word};
+use super::feature::{ClassImage, Place, PlacePicture, View};
 use super::features::{And, Feature, features};
 use super::glazing::glazing;
+use super::share::Share;
 use crate::error::Result;
 use crate::interrupt;
 use crate::math::mean_rgb;
 use crate::raster::Image;
-use crate::scene::{Request, Scene};
+use crate::scene::Scene;
 use crate::study::depth::{DEPTHS, Depths};
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
+use crate::study::sampling_strategies::quotient;
 use Event::{BlueWall, Ceiling, Diffuse, Mirror, Reflected, Refracted};
 use glam::DVec3;
 
@@ -50,22 +52,25 @@ pub struct DepthClaims {
 /// [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -> Result<DepthClaims> {
     let Some(world) = World::new(scene) else { return Ok(untestable()) };
-    let request = &depths.request;
+    let view = View { scene, world, request: &depths.request, seed };
     let mut done = DepthClaims { claims: vec![alone(scene, depths)], ..DepthClaims::default() };
-    let light: f64 = depths.mean(DEPTHS[DEPTHS.len() - 1]) * (request.width * request.height) as f64;
+    let light: f64 = depths.mean(DEPTHS[DEPTHS.len() - 1]) * (depths.request.width * depths.request.height) as f64;
     let mut classes = Vec::new();
     for feature in features() {
         interrupt::check()?;
-        let class = class_image(&world, scene, request, feature.events, effort, seed);
+        let class = class_image(&view, feature.events, effort);
         let found = class.place();
         let place = found.unwrap_or_default();
-        let shown = image_at(depths, feature.depth);
-        let share = class.share_of(shown, &depths.standard_error, &place);
+        let here = class.light_in(&view, &place, feature.depth, effort.to_specular);
+        let share = Share::of(here[0], here[1]);
         let of_all = class.total()[0] / light;
         let what = format!("share of {} in the light there ({} of all light)", class.word, percent(of_all));
-        let error = share.error_at(VISIBLE);
-        let mut findings =
-            vec![Finding { what, value: share.value, error, unit: Unit::Percent, bound: Bound::AtLeast(VISIBLE) }];
+        let mut findings = vec![Finding::estimated(
+            what,
+            [share.value, share.error_at(VISIBLE)],
+            Unit::Percent,
+            Bound::AtLeast(VISIBLE),
+        )];
         findings.extend(also(&class, feature.and));
         done.claims.push(Claim {
             place: feature.place,
@@ -75,31 +80,27 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, effort: Effort, seed: u64) -
             ..Claim::default()
         });
         match feature.picture {
-            Some(title) if found.is_some() => done.pictures.push(PlacePicture {
-                title,
-                word: class.word.clone(),
-                depth: feature.depth,
-                class: class.image(),
-                place,
-                share,
-            }),
+            Some(title) if found.is_some() => {
+                done.pictures.push(PlacePicture::new(title, &class, place, here, (feature.depth, depths)));
+            }
             unseen => done.unseen.extend(unseen),
         }
-        if feature.events == [Reflected, Diffuse] {
-            done.pictures.push(faint(depths, &class, &place));
+        if feature.events == REFLECTION {
+            let here = class.light_in(&view, &place, 3, effort.to_specular);
+            let title = "the reflection that is “gone”";
+            done.pictures.push(PlacePicture::new(title, &class, place, here, (3, depths)));
         }
         classes.push(class);
     }
     // In the order of the report: after the features of depth 3
     let third = done.claims.iter().rposition(|claim| claim.place == "Fig. 1d").map_or(0, |i| i + 1);
-    let reflection = classes.iter().find(|class| class.word == "LDRE");
-    done.claims.insert(third, gone(depths, reflection));
+    done.claims.splice(third..third, [gone(&view, &classes, effort), outshone(&classes)]);
     done.claims.push(nothing_else(scene, depths));
-    let (glazing, picture, long) = glazing(&world, scene, depths, effort.to_diffuse, seed);
+    let (glazing, picture, long) = glazing(&view, depths, effort.to_diffuse);
     done.claims.extend(glazing);
     done.pictures.extend(picture);
     done.claims.push(brighter(depths));
-    done.agreement = agreement(&world, scene, depths, &classes, light, effort, seed);
+    done.agreement = agreement(&view, depths, &classes, light, effort);
     done.agreement.extend(long);
     Ok(done)
 }
@@ -117,27 +118,14 @@ fn untestable() -> DepthClaims {
     DepthClaims { claims: features().into_iter().map(claim).collect(), unseen, ..DepthClaims::default() }
 }
 
-fn class_image(
-    world: &World,
-    scene: &Scene,
-    request: &Request,
-    events: &[Event],
-    effort: Effort,
-    seed: u64,
-) -> ClassImage {
+fn class_image(view: &View, events: &'static [Event], effort: Effort) -> ClassImage {
     let spp = match events {
-        [Diffuse | BlueWall, _, ..] => {
-            return ClassImage::from_light(world, scene, request, events, effort.from_light, seed);
-        }
+        [Diffuse | BlueWall, _, ..] => return ClassImage::from_light(view, events, effort.from_light),
         [Diffuse | Ceiling, ..] => effort.from_walls,
         [.., Diffuse] => effort.to_diffuse,
         _ => effort.to_specular,
     };
-    ClassImage::from_eye(world, scene, request, events, spp, seed)
-}
-
-fn image_at(depths: &Depths, depth: u32) -> &Image {
-    &depths.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
+    ClassImage::from_eye(view, events, spp)
 }
 
 /// The findings on colour and position.
@@ -186,19 +174,25 @@ fn alone(scene: &Scene, depths: &Depths) -> Claim {
     }
 }
 
-/// The share of the walls' reflection in the light of the glass sphere at a depth.
-fn reflection_share(depths: &Depths, reflection: &ClassImage, depth: u32) -> Share {
-    let whole = Place { from: [0, 0], to: [depths.request.width, depths.request.height] };
-    reflection.share_of(image_at(depths, depth), &depths.standard_error, &whole)
+/// Walls on the outside of the glass, and through it.
+const REFLECTION: &[Event] = &[Reflected, Diffuse];
+const REFRACTION: &[Event] = &[Refracted, Refracted, Diffuse];
+
+fn find<'a>(classes: &'a [ClassImage], events: &[Event]) -> Option<&'a ClassImage> {
+    classes.iter().find(|class| class.word == word(events))
 }
 
-fn gone(depths: &Depths, reflection: Option<&ClassImage>) -> Claim {
-    let findings = reflection.map(|class| {
-        let [before, share] = [2, 3].map(|depth| reflection_share(depths, class, depth));
+fn gone(view: &View, classes: &[ClassImage], effort: Effort) -> Claim {
+    let findings = find(classes, REFLECTION).map(|class| {
+        let whole = Place { from: [0, 0], to: [view.request.width, view.request.height] };
+        let [before, share] = [2, 3].map(|depth| {
+            let [part, rest] = class.light_in(view, &whole, depth, effort.to_diffuse);
+            Share::of(part, rest)
+        });
         let before = percent(before.value);
-        let what = format!("share of LDRE in the light of the glass sphere at depth 3 (at depth 2: {before})");
-        let (value, error) = (share.value, share.error_at(VISIBLE));
-        Finding { what, value, error, unit: Unit::Percent, bound: Bound::AtMost(VISIBLE) }
+        let what =
+            format!("share of {} in the light of the glass sphere at depth 3 (at depth 2: {before})", class.word);
+        Finding::estimated(what, [share.value, share.error_at(VISIBLE)], Unit::Percent, Bound::AtMost(VISIBLE))
     });
     Claim {
         place: "Fig. 1d",
@@ -210,14 +204,20 @@ fn gone(depths: &Depths, reflection: Option<&ClassImage>) -> Claim {
     }
 }
 
-fn faint(depths: &Depths, class: &ClassImage, place: &Place) -> PlacePicture {
-    PlacePicture {
-        title: "the reflection that is “gone”",
-        word: class.word.clone(),
-        depth: 3,
-        class: class.image(),
-        place: *place,
-        share: class.share_of(image_at(depths, 3), &depths.standard_error, place),
+fn outshone(classes: &[ClassImage]) -> Claim {
+    /// "Much larger".
+    const MUCH: f64 = 10.0;
+    let findings = find(classes, REFRACTION).zip(find(classes, REFLECTION)).map(|(refraction, reflection)| {
+        let what = format!("light of {} over that of {}", refraction.word, reflection.word);
+        let ratio = quotient(refraction.total(), reflection.total());
+        Finding::estimated(what, ratio, Unit::Times, Bound::AtLeast(MUCH))
+    });
+    Claim {
+        place: "Fig. 1d",
+        claim: "Refraction by the glass sphere is much more intense than reflection.",
+        findings: findings.into_iter().collect(),
+        evidence: &["depth-3"],
+        ..Claim::default()
     }
 }
 
@@ -300,28 +300,29 @@ fn brighter(depths: &Depths) -> Claim {
     }
 }
 
-/// Classes that the renderer measures, too: sums of those that Heckbert's notation does not distinguish.
-fn agreement(
-    world: &World,
-    scene: &Scene,
-    depths: &Depths,
-    classes: &[ClassImage],
-    light: f64,
-    effort: Effort,
-    seed: u64,
-) -> Vec<Agreement> {
-    let more: Vec<ClassImage> = [&[Reflected, Mirror, Diffuse][..], &[Refracted, Refracted]]
-        .into_iter()
-        .map(|events| class_image(world, scene, &depths.request, events, effort, seed))
-        .collect();
-    let compared = [
-        ("LDSE on the mirror sphere, event by event minus the renderer", "LDSE", "mirror", &["LDME"][..]),
-        ("LDSE on the glass sphere, event by event minus the renderer", "LDSE", "glass", &["LDRE"]),
-        ("LDSSE on the glass sphere, event by event minus the renderer", "LDSSE", "glass", &["LDTTE", "LDMRE"]),
-        ("LSSE on the glass sphere, event by event minus the renderer", "LSSE", "glass", &["LMRE", "LTTE"]),
+/// Classes that the renderer measures, too, which does not distinguish what is specular.
+fn agreement(view: &View, depths: &Depths, classes: &[ClassImage], light: f64, effort: Effort) -> Vec<Agreement> {
+    const LIGHT: &[Event] = &[Refracted, Refracted];
+    const MIRROR: &[Event] = &[Reflected, Mirror, Diffuse];
+    let more = [MIRROR, LIGHT].map(|events| class_image(view, events, effort));
+    let compared: [(_, _, _, &[&[Event]]); 4] = [
+        ("LDSE on the mirror sphere, event by event minus the renderer", "LDSE", "mirror", &[&[Mirror, Diffuse]]),
+        ("LDSE on the glass sphere, event by event minus the renderer", "LDSE", "glass", &[REFLECTION]),
+        ("LDSSE on the glass sphere, event by event minus the renderer", "LDSSE", "glass", &[REFRACTION, MIRROR]),
+        (
+            "LSSE on the glass sphere, event by event minus the renderer",
+            "LSSE",
+            "glass",
+            &[&[Reflected, Mirror], LIGHT],
+        ),
     ];
-    let z = |(name, class, on, words): (&'static str, &str, &str, &[&str])| {
-        let parts = || classes.iter().chain(&more).filter(|c| words.contains(&c.word.as_str())).map(ClassImage::total);
+    let z = |(name, class, on, parts): (&'static str, &str, &str, &[&[Event]])| {
+        let parts = || {
+            parts
+                .iter()
+                .filter_map(|events| find(classes, events).or_else(|| find(&more, events)))
+                .map(ClassImage::total)
+        };
         let (sum, variance) = parts().fold((0.0, 0.0), |(sum, variance), [s, e]| (sum + s, variance + e * e));
         let rendered = depths.class(class, on).map_or(f64::NAN, |row| row.share_of_light * light);
         // The renderer takes more samples: its variance is no larger.

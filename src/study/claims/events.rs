@@ -10,6 +10,7 @@ use crate::scene::bvh::Bvh;
 use crate::scene::{Material, Object, Projection, Ray, Rectangle, ScatterModel, Scene, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// What happens at a vertex of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -31,27 +32,37 @@ pub enum Event {
 }
 
 impl Event {
-    /// Its letter: R, T and I at glass, M at a mirror, D at a diffuse surface.
-    pub fn letter(self) -> char {
+    /// Heckbert's letter, with the initial of what is specular: mirror, reflection by glass, transmission, internal reflection.
+    pub fn symbol(self) -> &'static str {
         match self {
-            Self::Diffuse | Self::Ceiling | Self::BlueWall => 'D',
-            Self::Mirror => 'M',
-            Self::Reflected => 'R',
-            Self::Refracted => 'T',
-            Self::Internal => 'I',
+            Self::Diffuse | Self::Ceiling | Self::BlueWall => "D",
+            Self::Mirror => "Sₘ",
+            Self::Reflected => "Sᵣ",
+            Self::Refracted => "Sₜ",
+            Self::Internal => "Sᵢ",
         }
     }
 
     /// Whether it is diffuse reflection.
     pub fn is_diffuse(self) -> bool {
-        self.letter() == 'D'
+        matches!(self, Self::Diffuse | Self::Ceiling | Self::BlueWall)
+    }
+
+    /// Whether `other` is this event, or diffuse reflection by a certain surface where this is any diffuse reflection.
+    fn covers(self, other: Self) -> bool {
+        self == other || self == Self::Diffuse && other.is_diffuse()
     }
 }
 
-/// A class from the light to the eye, "LDTTE".
+/// A class from the light to the eye, "LDSₜSₜE".
 pub fn word(events: &[Event]) -> String {
-    let letters: String = events.iter().rev().map(|event| event.letter()).collect();
-    format!("L{letters}E")
+    let symbols: String = events.iter().rev().map(|event| event.symbol()).collect();
+    format!("L{symbols}E")
+}
+
+/// Whether a path with these events, from the eye, is of the class.
+pub fn is_of(events: &[Event], class: &[Event]) -> bool {
+    events.len() == class.len() && class.iter().zip(events).all(|(class, event)| class.covers(*event))
 }
 
 /// Distance of a new ray from the surface where it starts, in the scene's unit (the box is 2 wide).
@@ -280,13 +291,30 @@ impl<'a> World<'a> {
         Some(([0.5 + 0.5 * film[0], 0.5 - 0.5 * film[1]], brdf.as_dvec3() * (importance / PI)))
     }
 
-    /// A path whose first event is given and the others chosen by the BSDFs; calls `add` with the light of each class of more than
-    /// `beyond` events, and the number of internal reflections at glass before the first diffuse vertex.
-    pub fn deep(&self, ray: Ray, first: Event, beyond: u32, stream: &Independent, mut add: impl FnMut(u32, DVec3)) {
-        /// Events of the longest path.
-        const LONGEST: u32 = 100;
-        let (mut ray, mut weight, mut internal, mut seen_diffuse) = (ray, DVec3::ONE, 0, false);
-        for depth in 1..=LONGEST {
+    /// What can happen first along a ray from the eye. Glass has two events, so that both are sampled.
+    pub fn first_events(&self, ray: &Ray) -> &'static [Event] {
+        match self.nearest(ray).map(|vertex| &vertex.object.material) {
+            Some(Material::Diffuse { .. }) => &[Event::Diffuse],
+            Some(Material::Mirror { .. }) => &[Event::Mirror],
+            Some(Material::Dielectric(_)) => &[Event::Reflected, Event::Refracted],
+            _ => &[],
+        }
+    }
+
+    /// A path whose first event is given and the others chosen by the BSDFs; calls `add` with the events and the light of each of
+    /// its beginnings that has so many of them.
+    pub fn path(
+        &self,
+        mut ray: Ray,
+        first: Event,
+        lengths: RangeInclusive<u32>,
+        stream: &Independent,
+        mut add: impl FnMut(&[Event], DVec3),
+    ) {
+        /// Events before Russian roulette.
+        const SAFE: u32 = 5;
+        let (mut weight, mut events) = (DVec3::ONE, Vec::new());
+        for depth in 1..=*lengths.end() {
             let Some(vertex) = self.nearest(&ray) else { return };
             let [choice, roulette] = stream.pair(3 * depth);
             let event = match vertex.object.material {
@@ -313,18 +341,18 @@ impl<'a> World<'a> {
                 (event, reflection)
             };
             let Some((next, factor)) = scattered else { return };
-            internal += u32::from(event == Event::Internal && !seen_diffuse);
-            seen_diffuse |= event.is_diffuse();
-            if depth > beyond {
-                if event.is_diffuse() {
-                    add(internal, weight * self.direct(&vertex, stream.pair(3 * depth + 2)));
+            let places = [Event::Ceiling, Event::BlueWall].into_iter().find(|place| vertex.allows(*place));
+            events.push(places.filter(|_| event.is_diffuse()).unwrap_or(event));
+            if lengths.contains(&depth) {
+                let light = if event.is_diffuse() {
+                    weight * self.direct(&vertex, stream.pair(3 * depth + 2))
                 } else {
-                    add(internal, weight * factor * self.emitted(&next));
-                }
+                    weight * factor * self.emitted(&next)
+                };
+                add(&events, light);
             }
             (ray, weight) = (next, weight * factor);
-            // Russian roulette
-            if depth > beyond {
+            if depth > SAFE {
                 let survival = weight.max_element().min(0.95);
                 if roulette >= survival {
                     return;

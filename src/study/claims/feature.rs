@@ -2,12 +2,14 @@
 //!
 //! One half of the samples finds the place, the other half measures it: the place is not chosen by the noise that is measured.
 
-use super::events::{Event, World, word};
+use super::events::{Event, World, is_of, word};
+use super::share::Share;
 use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
 use crate::raster::Image;
 use crate::sampling::stream::{Independent, Stream};
-use crate::scene::{Request, Scene};
+use crate::scene::{Ray, Request, Scene};
+use crate::study::depth::Depths;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -32,26 +34,24 @@ impl Place {
     }
 }
 
-/// A share with the standard errors of both its parts, over the whole.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Share {
-    /// The share.
-    pub value: f64,
-    of_class: f64,
-    of_image: f64,
+/// A scene as the camera sees it, and the seed of the paths through it.
+pub struct View<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its surfaces and its light.
+    pub world: World<'a>,
+    /// Size of the image.
+    pub request: &'a Request,
+    /// Of the random numbers.
+    pub seed: u64,
 }
 
-impl Share {
-    /// A part and a whole, each with its standard error.
-    pub fn of([part, of_part]: [f64; 2], [whole, of_whole]: [f64; 2]) -> Self {
-        Self { value: part / whole, of_class: of_part / whole, of_image: of_whole / whole }
-    }
-
-    /// The standard error of part − bound · whole, over the whole, which decides on which side of the bound the share is.
-    ///
-    /// Source: Fieller, "Some Problems in Interval Estimation", 1954.
-    pub fn error_at(&self, bound: f64) -> f64 {
-        self.of_class.hypot(bound * self.of_image)
+impl View<'_> {
+    /// The ray through a point of pixel `i`.
+    pub fn ray(&self, i: usize, [u, v]: [f64; 2]) -> Ray {
+        let Request { width, height, .. } = *self.request;
+        let (x, y) = ((i % width) as f64 + u, (i / width) as f64 + v);
+        self.scene.camera.ray(x / width as f64, y / height as f64)
     }
 }
 
@@ -69,11 +69,31 @@ pub struct PlacePicture {
     pub place: Place,
     /// Its share of the light there.
     pub share: Share,
+    /// The light there minus that of the image, in standard errors.
+    pub z: f64,
+}
+
+impl PlacePicture {
+    /// Of a class at a depth whose image is given.
+    pub fn new(
+        title: &'static str,
+        class: &ClassImage,
+        place: Place,
+        light: [[f64; 2]; 2],
+        (depth, depths): (u32, &Depths),
+    ) -> Self {
+        let [[part, part_error], [rest, rest_error]] = light;
+        let [rendered, rendered_error] = class.rendered(depths.image(depth), &depths.standard_error, &place);
+        let z = (part + rest - rendered) / part_error.hypot(rest_error).hypot(rendered_error);
+        let share = Share::of(light[0], light[1]);
+        Self { title, word: class.word.clone(), depth, class: class.image(), place, share, z }
+    }
 }
 
 /// The light of a class in every pixel.
 pub struct ClassImage {
     width: usize,
+    events: &'static [Event],
     /// The class, from the light to the eye.
     pub word: String,
     /// Radiance by all samples.
@@ -111,16 +131,19 @@ impl Reached {
     }
 
     /// Whether a pixel shows a point of it, among a grid of its own.
-    fn is_seen(&self, world: &World, scene: &Scene, request: &Request, events: &[Event], i: usize) -> bool {
+    fn is_seen(&self, view: &View, events: &[Event], i: usize) -> bool {
         const GRID: u32 = 4;
-        let (x, y) = ((i % request.width) as f64, (i / request.width) as f64);
         (0..GRID * GRID).any(|k| {
-            let [u, v] = [k % GRID, k / GRID].map(|n| (f64::from(n) + 0.5) / f64::from(GRID));
-            let ray = scene.camera.ray((x + u) / request.width as f64, (y + v) / request.height as f64);
-            let point = world.first_diffuse(ray, events);
+            let at = [k % GRID, k / GRID].map(|n| (f64::from(n) + 0.5) / f64::from(GRID));
+            let point = view.world.first_diffuse(view.ray(i, at), events);
             point.is_some_and(|p| p.cmpge(self.low).all() && p.cmple(self.high).all())
         })
     }
+}
+
+/// Samples of a pixel where only some of all pixels are sampled: as many in all, within limits.
+fn more(spp: u32, all: usize, some: usize) -> u32 {
+    spp * (all / some.max(1)).clamp(1, MOST) as u32
 }
 
 /// What one sample adds: the pixel, and its radiance.
@@ -128,22 +151,19 @@ type Splat = (usize, DVec3);
 
 impl ClassImage {
     /// By `spp` paths from the eye in each pixel where the first event can happen.
-    pub fn from_eye(world: &World, scene: &Scene, request: &Request, events: &[Event], spp: u32, seed: u64) -> Self {
-        let mut image = Self::empty(world, scene, request, events);
+    pub fn from_eye(view: &View, events: &'static [Event], spp: u32) -> Self {
+        let mut image = Self::empty(view, events);
         // Where light paths arrive at few points, as many paths in all go to the pixels that show these.
         let (mut near, mut spp) = (image.around(), spp);
-        if let Some(reached) = Reached::of(world, events, seed) {
+        if let Some(reached) = Reached::of(&view.world, events, view.seed) {
             let all = near.len();
-            near.retain(|&i| reached.is_seen(world, scene, request, events, i));
-            spp *= (all / near.len().max(1)).clamp(1, MOST) as u32;
+            near.retain(|&i| reached.is_seen(view, events, i));
+            spp = more(spp, all, near.len());
         }
         let pixel = |i: usize| -> Vec<DVec3> {
-            let (x, y) = (i % request.width, i / request.width);
             let sample = |s: u32| {
-                let stream = Independent::new(seed, i as u64, s);
-                let [u, v] = stream.pair(0);
-                let at = [(x as f64 + u) / request.width as f64, (y as f64 + v) / request.height as f64];
-                world.along(scene.camera.ray(at[0], at[1]), events, &stream)
+                let stream = Independent::new(view.seed, i as u64, s);
+                view.world.along(view.ray(i, stream.pair(0)), events, &stream)
             };
             (0..spp).map(sample).collect()
         };
@@ -157,18 +177,11 @@ impl ClassImage {
     }
 
     /// By `count` paths from the light; the first event is diffuse, the others are specular.
-    pub fn from_light(
-        world: &World,
-        scene: &Scene,
-        request: &Request,
-        events: &[Event],
-        count: u32,
-        seed: u64,
-    ) -> Self {
-        let mut image = Self::empty(world, scene, request, events);
-        let (width, height) = (request.width, request.height);
+    pub fn from_light(view: &View, events: &'static [Event], count: u32) -> Self {
+        let mut image = Self::empty(view, events);
+        let Request { width, height, .. } = *view.request;
         let splat = |n: u32| -> Option<Splat> {
-            let (film, share) = world.splat(events, &Independent::new(seed, u64::from(n), 0))?;
+            let (film, share) = view.world.splat(events, &Independent::new(view.seed, u64::from(n), 0))?;
             let [x, y] = [(film[0] * width as f64) as usize, (film[1] * height as f64) as usize];
             Some((y.min(height - 1) * width + x.min(width - 1), share * (width * height) as f64))
         };
@@ -181,12 +194,11 @@ impl ClassImage {
         image
     }
 
-    fn empty(world: &World, scene: &Scene, request: &Request, events: &[Event]) -> Self {
-        let (width, pixels) = (request.width, request.width * request.height);
+    fn empty(view: &View, events: &'static [Event]) -> Self {
+        let (width, pixels) = (view.request.width, view.request.width * view.request.height);
         let centre = |i: usize| {
-            let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-            let ray = scene.camera.ray(x / width as f64, y / request.height as f64);
-            world.nearest(&ray).zip(events.first()).is_some_and(|(vertex, event)| vertex.allows(*event))
+            let vertex = view.world.nearest(&view.ray(i, [0.5; 2]));
+            vertex.zip(events.first()).is_some_and(|(vertex, event)| vertex.allows(*event))
         };
         let mask = if interrupt::requested() {
             vec![false; pixels]
@@ -195,6 +207,7 @@ impl ClassImage {
         };
         Self {
             width,
+            events,
             word: word(events),
             pixels: vec![DVec3::ZERO; pixels],
             mask,
@@ -244,16 +257,44 @@ impl ClassImage {
         (total > 0.0).then_some(place)
     }
 
-    /// The share of the class in the light of `image`, which has it, in this place.
-    pub fn share_of(&self, image: &Image, standard_error: &Image, place: &Place) -> Share {
-        let within = |i: &usize| self.mask[*i] && place.holds([i % self.width, i / self.width]);
-        let pixels: Vec<usize> = (0..self.mask.len()).filter(within).collect();
-        let all: f64 = pixels.iter().map(|&i| mean_rgb(image.pixels()[i])).sum();
+    /// Light of the class in this place, and of all other paths of at most `depth` events, with standard errors. The former is that of
+    /// the second half of the samples; `spp` paths of the latter are traced in each pixel, more if the place is small.
+    pub fn light_in(&self, view: &View, place: &Place, depth: u32, spp: u32) -> [[f64; 2]; 2] {
+        let pixels: Vec<usize> = self.within(place).collect();
         let class: f64 = pixels.iter().map(|&i| self.halves[1][i]).sum();
         let variance: f64 = pixels.iter().map(|&i| self.variance[i]).sum();
+        let spp = more(spp, self.mask.iter().filter(|m| **m).count(), pixels.len());
+        let others = |&i: &usize| {
+            let sample = |s: u32| {
+                let stream = Independent::new(view.seed.wrapping_add(1), i as u64, s);
+                let (ray, mut light) = (view.ray(i, stream.pair(0)), 0.0);
+                for &first in view.world.first_events(&ray) {
+                    view.world.path(ray, first, 1..=depth, &stream, |events, value| {
+                        light += if is_of(events, self.events) { 0.0 } else { value.element_sum() / 3.0 };
+                    });
+                }
+                light / f64::from(spp)
+            };
+            (0..spp).map(sample).fold([0.0; 2], |[sum, squares], light| [sum + light, squares + light * light])
+        };
+        // Summed in the order of the pixels, whatever the number of threads
+        let lights: Vec<[f64; 2]> = pixels.par_iter().map(others).collect();
+        let [rest, squares] = [0, 1].map(|k| lights.iter().map(|light| light[k]).sum::<f64>());
+        [[class, variance.sqrt()], [rest, squares.sqrt()]]
+    }
+
+    /// All light of an image in this place, with its standard error.
+    fn rendered(&self, image: &Image, standard_error: &Image, place: &Place) -> [f64; 2] {
+        let light = |image: &Image, of: fn(f64) -> f64| -> f64 {
+            self.within(place).map(|i| of(mean_rgb(image.pixels()[i]))).sum()
+        };
         // Channels of a pixel err together.
-        let of_image: f64 = pixels.iter().map(|&i| mean_rgb(standard_error.pixels()[i]).powi(2)).sum();
-        Share::of([class, variance.sqrt()], [all, of_image.sqrt()])
+        [light(image, |v| v), light(standard_error, |v| v * v).sqrt()]
+    }
+
+    /// The pixels of the mask in this place.
+    fn within(&self, place: &Place) -> impl Iterator<Item = usize> {
+        (0..self.mask.len()).filter(|i| self.mask[*i] && place.holds([i % self.width, i / self.width]))
     }
 
     /// The sum of the class's light over the pixels of the mask (mean of the channels), and its standard error.
@@ -309,8 +350,8 @@ mod tests {
     fn forced_events_have_the_light_that_is_rendered() {
         let (scene, request) = builtin::cornell_spheres();
         let request = Request { width: 80, height: 60, spp: 256, max_depth: 4, ..request };
-        let world = World::new(&scene).unwrap();
-        let image = |events: &[Event]| ClassImage::from_eye(&world, &scene, &request, events, 32, 5);
+        let view = View { scene: &scene, world: World::new(&scene).unwrap(), request: &request, seed: 5 };
+        let image = |events: &'static [Event]| ClassImage::from_eye(&view, events, 32);
         for (word, parts) in [
             ("LDSE", vec![image(&[Mirror, Diffuse])]),
             ("LDSSE", vec![image(&[Reflected, Mirror, Diffuse]), image(&[Refracted, Refracted, Diffuse])]),
@@ -327,16 +368,8 @@ mod tests {
         let ratio = caustic.total()[0] / rendered(&scene, &request, "LSSDSE", &caustic.mask);
         assert!((0.8..1.2).contains(&ratio), "{ratio}");
         // The caustic on the floor, from the light and from the eye
-        let events = [Diffuse, Refracted, Refracted];
-        let [light, eye] =
-            [ClassImage::from_light(&world, &scene, &request, &events, 1 << 15, 5), image(&events)].map(|c| c.total());
+        let events = &[Diffuse, Refracted, Refracted];
+        let [light, eye] = [ClassImage::from_light(&view, events, 1 << 15), image(events)].map(|c| c.total());
         assert!((light[0] - eye[0]).abs() < 4.0 * light[1].hypot(eye[1]) && eye[1] < 0.1 * eye[0], "{light:?} {eye:?}");
-    }
-
-    #[test]
-    fn the_bound_of_a_share_counts_the_whole_as_much_as_it_weighs() {
-        let share = Share::of([2.0, 0.3], [4.0, 2.0]);
-        assert_eq!((share.value, share.error_at(0.0)), (0.5, 0.075));
-        assert!((share.error_at(1.0) - 0.075f64.hypot(0.5)).abs() < 1e-12);
     }
 }

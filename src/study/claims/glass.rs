@@ -36,6 +36,31 @@ pub(super) fn squared_amplitudes_error() -> f64 {
     largest(cosines(90.0).map(|c| error(c, ETA))).max(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
 }
 
+/// The largest difference of the reflectances that the first report prints, of each polarization, from those that are rendered: squares
+/// of quotients, both sides of glass.
+fn printed_quotients_error() -> f64 {
+    let error = |cos: f64, eta: f64| {
+        let exact = dielectric::fresnel(cos, eta);
+        let cos_t = exact.cos_t.unwrap_or(0.0);
+        // With η of the near side 1, and η of the far side `eta`
+        let parallel = ((eta * cos - cos_t) / (eta * cos + cos_t)).powi(2);
+        let perpendicular = ((cos - eta * cos_t) / (cos + eta * cos_t)).powi(2);
+        (parallel - exact.parallel).abs().max((perpendicular - exact.perpendicular).abs())
+    };
+    let critical = (1.0 / ETA).asin().to_degrees();
+    largest(cosines(90.0).map(|c| error(c, ETA))).max(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
+}
+
+/// The difference of the reflectances from both sides of glass at normal incidence, and the largest at one angle, below the critical
+/// one.
+pub(super) fn asymmetry() -> [f64; 2] {
+    let difference = |cos: f64| {
+        let [out, inside] = [ETA, 1.0 / ETA].map(|eta| dielectric::fresnel(cos, eta).unpolarized());
+        (out - inside).abs()
+    };
+    [difference(1.0), largest(cosines((1.0 / ETA).asin().to_degrees()).map(difference))]
+}
+
 /// Tests the claims; `metals` are those of the table.
 pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
     let inside = 1.0 / ETA;
@@ -77,6 +102,31 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
             ..Claim::default()
         },
         Claim {
+            place: "Fig. 1",
+            claim: "The curve of parallel polarization goes to zero at Brewster's angle.",
+            number: "55.40771131249006",
+            findings: vec![Finding::exact(
+                "R∥ at the printed angle",
+                dielectric::fresnel(55.407_711_312_490_06f64.to_radians().cos(), ETA).parallel,
+                Unit::Plain,
+                Bound::AtMost(ROUNDING),
+            )],
+            evidence: &["fresnel-enter", "fresnel-angles"],
+            ..Claim::default()
+        },
+        Claim {
+            place: "text",
+            claim: "R∥ and R⊥ are the squares of the printed quotients of η and cosines.",
+            findings: vec![Finding::exact(
+                "largest difference from them, both sides of glass",
+                printed_quotients_error(),
+                Unit::Plain,
+                Bound::AtMost(ROUNDING),
+            )],
+            evidence: both,
+            ..Claim::default()
+        },
+        Claim {
             place: "Fig. 2",
             claim: "The critical angle from η = 1.45 to 1.",
             number: "43.60281897270362",
@@ -98,9 +148,10 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
         },
         Claim {
             place: "Fig. 2",
-            claim: "From inside, the curves end at the critical angle.",
+            claim: "Leaving glass, the critical angle is the upper bound of the angle of incidence.",
+            number: "43.60281897270362",
             findings: vec![percent(
-                "share of uniform light beyond it, of which R = 1 is not drawn",
+                "share of uniform light inside that arrives at a larger angle, where R = 1",
                 share_beyond,
                 Bound::AtMost(VISIBLE),
             )],
@@ -165,7 +216,7 @@ mod tests {
         assert_eq!(verdict("Transmittance"), Verdict::Holds);
         assert_eq!(verdict("Schlick's approximation, leaving"), Verdict::DoesNotHold);
         // Of uniform light inside, cos² of the critical angle arrives beyond it.
-        let beyond = claims.iter().find(|c| c.claim.starts_with("From inside")).unwrap();
+        let beyond = claims.iter().find(|c| c.claim.starts_with("Leaving glass")).unwrap();
         assert!((beyond.findings[0].value - (1.0 - 1.0 / (ETA * ETA))).abs() < 1e-12);
     }
 }

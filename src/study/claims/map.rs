@@ -32,12 +32,17 @@ pub struct MapInputs<'a> {
 /// # Errors
 /// Those of the median cut.
 pub fn map_claims(inputs: &MapInputs) -> Result<Vec<Claim>> {
-    let cut = |centroid| median_cut::cut(inputs.map, &[64], Split::Energy, SideRule::default(), centroid);
-    let (energy, median) = (cut(Centroid::Energy)?.remove(0), cut(Centroid::Median)?.remove(0));
+    let cut = |centroid, regions| -> Result<Vec<RegionRow>> {
+        Ok(median_cut::cut(inputs.map, &[regions], Split::Energy, SideRule::default(), centroid)?.remove(0))
+    };
+    let (energy, median) = (cut(Centroid::Energy, 64)?, cut(Centroid::Median, 64)?);
     Ok(vec![
+        size(inputs.map),
         proposal(inputs.proposal),
+        brighter(inputs.map),
         middle(inputs.map, true),
         middle(inputs.map, false),
+        four_cuts(&cut(Centroid::Energy, 4)?),
         balance(&energy),
         centroids(inputs, &energy, &median),
         Claim {
@@ -50,6 +55,67 @@ pub fn map_claims(inputs: &MapInputs) -> Result<Vec<Claim>> {
         },
         noise(inputs.renders),
     ])
+}
+
+fn size(map: &EnvMap) -> Claim {
+    let [rows, columns] = [map.geometry().height(), map.geometry().width()];
+    let difference = rows.abs_diff(512) + columns.abs_diff(1024);
+    Claim {
+        place: "text",
+        claim: "The map has 512 rows and 1024 columns.",
+        number: "(512, 1024, 3)",
+        findings: vec![Finding::exact(
+            format!("rows and columns by which {rows} × {columns} differ from it"),
+            difference as f64,
+            Unit::Plain,
+            Bound::AtMost(0.0),
+        )],
+        evidence: &["envmap-samples-1024"],
+        ..Claim::default()
+    }
+}
+
+/// The share of the map's energy in the brighter half of its pixels.
+fn brighter_share(map: &EnvMap) -> f64 {
+    let g = map.geometry();
+    let texels = (0..g.height()).flat_map(|y| (0..g.width()).map(move |x| (x, y)));
+    let mut values: Vec<[f64; 2]> = texels.map(|(x, y)| [map.mean_rgb(x, y), map.energy(x, y)]).collect();
+    values.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let energy = |values: &[[f64; 2]]| values.iter().map(|value| value[1]).sum::<f64>();
+    energy(&values[..values.len() / 2]) / energy(&values)
+}
+
+fn brighter(map: &EnvMap) -> Claim {
+    Claim {
+        place: "text",
+        claim: "Pixels of higher intensity are easier to be sampled.",
+        findings: vec![Finding::exact(
+            "of the samples, in the brighter half of the pixels",
+            brighter_share(map),
+            Unit::Percent,
+            Bound::AtLeast(0.5),
+        )],
+        evidence: &["envmap-samples-1024"],
+        ..Claim::default()
+    }
+}
+
+fn four_cuts(regions: &[RegionRow]) -> Claim {
+    Claim {
+        place: "text",
+        claim: "The cuts of both halves make 4 cuts.",
+        number: "4 cuts",
+        findings: vec![Finding::exact(
+            format!("cuts that make {} regions", regions.len()),
+            regions.len() as f64 - 1.0,
+            Unit::Plain,
+            Bound::AtLeast(4.0),
+        )],
+        remark: "The sentence counts regions. Captions of Figures 7 to 10 count levels: 1, 2, 4 and 6 of them make 2, 4, 16 and 64 \
+                 regions, by 1, 3, 15 and 63 cuts.",
+        evidence: &["median-cut-4"],
+        ..Claim::default()
+    }
 }
 
 fn proposal(tested: Option<&Proposal>) -> Claim {
@@ -232,6 +298,7 @@ mod tests {
         let map = Arc::new(EnvMap::new(Synthetic::Constant.make()));
         let ([rows, flat], [columns, _]) = (middle_shares(&map, true), middle_shares(&map, false));
         assert!((rows - FRAC_1_SQRT_2).abs() < 1e-12 && (columns - 0.5).abs() < 1e-12 && (flat - 0.5).abs() < 1e-12);
+        assert!((brighter_share(&map) - 0.5).abs() < 1e-12, "the brightest half is the upper one");
         assert!(sampled_shares(&map, 4096, 1).unwrap().iter().all(|agreement| agreement.z.abs() < 4.0));
         assert!(sampled_shares(&map, 0, 1).is_err());
     }

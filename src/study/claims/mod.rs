@@ -3,6 +3,7 @@
 //! A claim has findings: numbers with standard errors, each compared with a bound. The verdict follows from them alone.
 
 mod claim;
+mod copper;
 mod deep;
 mod depths;
 mod events;
@@ -10,14 +11,18 @@ mod feature;
 mod features;
 mod glass;
 mod glazing;
+mod gold;
 mod map;
 mod metal;
+mod share;
 #[cfg(test)]
 mod tests;
 
 pub use claim::{Agreement, Bound, Claim, Finding, Unit, Verdict};
+pub use copper::sampling_claims;
 pub use depths::{DepthClaims, Effort, depth_claims};
 pub use feature::{Place, PlacePicture};
 pub use glass::glass_claims;
+pub use gold::{StatueInputs, statue_claims};
 pub use map::{MapInputs, map_claims, sampled_shares};
-pub use metal::{StatueInputs, metal_claims, sampling_claims, statue_claims};
+pub use metal::metal_claims;
