@@ -142,8 +142,10 @@ impl<const AXIS: usize> AxisPanel<AXIS> {
     const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
 
     fn new(rectangle: &Rectangle) -> Option<Self> {
+        // Exactly: rays that leave a wall start on the side of its plane.
+        let along = |v: &Vec3| v.to_array().iter().filter(|component| **component != 0.0).count() == 1;
         let normal = rectangle.normal();
-        if normal[AXIS].abs() != 1.0 || rectangle.half_sides().iter().any(|h| h.abs().max_element() != h.length()) {
+        if !along(&normal) || normal[AXIS] == 0.0 || !rectangle.half_sides().iter().all(along) {
             return None;
         }
         let [x, y] = rectangle.half_sides();

@@ -11,20 +11,30 @@ pub struct Rectangle {
     normal: Vec3,
 }
 
+/// A vector whose components below 4 ε of the largest are 0, as rotations by right angles leave them.
+fn without_rounding(v: Vec3) -> Vec3 {
+    let least = 4.0 * f32::EPSILON * v.abs().max_element();
+    Vec3::select(v.abs().cmple(Vec3::splat(least)), Vec3::ZERO, v)
+}
+
 /// Largest cosine between two sides that still counts as a right angle.
 const PERPENDICULAR: f32 = 1e-4;
 
 impl Rectangle {
     /// The rectangle `centre` ± `half_x` ± `half_y`, its front where `half_x` × `half_y` points; `None` when the sides
-    /// have no length or are not perpendicular to 10⁻⁴.
+    /// have no length or are not perpendicular to 10⁻⁴. Sides that are along an axis but for rounding are taken as along it.
     #[must_use]
     pub fn new(centre: Vec3, half_x: Vec3, half_y: Vec3) -> Option<Self> {
+        let [half_x, half_y] = [half_x, half_y].map(without_rounding);
         let (x, y) = (half_x.try_normalize()?, half_y.try_normalize()?);
         let right = x.dot(y).abs() <= PERPENDICULAR && centre.is_finite();
         // The second side is made exactly perpendicular, so that a point has one pair of coordinates.
         let half_y = half_y - x * half_y.dot(x);
-        let normal = x.cross(half_y).try_normalize()?;
-        right.then_some(Self { centre, half: [half_x, half_y], normal })
+        let normal = x.cross(half_y);
+        let length = normal.length();
+        // Divided, so that an axis has the length 1 to the bit.
+        let usable = right && length > 0.0 && length.recip().is_finite();
+        usable.then(|| Self { centre, half: [half_x, half_y], normal: normal / length })
     }
 
     /// The rectangle with these corners, in order around it; `None` when they do not form one (to 10⁻⁴ of its size).
