@@ -113,7 +113,6 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
     let mut albedo = Albedo { value: [0.0; 3], error: [0.0; 3], basis };
     // Rounding, and what lies between the lobes' intervals, which is not asked for, have their part of the error.
     let rest = |scale: f64| scale * (UNSEEN + PLACES * precision);
-    let target = (error - rest(largest.unwrap_or(1.0))).max(0.5 * error);
     let mapped = Mapped { subject, map };
     // Integrals, and the channels that have the same weights everywhere.
     let mut known: Vec<([f64; 2], [bool; 3])> = Vec::new();
@@ -124,6 +123,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             None => {
                 let mut weights = Weights::new(&mapped, channel);
                 let rounded = if largest.is_none() { unresolved(&mut weights)? } else { 0.0 };
+                let target = (error - rounded - rest(largest.unwrap_or(1.0))).max(0.5 * error);
                 let [value, bound] = integral(&mut weights, largest, target)?;
                 let integral = [value, bound + rounded];
                 let [least, most] = weights.extremes;

@@ -76,8 +76,13 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     let mut mean = EmpiricalBernstein::default();
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
-        if (result[1] <= error && !strata.iter().any(Stratum::exceeds)) || used >= most || !result[0].is_finite() {
+        let exceeded = largest.is_none() && round > 0 && strata.iter().any(Stratum::exceeds);
+        if (result[1] <= error && !exceeded) || used >= most || !result[0].is_finite() {
             break;
+        }
+        // The bound of the rounds before rests on a wrong assumption.
+        if exceeded {
+            mean = EmpiricalBernstein::default();
         }
         strata.iter_mut().for_each(|stratum| stratum.bound(largest, polynomials));
         let shares = shares(&strata);

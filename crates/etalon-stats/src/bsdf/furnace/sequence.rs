@@ -1,7 +1,7 @@
 //! The mean weight over a randomized sequence, of BSDFs that map random numbers to directions in an unknown way.
 
 use super::{Albedo, Basis, PLACES, RISK, borders, student};
-use crate::bsdf::contract::Spectrum;
+use crate::bsdf::contract::{Properties, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::{Result, poll};
 use crate::stream::{Sobol, Stream};
@@ -21,34 +21,34 @@ const MARGIN: f64 = 0.7;
 pub fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
     let is_enough =
         |albedo: &Albedo| albedo.error[..subject.properties.channels].iter().all(|&bound| bound <= MARGIN * error);
-    let (mut power, mut largest) = (*SEQUENCE.start(), at_borders(subject)?);
-    while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0, &mut largest)?) {
+    let (mut power, mut largest, rounded) = (*SEQUENCE.start(), [0.0; 3], unresolved(subject)?);
+    while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0, &mut largest, rounded)?) {
         power += 1;
     }
-    replicated(subject, power, 1, &mut largest)
+    replicated(subject, power, 1, &mut largest, rounded)
 }
 
-/// The largest weights where one random number is next to 0 or to 1 and the others are any.
-fn at_borders(subject: &Subject) -> Result<Spectrum> {
+/// What the rounding of a random number next to 0 or to 1 may change, as on the square of two numbers.
+fn unresolved(subject: &Subject) -> Result<Spectrum> {
     const ALONG: usize = 64;
-    let dimension = subject.properties.dimension;
+    let Properties { dimension, precision, .. } = subject.properties;
     let mut rng = subject.random(0x12, 0);
-    let axes = (0..dimension).flat_map(|axis| borders(subject.properties.precision).map(|at| (axis, at)));
+    let axes = (0..dimension).flat_map(|axis| borders(precision).map(|at| (axis, at)));
     let mut u = Vec::new();
     for (axis, at) in axes.flat_map(|border| std::iter::repeat_n(border, ALONG)) {
         u.extend((0..dimension).map(|other| if other == axis { at } else { rng.random() }));
     }
-    let mut largest: Spectrum = [0.0; 3];
+    let mut sum: Spectrum = [0.0; 3];
     for sample in subject.sample(&u)?.into_iter().flatten() {
         let eta2 = subject.eta2(sample.wi);
-        (0..3).for_each(|channel| largest[channel] = largest[channel].max(sample.weight[channel] * eta2));
+        (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
     }
-    Ok(largest)
+    Ok(sum.map(|sum| precision * sum / ALONG as f64))
 }
 
 /// The mean over the first 2^`power` points of a sequence, randomized several times. Replaces the `largest` weights by those that are
 /// larger.
-fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum) -> Result<Albedo> {
+fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum, rounded: Spectrum) -> Result<Albedo> {
     let (properties, protocol) = (&subject.properties, subject.protocol);
     let points = f64::from(1u32 << power);
     let mean = |replicate: u64| -> Result<[Spectrum; 2]> {
@@ -78,7 +78,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum)
         let variance = found.iter().map(|[other, _]| (other[channel] - mean).powi(2)).sum::<f64>() / freedom;
         // Of independent points none would be in a part of this size with probability `RISK`; weights are as large as the largest there.
         let unseen = -RISK.ln() / (n * points);
-        let rounding = PLACES * properties.precision * mean.abs();
+        let rounding = PLACES * properties.precision * mean.abs() + rounded[channel];
         albedo.value[channel] = mean;
         albedo.error[channel] = student(RISK, freedom) * (variance / n).sqrt() + unseen * largest[channel] + rounding;
     }
