@@ -73,6 +73,8 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     let pieces = pieces(lines, allowed, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(Stratum::new).collect();
+    // A black surface has no weights to compare with.
+    let mean_weight = polynomials.max(error);
     let mut mean = EmpiricalBernstein::default();
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
@@ -84,7 +86,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         if exceeded {
             mean = EmpiricalBernstein::default();
         }
-        strata.iter_mut().for_each(|stratum| stratum.bound(largest, polynomials));
+        strata.iter_mut().for_each(|stratum| stratum.bound(largest, mean_weight));
         let shares = shares(&strata);
         // What is expected of the next points: the largest difference and the mean square.
         let square = |(stratum, share): (&Stratum, &f64)| (stratum.distance() * stratum.area()).powi(2) / share;
@@ -115,11 +117,11 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
 /// that grows as the inverse root of the distance has the integral 2 ε w(ε), and a random number that is rounded to 0 or to the last one
 /// below 1 may have a weight of its own.
 pub fn unresolved(weights: &mut Weights) -> Result<f64> {
-    const PLACES: usize = 64;
+    const ALONG: usize = 64;
     let precision = weights.mapped.subject.properties.precision;
-    let along = |at: f64| (0..PLACES).map(|i| (i as f64 + 0.5) / PLACES as f64).flat_map(move |x| [[at, x], [x, at]]);
+    let along = |at: f64| (0..ALONG).map(|i| (i as f64 + 0.5) / ALONG as f64).flat_map(move |x| [[at, x], [x, at]]);
     let places: Vec<[f64; 2]> = borders(precision).into_iter().flat_map(along).collect();
-    Ok(precision * weights.at(&places)?.iter().sum::<f64>() / PLACES as f64)
+    Ok(precision * weights.at(&places)?.iter().sum::<f64>() / ALONG as f64)
 }
 
 /// The sum of the differences between weights and polynomials at random points, so many in each stratum, as estimates of the whole square's,

@@ -163,6 +163,15 @@ fn a_white_surface_with_rounded_weights_is_white() {
 }
 
 #[test]
+fn a_black_surface_is_black() {
+    for map in [Some([1, 2]), None] {
+        let bsdf = Weights { weight: |_: usize, _: [f64; 2]| 0.0, largest: None, map, precision: f64::EPSILON };
+        let found = albedo(&bsdf, 0.01, 1);
+        assert!(found.value[0] == 0.0 && found.error[0] < 0.01, "{found:?}");
+    }
+}
+
+#[test]
 fn a_gain_of_a_hundredth_is_found() {
     for map in [Some([1, 2]), None] {
         let bsdf = Weights { weight: |_: usize, _: [f64; 2]| 1.01, largest: None, map, precision: f64::EPSILON };
