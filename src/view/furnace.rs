@@ -117,7 +117,10 @@ pub fn text(table: &Table) -> String {
                     "  {count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors\n"
                 )
             }
-            _ => format!("{confidence}, if means are normally distributed\n"),
+            "found" => format!("{confidence}, if weights are no more uneven than those that were found\n"),
+            _ => format!(
+                "{confidence}, if means are normally distributed and no weight is larger than those that were found\n"
+            ),
         };
     }
     let lost = table.rows.iter().filter(|row| row.lost_by_single_scattering.is_some());

@@ -1,6 +1,9 @@
 //! `etalon furnace` as a script relies on it: keys, columns, files, exit codes.
 
 use crate::program::{etalon, json};
+use etalon::study::validation::families;
+use etalon_stats::Protocol;
+use etalon_stats::bsdf::{Basis, BatchBsdf, Family as _, directional_albedo};
 use tempfile::tempdir;
 
 #[test]
@@ -57,4 +60,74 @@ fn what_is_too_coarse_or_makes_no_sense_has_its_exit_code() {
     assert!(
         !left.exists() || left.read_dir().unwrap().all(|e| e.unwrap().path().to_string_lossy().contains("diffuse"))
     );
+}
+
+fn family_of<'a>(all: &'a [families::Family], name: &str) -> &'a families::Family {
+    all.iter().find(|family| family.name() == name).unwrap()
+}
+
+/// The direction at an angle with the normal.
+fn towards(degrees: f64) -> [f64; 3] {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [sin, 0.0, cos]
+}
+
+/// The albedo of a metal of single scattering, with a bound from theory, and the light that `name` reflects more: of multiple scattering,
+/// which does not depend on the azimuth.
+fn expected(name: &str, [alpha, eta, k]: [f64; 3], wo: [f64; 3]) -> f64 {
+    let all = families::all();
+    let single = family_of(&all, if name.ends_with("beckmann") { "beckmann" } else { "ggx" });
+    let single = single.with(&[alpha, alpha, eta, k]).unwrap();
+    let albedo = directional_albedo(&*single, wo, 2e-6, &Protocol::default()).unwrap();
+    assert!(matches!(albedo.basis, Basis::Certified(_)));
+    if name == "ggx-ndf" {
+        return albedo.value[0];
+    }
+    let whole = family_of(&all, name).with(&[alpha, eta, k]).unwrap();
+    // Cosines t⁴, dense at the horizon, across the plane of `wo`, where single scattering is weak.
+    let n = 200_000;
+    let numbers = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n));
+    let pair = |t: f64| [wo, [0.0, (1.0 - t.powi(8)).sqrt(), t.powi(4)]];
+    let pairs: Vec<_> = numbers.clone().map(pair).collect();
+    let of = |bsdf: &dyn BatchBsdf| bsdf.eval(&pairs, &[]).unwrap();
+    let more = of(&*whole).into_iter().zip(of(&*single)).zip(numbers);
+    let sum: f64 = more.map(|((a, b), t)| (a[0] - b[0]) * t.powi(4) * 4.0 * t.powi(3)).sum();
+    albedo.value[0] + std::f64::consts::TAU * sum / f64::from(n)
+}
+
+/// Counts the intervals that hold the albedo, of as many seeds.
+fn covered(name: &str, parameters: [f64; 3], degrees: f64, error: f64, seeds: u64) -> usize {
+    let (all, wo, [alpha, eta, k]) = (families::all(), towards(degrees), parameters);
+    let values = if name == "ggx-ndf" { vec![alpha, alpha, eta, k] } else { parameters.to_vec() };
+    let bsdf = family_of(&all, name).with(&values).unwrap();
+    let expected = expected(name, parameters, wo);
+    let covers = |seed: &u64| {
+        let found = directional_albedo(&*bsdf, wo, error, &Protocol { seed: *seed, ..Protocol::default() }).unwrap();
+        assert!(matches!(found.basis, Basis::Found(_)));
+        (found.value[0] - expected).abs() <= found.error[0]
+    };
+    (0..seeds).filter(covers).count()
+}
+
+#[test]
+fn intervals_without_a_bound_cover_at_grazing_angles() {
+    for name in ["compensated-ggx", "ggx-ndf"] {
+        // Of 50 with a risk of 1 %, 4 or more outside have a probability of 0.2 %.
+        let covered = covered(name, [0.3, 0.5, 10.0], 89.99, 1e-3, 50);
+        assert!(covered > 46, "{name}: {covered} of 50");
+    }
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test -- --ignored"]
+fn intervals_without_a_bound_cover_as_often_as_they_say() {
+    for name in ["compensated-ggx", "compensated-beckmann", "ggx-ndf"] {
+        for alpha in [1e-3, 0.03, 0.3, 1.0] {
+            for degrees in [0.0, 60.0, 80.0, 85.0, 89.0, 89.9, 89.99, 89.999] {
+                // Of 300 with a risk of 1 %, 10 or more outside have a probability of 0.1 %.
+                let covered = covered(name, [alpha, 0.5, 2.5], degrees, 1e-3, 300);
+                assert!(covered > 290, "{name}, alpha = {alpha}, at {degrees} deg: {covered} of 300");
+            }
+        }
+    }
 }

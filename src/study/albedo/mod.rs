@@ -150,10 +150,11 @@ fn cell(
         basis: match found.basis {
             Basis::Certified(_) => "certified",
             Basis::Exceeded { .. } => "exceeded",
+            Basis::Found(_) => "found",
             Basis::Normal(_) => "normal",
         },
         largest_weight: match found.basis {
-            Basis::Certified(weight) | Basis::Exceeded { declared: weight, .. } => Some(weight),
+            Basis::Certified(weight) | Basis::Found(weight) | Basis::Exceeded { declared: weight, .. } => Some(weight),
             Basis::Normal(_) => None,
         },
         is_violation: is_violation(&found, channel, properties.energy, tests * channels),

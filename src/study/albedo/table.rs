@@ -22,7 +22,7 @@ pub struct Row {
     pub error: f64,
     /// What the bound rests on.
     pub basis: &'static str,
-    /// The largest mean weight that the BSDF declares, with room for rounding.
+    /// The largest mean weight that the BSDF declares, with room for rounding, or the largest that was found if none is declared.
     pub largest_weight: Option<f64>,
     /// Whether the BSDF contradicts what it declares: an albedo above 1, or other than 1 if it conserves energy, a weight above the
     /// largest, or a value that is not finite.

@@ -5,10 +5,10 @@ use super::contract::{Direction, Properties, Spectrum};
 use super::subject::Subject;
 use crate::error::Result;
 use crate::examine::Protocol;
-use integral::{Weights, integral};
+use integral::{Weights, integral, unresolved};
 use mapped::{Mapped, UNSEEN};
 use sequence::by_sequence;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The probability with which the error of an albedo may exceed its bound.
 pub const RISK: f64 = 0.01;
@@ -30,7 +30,11 @@ pub enum Basis {
         /// The one that was found.
         found: f64,
     },
-    /// On the assumption that the mean has a normal distribution, or Student's of so many degrees of freedom.
+    /// On the weights that were found, of which this is the largest: none is assumed to be much further than those from what its
+    /// neighbours let expect.
+    Found(f64),
+    /// On the assumption that means have a normal distribution, so that theirs is Student's of so many degrees of freedom, and that no
+    /// weight is larger than those that were found.
     Normal(f64),
 }
 
@@ -51,7 +55,7 @@ impl Albedo {
     pub fn error_of(&self, channel: usize, tests: usize) -> f64 {
         match self.basis {
             // The bound grows with the logarithm of the number at most.
-            Basis::Certified(_) | Basis::Exceeded { .. } => {
+            Basis::Certified(_) | Basis::Found(_) | Basis::Exceeded { .. } => {
                 self.error[channel] * (1.0 + (tests as f64).ln() / (2.0 / RISK).ln())
             }
             Basis::Normal(freedom) => {
@@ -61,14 +65,9 @@ impl Albedo {
     }
 }
 
-/// The value that the absolute value of a number with Student's distribution, the normal one for infinitely many degrees of freedom,
-/// exceeds with probability `risk`.
+/// The value that the absolute value of a number with Student's distribution exceeds with probability `risk`.
 fn student(risk: f64, freedom: f64) -> f64 {
-    let at = 1.0 - 0.5 * risk;
-    if freedom.is_infinite() {
-        return Normal::standard().inverse_cdf(at);
-    }
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(at))
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - 0.5 * risk))
 }
 
 /// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice.
@@ -79,7 +78,9 @@ fn student(risk: f64, freedom: f64) -> f64 {
 /// between 0 and a bound; so an empirical Bernstein inequality bounds the error of this mean without an assumption on the distribution of the differences: a lobe
 /// that hides between the nodes is found by the points as often as it is sampled.
 ///
-/// If no bound is declared, the mean is taken to have a normal distribution. BSDFs without such a map are averaged over a
+/// If no bound is declared, the differences take its place: none is assumed to be larger than twice the largest that was found in its rectangle,
+/// or than an eighth of the largest weight there or of the mean weight, whichever is most. Weights next to the border of the square, where the
+/// precision of the BSDF does not resolve the random numbers, are part of the error. BSDFs without such a map are averaged over a
 /// randomized Sobol' sequence, 16 times.
 ///
 /// That weights are f |cos θᵢ| over the pdf of the samples is what the checks `formula`, `sampling` and `weights` test.
@@ -94,6 +95,11 @@ pub fn directional_albedo(bsdf: &dyn BatchBsdf, wo: Direction, error: f64, proto
     }
 }
 
+/// The random numbers next to 0 and to 1 that arithmetic of this precision resolves.
+fn borders(precision: f64) -> [f64; 4] {
+    [0.25 * precision, precision, 1.0 - precision, 1.0 - 0.5 * precision]
+}
+
 /// The light of the delta lobes.
 fn of_deltas(subject: &Subject, channel: usize) -> f64 {
     subject.deltas.iter().map(|lobe| lobe.throughput[channel] * subject.eta2(lobe.wi)).sum()
@@ -103,11 +109,10 @@ fn of_deltas(subject: &Subject, channel: usize) -> f64 {
 fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
     let Properties { channels, largest_weight, precision, .. } = subject.properties;
     let largest = largest_weight.map(|declared| declared * (1.0 + ROUNDING * precision.sqrt()));
-    let basis = largest.map_or(Basis::Normal(f64::INFINITY), Basis::Certified);
+    let basis = largest.map_or(Basis::Found(0.0), Basis::Certified);
     let mut albedo = Albedo { value: [0.0; 3], error: [0.0; 3], basis };
     // Rounding, and what lies between the lobes' intervals, which is not asked for, have their part of the error.
-    let rest = largest.unwrap_or(1.0) * (UNSEEN + PLACES * precision);
-    let target = (error - rest).max(0.5 * error);
+    let rest = |scale: f64| scale * (UNSEEN + PLACES * precision);
     let mapped = Mapped { subject, map };
     // Integrals, and the channels that have the same weights everywhere.
     let mut known: Vec<([f64; 2], [bool; 3])> = Vec::new();
@@ -117,8 +122,14 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             Some(integral) => integral,
             None => {
                 let mut weights = Weights::new(&mapped, channel);
-                let integral = integral(&mut weights, largest, target)?;
+                let rounded = if largest.is_none() { unresolved(&mut weights)? } else { 0.0 };
+                let target = (error - rounded - rest(largest.unwrap_or(1.0))).max(0.5 * error);
+                let [value, bound] = integral(&mut weights, largest, target)?;
+                let integral = [value, bound + rounded];
                 let [least, most] = weights.extremes;
+                if let Basis::Found(found) = &mut albedo.basis {
+                    *found = found.max(most);
+                }
                 if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {
                     albedo.basis = Basis::Exceeded { declared, found: if least < 0.0 { least } else { most } };
                 }
@@ -127,7 +138,7 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             }
         };
         albedo.value[channel] = value + of_deltas(subject, channel);
-        albedo.error[channel] = bound + rest;
+        albedo.error[channel] = bound + rest(largest.unwrap_or(value));
     }
     if matches!(albedo.basis, Basis::Exceeded { .. }) {
         albedo.error = [f64::INFINITY; 3];

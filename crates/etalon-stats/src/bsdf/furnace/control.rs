@@ -8,7 +8,12 @@ const NODE: f64 = 0.774_596_669_241_483_4;
 const NODES: [f64; 3] = [-NODE, 0.0, NODE];
 const WEIGHTS: [f64; 3] = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
 /// The lines of the first rectangles along each axis: dense where samplers have their poles and horizons.
-const LINES: [f64; 7] = [0.0, 1.0 / 64.0, 1.0 / 8.0, 0.5, 7.0 / 8.0, 63.0 / 64.0, 1.0];
+pub const LINES: [f64; 7] = [0.0, 1.0 / 64.0, 1.0 / 8.0, 0.5, 7.0 / 8.0, 63.0 / 64.0, 1.0];
+/// The same for functions without a bound: as dense as single precision.
+pub const LINES_TO_POLES: [f64; 11] = {
+    let [a, b, c, d] = [1.0 / (1u32 << 23) as f64, 1.0 / (1u32 << 13) as f64, 1.0 / 64.0, 1.0 / 8.0];
+    [0.0, a, b, c, d, 0.5, 1.0 - d, 1.0 - c, 1.0 - b, 1.0 - a, 1.0]
+};
 /// Values of the function after which no rectangle is cut any more.
 const VALUES: usize = 1 << 15;
 
@@ -23,6 +28,8 @@ pub struct Piece {
     pub integral: f64,
     /// An estimate of the root mean square of the difference between the function and the polynomial.
     pub distance: f64,
+    /// The largest value that was met in it, or in the rectangle that it was cut from.
+    pub most: f64,
 }
 
 impl Piece {
@@ -32,7 +39,7 @@ impl Piece {
     }
 
     /// From the values at the nodes.
-    fn new(at: Cell, values: &[f64], distance: f64) -> Self {
+    fn new(at: Cell, values: &[f64], distance: f64, most: f64) -> Self {
         // From values at −a, 0, a to coefficients.
         let fit = |[low, middle, high]: [f64; 3]| {
             [middle, 0.5 * (high - low) / NODE, 0.5 * (high + low - 2.0 * middle) / (NODE * NODE)]
@@ -42,7 +49,8 @@ impl Piece {
         let columns: [[f64; 3]; 3] = std::array::from_fn(|j| fit([along_y[0][j], along_y[1][j], along_y[2][j]]));
         let coefficients = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
         let mean: f64 = (0..9).map(|k| WEIGHTS[k / 3] * WEIGHTS[k % 3] * values[k]).sum();
-        Self { at, coefficients, integral: at.area() * mean, distance }
+        let most = values.iter().copied().fold(most, f64::max);
+        Self { at, coefficients, integral: at.area() * mean, distance, most }
     }
 
     /// The polynomial at coordinates from −1 to 1.
@@ -68,12 +76,18 @@ impl Piece {
     }
 }
 
-/// Rectangles that fill the unit square, cut until the estimated difference between `function` and the polynomials is `allowed` in the mean.
-pub fn pieces(allowed: f64, mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>) -> Result<Vec<Piece>> {
-    let lines = LINES.windows(2).map(|ends| [ends[0], ends[1]]);
+/// Rectangles that fill the unit square, first between `lines`, cut until the estimated difference between `function` and the polynomials
+/// is `allowed` in the mean.
+pub fn pieces(
+    lines: &[f64],
+    allowed: f64,
+    mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+) -> Result<Vec<Piece>> {
+    let lines = lines.windows(2).map(|ends| [ends[0], ends[1]]);
     let cells: Vec<Cell> = lines.clone().flat_map(|x| lines.clone().map(move |y| Cell { x, y })).collect();
     let mut values = function(&cells.iter().flat_map(Piece::nodes).collect::<Vec<_>>())?;
-    let first = cells.into_iter().zip(values.chunks_exact(9)).map(|(at, values)| Piece::new(at, values, f64::INFINITY));
+    let first =
+        cells.into_iter().zip(values.chunks_exact(9)).map(|(at, values)| Piece::new(at, values, f64::INFINITY, 0.0));
     let (mut pieces, mut count) = (first.collect::<Vec<_>>(), values.len());
     loop {
         let sum: f64 = pieces.iter().map(|piece| piece.at.area() * piece.distance).sum();
@@ -101,7 +115,7 @@ pub fn pieces(allowed: f64, mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<
                 WEIGHTS[k / 3] * WEIGHTS[k % 3] * (values[k] - whole.value(within)).powi(2)
             });
             let distance = 0.5 * squares.sum::<f64>().sqrt();
-            pieces.push(Piece::new(at, values, distance));
+            pieces.push(Piece::new(at, values, distance, whole.most));
         }
     }
 }
@@ -116,7 +130,7 @@ mod tests {
             count += points.len();
             Ok(points.iter().map(|&at| function(at)).collect())
         };
-        (pieces(allowed, &mut values).unwrap(), count)
+        (pieces(&LINES, allowed, &mut values).unwrap(), count)
     }
 
     #[test]

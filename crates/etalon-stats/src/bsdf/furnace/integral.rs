@@ -1,16 +1,15 @@
 //! The integral of a BSDF's weights over two random numbers, from polynomials and what random points find of the differences.
 
-use super::control::{Piece, pieces};
+use super::control::{LINES, LINES_TO_POLES, Piece, pieces};
 use super::mapped::Mapped;
-use super::{RISK, student};
+use super::{RISK, borders};
 use crate::bounded::EmpiricalBernstein;
 use crate::error::{Result, poll};
 use rand::RngExt;
 
 /// Points at a time, so few that their samples stay in the cache.
 const BATCH: usize = 1 << 10;
-/// Random points that measure the error, after which it is stated as it is: of weights with a bound, and of others, which may have no
-/// variance.
+/// Random points that measure the error, after which it is stated as it is: of weights with a bound, and of others.
 const POINTS: f64 = (1u32 << 22) as f64;
 const UNBOUNDED_POINTS: f64 = (1u32 << 20) as f64;
 /// The fewest and the most of them in one round: enough to meet rare large weights, few enough for the memory.
@@ -19,6 +18,10 @@ const MOST: f64 = (1u32 << 18) as f64;
 /// The share of the points that is distributed by area times the largest possible difference. The others are distributed by area times the
 /// root mean square of the differences.
 const BY_LARGEST_DIFFERENCE: f64 = 7.0 / 8.0;
+/// Where no largest weight is declared, no distance between a weight and the polynomial of its rectangle is taken to be larger than so many
+/// times the largest that was found there, and than this share of the largest weight there and of the mean weight.
+const OVER_FOUND: f64 = 2.0;
+const LEAST_DISTANCE: f64 = 1.0 / 8.0;
 
 /// The weights of one channel, with the extremes of all channels.
 pub struct Weights<'a> {
@@ -52,7 +55,8 @@ impl<'a> Weights<'a> {
     }
 }
 
-/// The integral over the unit square of weights between 0 and `largest`, if that is known, and the bound of its error.
+/// The integral over the unit square of weights between 0 and `largest`, if that is known, and the bound of its error. If it is not, points are added
+/// until a round has no difference that is larger than was assumed.
 pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Result<[f64; 2]> {
     if largest == Some(0.0) {
         return Ok([0.0; 2]);
@@ -62,23 +66,32 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     // is the square of the mean difference over 1 − BY_LARGEST_DIFFERENCE at most, and b is the largest weight over BY_LARGEST_DIFFERENCE.
     let allowed =
         (0.075 * error * largest.unwrap_or(1.0) * (1.0 - BY_LARGEST_DIFFERENCE) / BY_LARGEST_DIFFERENCE).sqrt();
-    let pieces = pieces(allowed, |points| weights.at(points))?;
-    let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
-    let mut strata: Vec<Stratum> = pieces.into_iter().map(|piece| Stratum::new(piece, largest)).collect();
-    let (mut mean, most) = match largest {
-        Some(_) => (Mean::Bounded(EmpiricalBernstein::default()), POINTS),
-        None => (Mean::Normal { n: 0.0, sum: 0.0, squares: 0.0 }, UNBOUNDED_POINTS),
+    let (lines, most) = match largest {
+        Some(_) => (&LINES[..], POINTS),
+        None => (&LINES_TO_POLES[..], UNBOUNDED_POINTS),
     };
+    let pieces = pieces(lines, allowed, |points| weights.at(points))?;
+    let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
+    let mut strata: Vec<Stratum> = pieces.into_iter().map(Stratum::new).collect();
+    // A black surface has no weights to compare with.
+    let mean_weight = polynomials.max(error);
+    let mut mean = EmpiricalBernstein::default();
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
-        if result[1] <= error || used >= most || !result[0].is_finite() {
+        let exceeded = largest.is_none() && round > 0 && strata.iter().any(Stratum::exceeds);
+        if (result[1] <= error && !exceeded) || used >= most || !result[0].is_finite() {
             break;
         }
+        // The bound of the rounds before rests on a wrong assumption.
+        if exceeded {
+            mean = EmpiricalBernstein::default();
+        }
+        strata.iter_mut().for_each(|stratum| stratum.bound(largest, mean_weight));
         let shares = shares(&strata);
         // What is expected of the next points: the largest difference and the mean square.
         let square = |(stratum, share): (&Stratum, &f64)| (stratum.distance() * stratum.area()).powi(2) / share;
         let square: f64 = strata.iter().zip(&shares).map(square).sum();
-        let expected = |n: f64, scale: f64| mean.expect(n, scale, square);
+        let expected = |n: f64, scale: f64| mean.expect(n, scale, square, RISK);
         // As many points as suffice then. The first eighth of them measures the distances.
         let (mut points, scale) = (FEWEST, scale(&strata, &shares));
         while points < MOST && expected(points, scale)[1] > 0.97 * error {
@@ -94,10 +107,21 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         let [rate, _] = expected(total, scale);
         let sums = differences(weights, &mut strata, &counts, total, round)?;
         mean.add(rate, scale, total, sums);
-        let [difference, bound] = mean.interval();
+        let [difference, bound] = mean.interval(RISK);
         (result, used) = ([polynomials + difference, bound], used + total);
     }
     Ok(result)
+}
+
+/// What the rounding of the two random numbers may change of the integral. Next to a border of the square, within the precision ε, a weight
+/// that grows as the inverse root of the distance has the integral 2 ε w(ε), and a random number that is rounded to 0 or to the last one
+/// below 1 may have a weight of its own.
+pub fn unresolved(weights: &mut Weights) -> Result<f64> {
+    const ALONG: usize = 64;
+    let precision = weights.mapped.subject.properties.precision;
+    let along = |at: f64| (0..ALONG).map(|i| (i as f64 + 0.5) / ALONG as f64).flat_map(move |x| [[at, x], [x, at]]);
+    let places: Vec<[f64; 2]> = borders(precision).into_iter().flat_map(along).collect();
+    Ok(precision * weights.at(&places)?.iter().sum::<f64>() / ALONG as f64)
 }
 
 /// The sum of the differences between weights and polynomials at random points, so many in each stratum, as estimates of the whole square's,
@@ -117,6 +141,8 @@ fn differences(
     for ((number, at), value) in numbers().zip(local).zip(weights.at(&places)?) {
         let stratum = &mut strata[number];
         let difference = value - stratum.piece.value(at);
+        stratum.piece.most = stratum.piece.most.max(value);
+        stratum.most = stratum.most.max(difference.abs());
         (stratum.squares, stratum.count) = (stratum.squares + difference * difference, stratum.count + 1.0);
         // A point stands for its stratum's area over its share of the points.
         let weighted = difference * stratum.area() * total / counts[number];
@@ -125,63 +151,35 @@ fn differences(
     Ok(sums)
 }
 
-/// The mean of the differences so far.
-enum Mean {
-    /// Of bounded ones.
-    Bounded(EmpiricalBernstein),
-    /// Of others: their number, sum, and sum of squares.
-    Normal { n: f64, sum: f64, squares: f64 },
-}
-
-impl Mean {
-    /// A rate for `n` more differences up to `scale` of this mean `square`, and the bound after them.
-    fn expect(&self, more: f64, scale: f64, square: f64) -> [f64; 2] {
-        match self {
-            Self::Bounded(mean) => mean.expect(more, scale, square, RISK),
-            Self::Normal { n, squares, .. } => [0.0, quantile() * (squares + more * square).sqrt() / (n + more)],
-        }
-    }
-
-    fn add(&mut self, rate: f64, scale: f64, more: f64, sums: [f64; 2]) {
-        match self {
-            Self::Bounded(mean) => mean.add(rate, scale, more, sums),
-            Self::Normal { n, sum, squares } => (*n, *sum, *squares) = (*n + more, *sum + sums[0], *squares + sums[1]),
-        }
-    }
-
-    /// The mean, and its largest distance from the expected value.
-    fn interval(&self) -> [f64; 2] {
-        match self {
-            Self::Bounded(mean) => mean.interval(RISK),
-            Self::Normal { n, sum, squares } => [sum / n, quantile() * squares.sqrt() / n],
-        }
-    }
-}
-
-/// Standard errors that a mean with a normal distribution exceeds with probability [`RISK`].
-fn quantile() -> f64 {
-    student(RISK, f64::INFINITY)
-}
-
 /// A rectangle with what is known of the distances between the weights and its polynomial.
 struct Stratum {
     piece: Piece,
-    /// No distance is larger; 1 if none is known to be the largest.
+    /// No distance is taken to be larger.
     largest_difference: f64,
+    /// The largest that was found.
+    most: f64,
     /// Of the distances that were measured.
     squares: f64,
     count: f64,
 }
 
 impl Stratum {
-    fn new(piece: Piece, largest: Option<f64>) -> Self {
-        let [low, high] = piece.range();
-        Self {
-            piece,
-            largest_difference: largest.map_or(1.0, |largest| high.max(largest - low)),
-            squares: 0.0,
-            count: 0.0,
-        }
+    fn new(piece: Piece) -> Self {
+        Self { piece, largest_difference: 0.0, most: 0.0, squares: 0.0, count: 0.0 }
+    }
+
+    /// Bounds the distances of weights between 0 and `largest`, or says what they are taken to be at most if the mean weight is about `mean`.
+    fn bound(&mut self, largest: Option<f64>, mean: f64) {
+        let [low, high] = self.piece.range();
+        self.largest_difference = match largest {
+            Some(largest) => high.max(largest - low),
+            None => (OVER_FOUND * self.most).max(LEAST_DISTANCE * self.piece.most.max(mean)),
+        };
+    }
+
+    /// Whether a distance is larger than it was taken to be.
+    fn exceeds(&self) -> bool {
+        self.most > self.largest_difference
     }
 
     fn area(&self) -> f64 {

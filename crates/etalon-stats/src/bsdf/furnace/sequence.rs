@@ -1,10 +1,11 @@
 //! The mean weight over a randomized sequence, of BSDFs that map random numbers to directions in an unknown way.
 
-use super::{Albedo, Basis, RISK, student};
-use crate::bsdf::contract::Spectrum;
+use super::{Albedo, Basis, PLACES, RISK, borders, student};
+use crate::bsdf::contract::{Properties, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::{Result, poll};
 use crate::stream::{Sobol, Stream};
+use rand::RngExt;
 use rayon::prelude::*;
 
 /// Randomizations of a low-discrepancy sequence.
@@ -20,17 +21,37 @@ const MARGIN: f64 = 0.7;
 pub fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
     let is_enough =
         |albedo: &Albedo| albedo.error[..subject.properties.channels].iter().all(|&bound| bound <= MARGIN * error);
-    let mut power = *SEQUENCE.start();
-    while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0)?) {
+    let (mut power, mut largest, rounded) = (*SEQUENCE.start(), [0.0; 3], unresolved(subject)?);
+    while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0, &mut largest, rounded)?) {
         power += 1;
     }
-    replicated(subject, power, 1)
+    replicated(subject, power, 1, &mut largest, rounded)
 }
 
-/// The mean over the first 2^`power` points of a sequence, randomized several times.
-fn replicated(subject: &Subject, power: u32, round: u64) -> Result<Albedo> {
+/// What the rounding of a random number next to 0 or to 1 may change, as on the square of two numbers.
+fn unresolved(subject: &Subject) -> Result<Spectrum> {
+    const ALONG: usize = 64;
+    let Properties { dimension, precision, .. } = subject.properties;
+    let mut rng = subject.random(0x12, 0);
+    let axes = (0..dimension).flat_map(|axis| borders(precision).map(|at| (axis, at)));
+    let mut u = Vec::new();
+    for (axis, at) in axes.flat_map(|border| std::iter::repeat_n(border, ALONG)) {
+        u.extend((0..dimension).map(|other| if other == axis { at } else { rng.random() }));
+    }
+    let mut sum: Spectrum = [0.0; 3];
+    for sample in subject.sample(&u)?.into_iter().flatten() {
+        let eta2 = subject.eta2(sample.wi);
+        (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
+    }
+    Ok(sum.map(|sum| precision * sum / ALONG as f64))
+}
+
+/// The mean over the first 2^`power` points of a sequence, randomized several times. Replaces the `largest` weights by those that are
+/// larger.
+fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum, rounded: Spectrum) -> Result<Albedo> {
     let (properties, protocol) = (&subject.properties, subject.protocol);
-    let mean = |replicate: u64| -> Result<Spectrum> {
+    let points = f64::from(1u32 << power);
+    let mean = |replicate: u64| -> Result<[Spectrum; 2]> {
         poll(protocol.cancelled)?;
         let numbers = |i: u32| {
             let stream = Sobol::new(protocol.seed, round * REPLICATES + replicate, i);
@@ -38,20 +59,28 @@ fn replicated(subject: &Subject, power: u32, round: u64) -> Result<Albedo> {
             pairs.take(properties.dimension)
         };
         let u: Vec<f64> = (0..1 << power).flat_map(numbers).collect();
-        let mut sum = [0.0; 3];
+        let (mut sum, mut most) = ([0.0; 3], [0.0; 3]);
         for sample in subject.sample(&u)?.into_iter().flatten() {
             let eta2 = subject.eta2(sample.wi);
-            (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
+            for channel in 0..3 {
+                let weight = sample.weight[channel] * eta2;
+                (sum[channel], most[channel]) = (sum[channel] + weight, weight.max(most[channel]));
+            }
         }
-        Ok(sum.map(|sum| sum / f64::from(1u32 << power)))
+        Ok([sum.map(|sum| sum / points), most])
     };
-    let means = (0..REPLICATES).into_par_iter().map(mean).collect::<Result<Vec<_>>>()?;
+    let found = (0..REPLICATES).into_par_iter().map(mean).collect::<Result<Vec<_>>>()?;
     let (n, freedom) = (REPLICATES as f64, (REPLICATES - 1) as f64);
     let mut albedo = Albedo { value: [0.0; 3], error: [f64::INFINITY; 3], basis: Basis::Normal(freedom) };
     for channel in 0..properties.channels {
-        let mean = means.iter().map(|mean| mean[channel]).sum::<f64>() / n;
-        let variance = means.iter().map(|other| (other[channel] - mean).powi(2)).sum::<f64>() / freedom;
-        (albedo.value[channel], albedo.error[channel]) = (mean, student(RISK, freedom) * (variance / n).sqrt());
+        largest[channel] = found.iter().map(|[_, most]| most[channel]).fold(largest[channel], f64::max);
+        let mean = found.iter().map(|[mean, _]| mean[channel]).sum::<f64>() / n;
+        let variance = found.iter().map(|[other, _]| (other[channel] - mean).powi(2)).sum::<f64>() / freedom;
+        // Of independent points none would be in a part of this size with probability `RISK`; weights are as large as the largest there.
+        let unseen = -RISK.ln() / (n * points);
+        let rounding = PLACES * properties.precision * mean.abs() + rounded[channel];
+        albedo.value[channel] = mean;
+        albedo.error[channel] = student(RISK, freedom) * (variance / n).sqrt() + unseen * largest[channel] + rounding;
     }
     Ok(albedo)
 }

@@ -9,11 +9,12 @@ struct Weights<F> {
     weight: F,
     largest: Option<f64>,
     map: Option<[usize; 2]>,
+    precision: f64,
 }
 
 impl<F: Fn(usize, [f64; 2]) -> f64 + Sync> Bsdf for Weights<F> {
     fn properties(&self) -> Properties {
-        Properties { largest_weight: self.largest, map: self.map, ..Properties::default() }
+        Properties { largest_weight: self.largest, map: self.map, precision: self.precision, ..Properties::default() }
     }
 
     fn eval(&self, _: Direction, _: Direction, _: &[f64]) -> Spectrum {
@@ -53,7 +54,7 @@ fn smooth_weights_of_two_lobes_are_certified() {
             v
         }
     };
-    let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]) };
+    let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]), precision: f64::EPSILON };
     let exact = 0.5 / 3.0 + 0.5 * 0.75 * 0.5;
     for seed in 0..5 {
         let found = albedo(&bsdf, 1e-3, seed);
@@ -61,13 +62,17 @@ fn smooth_weights_of_two_lobes_are_certified() {
         assert!((found.value[0] - exact).abs() <= found.error[0] && found.error[0] <= 1e-3, "{found:?}");
     }
     let assumed = albedo(&Weights { largest: None, ..bsdf }, 1e-3, 1);
-    assert!(matches!(assumed.basis, Basis::Normal(_)) && (assumed.value[0] - exact).abs() < 1e-3, "{assumed:?}");
+    assert!(
+        matches!(assumed.basis, Basis::Found(w) if (0.99..=1.0).contains(&w))
+            && (assumed.value[0] - exact).abs() < 1e-3,
+        "{assumed:?}"
+    );
 }
 
 #[test]
 fn a_weight_above_the_declared_bound_is_named() {
     let weight = |_: usize, [u, v]: [f64; 2]| if u < 0.01 && v < 0.1 { 1.5 } else { 0.2 };
-    let found = albedo(&Weights { weight, largest: Some(1.0), map: Some([1, 2]) }, 1e-3, 1);
+    let found = albedo(&Weights { weight, largest: Some(1.0), map: Some([1, 2]), precision: f64::EPSILON }, 1e-3, 1);
     assert!(matches!(found.basis, Basis::Exceeded { found, .. } if found == 1.5), "{found:?}");
 }
 
@@ -115,7 +120,7 @@ fn kinks_edges_and_rare_large_weights_are_within_the_bound() {
     ];
     for (function, exact) in functions {
         let weight = move |_: usize, at: [f64; 2]| function(at);
-        let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]) };
+        let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]), precision: f64::EPSILON };
         // Of 20 with a risk of 1 %, 3 or more have a probability of 0.1 %.
         let outside = (0..20).filter(|&seed| {
             let found = albedo(&bsdf, 1e-3, seed);
@@ -130,7 +135,7 @@ fn kinks_edges_and_rare_large_weights_are_within_the_bound() {
 fn a_spike_between_the_nodes_is_within_the_bound() {
     // It holds 5·10⁻⁴ of the light, on a strip that no node of the rule is in.
     let weight = |_: usize, [u, _]: [f64; 2]| if (0.401..0.402).contains(&u) { 1.0 } else { 0.5 };
-    let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]) };
+    let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]), precision: f64::EPSILON };
     for seed in 0..3 {
         let found = albedo(&bsdf, 1e-4, seed);
         assert!((found.value[0] - 0.5005).abs() <= found.error[0], "{found:?}");
@@ -138,9 +143,66 @@ fn a_spike_between_the_nodes_is_within_the_bound() {
 }
 
 #[test]
+fn a_white_surface_with_rounded_weights_is_white() {
+    // Weights of 1 with roundings of a few last places, all of one sign in half of the cases.
+    for (precision, bias) in [f32::EPSILON.into(), f64::EPSILON].into_iter().flat_map(|e: f64| [(e, 0.0), (e, 4.0)]) {
+        let weight = move |_: usize, [u, v]: [f64; 2]| {
+            1.0 + precision * (bias + 8.0 * (1e4 * u + 1e5 * v).fract() - 4.0).round()
+        };
+        for map in [Some([1, 2]), None] {
+            let bsdf = Weights { weight, largest: None, map, precision };
+            for seed in 0..10 {
+                let found = albedo(&bsdf, 0.01, seed);
+                let excess = (found.value[0] - 1.0).abs();
+                assert!(excess <= found.error[0] && found.error[0] < 0.01, "{precision} {bias} {map:?}: {found:?}");
+                // What rounding may do has its part of the error.
+                assert!(found.error[0] > 8.0 * precision);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_black_surface_is_black() {
+    for map in [Some([1, 2]), None] {
+        let bsdf = Weights { weight: |_: usize, _: [f64; 2]| 0.0, largest: None, map, precision: f64::EPSILON };
+        let found = albedo(&bsdf, 0.01, 1);
+        assert!(found.value[0] == 0.0 && found.error[0] < 0.01, "{found:?}");
+    }
+}
+
+#[test]
+fn a_gain_of_a_hundredth_is_found() {
+    for map in [Some([1, 2]), None] {
+        let bsdf = Weights { weight: |_: usize, _: [f64; 2]| 1.01, largest: None, map, precision: f64::EPSILON };
+        // As many tests as a table of 32 x 32 has, with the error that other programs are tested with.
+        let found = albedo(&bsdf, 0.01, 1);
+        assert!(found.value[0] - found.error_of(0, 1024) > 1.0, "{found:?}");
+    }
+}
+
+#[test]
+fn poles_at_the_border_are_within_the_bound() {
+    // Weights without a variance, with random numbers of single precision: 2⁻²⁴ is the smallest.
+    let levels = f64::from(1u32 << 24);
+    let weight = move |_: usize, [u, v]: [f64; 2]| {
+        let [u, v] = [u, v].map(|x| (x * levels).floor() / levels);
+        0.3 / (1.0 - u).sqrt() + 0.2 / v.max(0.5 / levels).sqrt()
+    };
+    let bsdf = Weights { weight, largest: None, map: Some([1, 2]), precision: f32::EPSILON.into() };
+    let outside = (0..20).filter(|&seed| {
+        let found = albedo(&bsdf, 1e-2, seed);
+        assert!(found.error[0] < 1e-2, "{found:?}");
+        (found.value[0] - 1.0).abs() > found.error[0]
+    });
+    // Of 20 with a risk of 1 %, 3 or more have a probability of 0.1 %.
+    assert!(outside.count() < 3);
+}
+
+#[test]
 fn other_bsdfs_are_averaged() {
     let weight = |lobe: usize, [u, v]: [f64; 2]| if lobe == 0 { 2.0 * u } else { v * v };
-    let bsdf = Weights { weight, largest: Some(2.0), map: None };
+    let bsdf = Weights { weight, largest: Some(2.0), map: None, precision: f64::EPSILON };
     let outside = (0..200).filter(|&seed| {
         let found = albedo(&bsdf, 0.1, seed);
         assert_eq!(found.basis, Basis::Normal(15.0));
@@ -155,9 +217,6 @@ fn bounds_for_many_are_wider() {
     let one = Albedo { value: [1.0; 3], error: [0.01; 3], basis: Basis::Normal(15.0) };
     assert!((one.error_of(0, 1) / 0.01 - 1.0).abs() < 1e-3);
     assert!(one.error_of(0, 1000) > 0.018);
-    // By the normal distribution 2.576 and 4.417 standard errors.
-    let normal = Albedo { basis: Basis::Normal(f64::INFINITY), ..one };
-    assert!((normal.error_of(0, 1000) / 0.01 - 4.417 / 2.576).abs() < 1e-3);
     let certified = Albedo { basis: Basis::Certified(1.0), ..one };
     // ln(2 · 200/risk) is twice ln(2/risk).
     assert!(certified.error_of(0, 1) == 0.01 && (certified.error_of(0, 200) - 0.02).abs() < 1e-12);
