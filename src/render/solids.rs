@@ -18,8 +18,8 @@ impl Solid for Sphere {
 
 /// A shape that emits light.
 pub trait Light {
-    /// Distance along a ray that ends on the shape, at about `limit`, to where it comes as near as `margin`; not above 0 where it
-    /// starts no farther away.
+    /// The distance of the first point within `margin` of the shape along a ray that ends on it, at about `limit`; at most 0 if the origin
+    /// is within it.
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32;
 }
 

@@ -11,8 +11,7 @@ pub struct Plane {
     pub height: f32,
 }
 
-/// Twice the rounding of a height over a plane, relative to Σ |nᵢ pᵢ|: four times half of ε in [`Plane::project`], once in
-/// the ray's origin, three times in its distance.
+/// Twice eight roundings of ε/2, relative to Σ |nᵢ pᵢ|: four in [`Plane::project`], one in the ray's origin, three in its distance.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// More than 0, for planes through the origin, where nothing may be rounded; its products with directions are not denormal.

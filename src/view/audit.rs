@@ -41,7 +41,7 @@ pub fn drawing(errata: &[Erratum]) -> (Drawing, Vec<Rect>) {
             (theme::INK, effect(erratum)),
             (
                 theme::INK,
-                if erratum.nature == Nature::Print { "(error of print, at its word)".into() } else { String::new() },
+                if erratum.nature == Nature::Misprint { "(misprint, at its word)".into() } else { String::new() },
             ),
         ];
         places.push(Rect::new(x, y, width - GAP, height - 1.5 * GAP));
@@ -108,9 +108,9 @@ fn verdict(verdict: Verdict, p: Option<f64>) -> String {
     }
 }
 
-/// "light on a floor: −12.3 %"; an error of print has this only if it is taken at its word.
+/// "light on a floor: −12.3 %"; a misprint has this only if it is taken at its word.
 pub fn consequence(erratum: &Erratum) -> String {
-    let at_its_word = if erratum.nature == Nature::Print { "if taken at its word, " } else { "" };
+    let at_its_word = if erratum.nature == Nature::Misprint { "if taken at its word, " } else { "" };
     format!("{at_its_word}{}", effect(erratum))
 }
 

@@ -34,7 +34,7 @@ pub fn differences(result: &Depths) -> Drawing {
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let title = "What each maximum depth /{m} adds (specks dimmed). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
+    let title = "What each maximum depth /{m} adds (single bright pixels clamped). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
     contact_sheet(title, 3, &images)
 }
 
@@ -92,7 +92,7 @@ fn meaning(class: &str) -> &'static str {
         "LDDE" => " (from wall to wall)",
         "LDSE" => " (reflected walls)",
         "LSDE" => " (reflected onto walls)",
-        "LSSE" => " (area light through glass)",
+        "LSSE" => " (two specular events)",
         "LDSSE" => " (walls through glass)",
         "LSSDE" => " (caustic of glass)",
         _ => "",

@@ -53,13 +53,15 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
     let panel = |title: &str, label: &str, points: Vec<Point>| {
         let panel = Panel::new(angle_axis(), Axis::linear(label)).title(title).horizontal(0.0, "");
-        panel.line("", stroke(theme::SCHLICK, theme::SOLID), points)
+        panel.line("", stroke(theme::SCHLICK, theme::DASHED), points)
     };
     let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let absolute = panel("Schlick's error", "Schlick − exact", points(&error));
-    let relative = panel("Schlick's relative error", "(Schlick − exact) / exact (%)", points(&relative));
+    let whose = if curves.model == "exact" && curves.critical_deg.is_some() { " (angle of refraction)" } else { "" };
+    let absolute = panel(&format!("Schlick's error{whose}"), "Schlick − exact", points(&error));
+    let relative =
+        panel(&format!("Schlick's relative error{whose}"), "(Schlick − exact) / exact (%)", points(&relative));
     Plot::new([main, absolute, relative]).frame_size(350.0, 290.0).draw()
 }
 

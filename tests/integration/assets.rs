@@ -251,7 +251,7 @@ fn the_reports_own_files_allow_every_check() {
         claims.clone().count() > 10 && claims.clone().all(|c| !c["verdict"].as_str().unwrap().contains("measured"))
     );
     // Columns: 28 % of Grace's samples are in the middle half
-    let columns = claims.clone().find(|c| c["claim"].as_str().unwrap().ends_with("columns.")).unwrap();
+    let columns = claims.clone().find(|c| c["claim"].as_str().unwrap().ends_with("edge: columns.")).unwrap();
     assert_eq!(columns["verdict"], "does not hold");
     let page = std::fs::read_to_string(dir.path().join("figures/index.html")).unwrap();
     assert!(page.contains("grace_latlong.exr (Grace Cathedral), CBspheres.dae"), "the page names the originals");

@@ -14,7 +14,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Both,
         reproduces: "all formulas that they print and that are wrong, approximate or misprinted",
         shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
-                image. An error of print stands in the text alone: what follows is what it would do if taken at its word.",
+                image. A misprint stands in the text alone: what follows is what it would do if taken at its word.",
         matters: "A formula that looks right in print may change an image by a few percent, which hardly anyone sees and a test does.",
         papers: &[papers::WALTER, papers::HEITZ, papers::SCHLICK],
         ..Figure::by(|inputs, _| content(inputs))

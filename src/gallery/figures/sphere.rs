@@ -23,8 +23,8 @@ pub fn figures() -> Vec<Figure> {
         title,
         report: Report::First,
         reproduces,
-        shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral, on one scale for \
-                8, 16, 32 and 64 samples: noise, which decreases with their number. Grey are the rim, whose pixels the sphere covers \
+        shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral (grey: not compared), on \
+                one scale for 8, 16, 32 and 64 samples: noise, which decreases with their number. Grey are the rim, whose pixels the sphere covers \
                 in part, and the middle, where the camera touches it: they are not compared.",
         matters: "The exact radiance is known here, so that noise and bias can be distinguished, which the look of a render alone does not allow.",
         papers: &[papers::PBRT],

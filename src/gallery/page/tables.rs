@@ -30,7 +30,7 @@ pub fn errata(articles: &[Article<'_>]) -> String {
     format!(
         r#"<section>
 <h2 id="errata">Errors in the reports, and the tests that reveal them</h2>
-<p class="fine">The most severe first: errors before approximations before errors of print, each by the error that it makes
+<p class="fine">The most severe first: errors before approximations before misprints, each by the error that it makes
 in an image.</p>
 <div class="panel"><table class="cards">
 <thead><tr><th scope="col">As printed</th><th scope="col">Corrected</th><th scope="col">Detected by</th>

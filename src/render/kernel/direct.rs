@@ -126,8 +126,8 @@ pub fn light_general(
     }
 }
 
-/// The distance of a light and the density of its samples on a ray that leaves the other side of a surface than the one from which
-/// they are `sampled`; `None` if the light cannot be seen there. A BSDF sample on that ray is weighted by the same density.
+/// The distance and density of a light sample, `sampled` from the viewer's side of a surface, for the ray that leaves its other side;
+/// `None` if the light cannot be seen from there. A BSDF sample on that ray is weighted by the same density.
 fn from_other_side(scene: &PreparedScene, light: u32, ray: [Vec3; 2], sampled: [f32; 2]) -> Option<[f32; 2]> {
     let [distance, density] = sampled;
     let distance = scene.lights.all[light as usize].ahead(ray, distance)?;

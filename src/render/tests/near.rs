@@ -114,7 +114,7 @@ fn rough_glass_passes_the_light_of_what_is_close_behind_it() {
 
 /// A flat emitter of glass sees no light of its own; through a sphere of glass that emits on both sides, the far side is seen.
 #[test]
-fn emitters_of_rough_glass_light_what_they_face_alone() {
+fn emitters_of_rough_glass_light_only_what_they_face() {
     let glass = Material::Dielectric(Dielectric::rough(1.5, 0.3, Distribution::Ggx));
     let emit = |shape, two_sided| {
         let object = emitter(shape);

@@ -14,7 +14,7 @@ pub enum Nature {
     /// A formula that is meant to be approximate.
     Approximation,
     /// A slip of the text: the images, or words beside the formula, show that the program has it right.
-    Print,
+    Misprint,
 }
 
 impl Nature {
@@ -23,7 +23,7 @@ impl Nature {
         match self {
             Self::Error => "error",
             Self::Approximation => "approximation",
-            Self::Print => "error of print",
+            Self::Misprint => "misprint",
         }
     }
 }
@@ -35,7 +35,7 @@ pub struct Erratum {
     pub title: &'static str,
     /// Which report.
     pub report: &'static str,
-    /// An error, an approximation or an error of print.
+    /// An error, an approximation or a misprint.
     pub nature: Nature,
     /// As printed.
     pub printed: &'static str,
@@ -55,7 +55,7 @@ pub struct Erratum {
     pub right_verdict: Verdict,
     /// Its p-value.
     pub right_p: Option<f64>,
-    /// Relative error that it causes (an error of print: that it would cause if taken at its word), and of what.
+    /// Relative error that it causes (a misprint: that it would cause if taken at its word), and of what.
     pub error_in_picture: f64,
     /// What has this error.
     pub error_of: &'static str,

@@ -1,6 +1,6 @@
 //! Formulas that one exact check decides: a quantity that is 0 at every angle, on both sides of the glass, if the formula is right.
 //!
-//! An error of print is a formula that a report's text has wrong and its program has right; its effect is what it would do if taken at
+//! A misprint is a formula that a report's text has wrong and its program has right; its effect is what it would do if taken at
 //! its word.
 
 use super::erratum::{ETA, Erratum, ErratumCurves, Nature, Suspect, at_all_angles, curve, mean_by_cosine};
@@ -208,7 +208,7 @@ const FORMULAS: [Formula; 9] = [
         name: "refracted-set",
         title: "refraction where > 1",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: ["refracted where √(1 − (eᵢ·n)²)/nᵣ > 1", "refracted where √(1 − (eᵢ·n)²)/nᵣ ≤ 1"],
         test: "is there a refracted direction, at every angle from both sides",
         found: "the set and the existence of a refracted direction disagree:",
@@ -231,7 +231,7 @@ const FORMULAS: [Formula; 9] = [
         name: "itself",
         title: "refraction by itself",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: ["the tangential part of eᵢ by eᵢ itself: 0", "the tangential part of eᵢ by that of eᵣ"],
         test: "Snell's law at every angle from both sides",
         found: "sines that differ from Snell's law by up to",
@@ -248,7 +248,7 @@ const FORMULAS: [Formula; 9] = [
         name: "difference",
         title: "(1 − e·n)² for 1 − (e·n)²",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: ["refracted cosine √(1 − (1 − eᵢ·n)²/nᵣ²)", "refracted cosine √(1 − (1 − (eᵢ·n)²)/nᵣ²)"],
         test: "length of the refracted direction, at every angle from both sides",
         found: "refracted directions of a length other than 1, by up to",
@@ -274,7 +274,7 @@ const FORMULAS: [Formula; 9] = [
         name: "root",
         title: "a root over sgn and n",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: [
             "√(1 − (1 − (eᵢ·n)²)/nᵣ² sgn(eᵢ·n) n), a root of a vector: here of its part along n",
             "√(1 − (1 − (eᵢ·n)²)/nᵣ²) sgn(eᵢ·n) n",
@@ -300,7 +300,7 @@ const FORMULAS: [Formula; 9] = [
         name: "signs",
         title: "reflection without signs",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: [
             "eᵢ = the components of eᵣ, without a sign",
             "eᵢ = those of −eᵣ along the surface, that of eᵣ along n",
@@ -324,8 +324,8 @@ const FORMULAS: [Formula; 9] = [
         name: "modulus",
         title: "the cosine without modulus",
         report: "second report",
-        nature: Nature::Print,
-        formula: ["R/(eᵢ·n) and T/(nᵣ² (eᵢ·n))", "the same with |eᵢ·n|"],
+        nature: Nature::Misprint,
+        formula: ["1/(eᵢ·n) for light from either side", "1/|eᵢ·n|"],
         test: "light of a perfect reflector, at every angle from both sides",
         found: "reflected light is wrong by up to",
         wrong: [
@@ -344,7 +344,7 @@ const FORMULAS: [Formula; 9] = [
         name: "determinant",
         title: "pdf by the determinant",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         formula: ["p(eᵢ) = D det(∂eᵢ/∂h)", "p(eᵢ) = D/det(∂eᵢ/∂h), the determinant being 4 eᵣ·h"],
         test: "probability of a ring of half-vectors and of the ring of their reflections, at every angle",
         found: "probabilities of both rings differ by up to a share of",

@@ -196,7 +196,7 @@ pub fn rows_without_sums() -> Suspect {
     let erratum = Erratum {
         title: "CDF without sums",
         report: "first report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         printed: "1D CDF: the sum of each row over the total; the first row whose entry is at least u",
         right: "1D CDF: the sums of all rows up to each, over the total; the first row whose entry is at least u",
         test: "chi-square of the sampled rows, uniform sky of 16 rows",

@@ -31,7 +31,7 @@ fn schlick_power() -> Suspect {
     let erratum = Erratum {
         title: "Schlick's power",
         report: "second report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         printed: "F₀ + (1 − F₀)(1 − (e·n)⁵)",
         right: "F₀ + (1 − F₀)(1 − e·n)⁵",
         test: "chi-square of reflected and refracted directions from outside at 40°",
@@ -81,12 +81,12 @@ fn median_pixel() -> Suspect {
     };
     let shares =
         |median: &dyn Fn(&[f64]) -> Option<usize>| (0..=CUTS).map(|n| [n as f64, largest(median, n)]).collect();
-    // Under a uniform sky the light of the one part that has any stands at its last pixel, the nadir: below the floor.
+    // By construction: under a uniform sky all light is at the last pixel, the nadir, below the floor.
     let floor = |cosine: f64| cosine.max(0.0);
     let erratum = Erratum {
         title: "the median without the half",
         report: "first report",
-        nature: Nature::Print,
+        nature: Nature::Misprint,
         printed: "median pixel: sum up to i = total sum",
         right: "median pixel: sum up to i = half of the total sum",
         test: "shares of the energy on both sides of the cut, uniform sky",

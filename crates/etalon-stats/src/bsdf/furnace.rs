@@ -70,7 +70,8 @@ fn student(risk: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - 0.5 * risk))
 }
 
-/// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice.
+/// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice (2²⁰ for a BSDF
+/// that declares no largest weight).
 ///
 /// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
 /// Polynomials on rectangles of the unit square approximate it. The mean difference between the weight and the polynomials
