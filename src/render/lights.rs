@@ -14,6 +14,9 @@ use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Plane, R
 use glam::Vec3;
 use std::f32::consts::PI;
 
+/// Factor on the length of a ray to a point, so that rounding does not move a surface there in its way.
+pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
+
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
@@ -50,6 +53,7 @@ pub enum Kind {
 pub struct RectangleLight {
     centre: Vec3,
     axes: [Vec3; 3],
+    plane: Plane,
     half: [f32; 2],
     radiance: Rgb,
     two_sided: bool,
@@ -70,6 +74,7 @@ impl RectangleLight {
         Self {
             centre: rectangle.centre(),
             axes: [x / half[0], y / half[1], rectangle.normal()],
+            plane: rectangle.plane(),
             half,
             radiance,
             two_sided,
@@ -80,11 +85,6 @@ impl RectangleLight {
     #[inline(always)]
     pub fn place(&self, x: f32, y: f32) -> Vec3 {
         self.centre + self.axes[0] * (x * self.half[0]) + self.axes[1] * (y * self.half[1])
-    }
-
-    #[inline(always)]
-    fn plane(&self) -> Plane {
-        Plane::through(self.centre, self.axes[2])
     }
 
     /// The rectangle's extent along its axes as seen from a point, its distance, and on which side the point is.
@@ -245,27 +245,27 @@ impl Sampled {
     #[inline(always)]
     pub fn offset(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.plane().offset(point),
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.plane.offset(point),
             Kind::Triangle(triangle) => triangle.plane().offset(point),
             Kind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
     }
 
-    /// [`solids::short_of`] this light. Without a surface, the limit remains.
+    /// The length of a shadow ray to this light at a distance: [`solids::short_of`] its surface, and of a point by rounding.
     #[inline(always)]
     pub fn short_of(&self, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
         let offset = self.offset(origin + limit * wi);
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
                 let size = panel.half[0] + panel.half[1];
-                solids::short_of(&panel.plane(), [offset, size], origin, wi, limit)
+                solids::short_of(&panel.plane, [offset, size], origin, wi, limit)
             }
             Kind::Triangle(triangle) => {
                 solids::short_of(&triangle.plane(), [offset, triangle.size()], origin, wi, limit)
             }
             Kind::Sphere(light) => solids::short_of(&light.sphere, [offset, 0.0], origin, wi, limit),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit,
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit * SHORT,
         }
     }
 
@@ -275,7 +275,7 @@ impl Sampled {
     pub fn ahead(&self, [origin, wi]: [Vec3; 2], sampled: f32) -> Option<f32> {
         let (distance, is_front, two_sided) = match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
-                let plane = panel.plane();
+                let plane = panel.plane;
                 (plane.distance(origin, wi), panel.axes[2].dot(wi) < 0.0, panel.two_sided)
             }
             Kind::Triangle(triangle) => {

@@ -4,7 +4,7 @@ use super::cut_lights;
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
-use super::lanes::{Hits, NOTHING};
+use super::lanes::Hits;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights::Sampled;
@@ -25,9 +25,6 @@ pub const ROULETTE_BELOW: f32 = 0.1;
 
 /// Scatterings before Russian roulette may end a path.
 pub const ROULETTE_AFTER: u32 = 5;
-
-/// Factor on the length of shadow rays, so that rounding does not let a light occlude itself.
-pub const SHORT_OF_LIGHT: f32 = 1.0 - 1e-4;
 
 /// A scene made ready for rendering.
 pub struct PreparedScene<'a> {
@@ -104,11 +101,7 @@ impl<'a> PreparedScene<'a> {
     /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
     #[inline(always)]
     pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
-        let limit = distance * SHORT_OF_LIGHT;
-        match self.lights.all.get(light as usize) {
-            Some(light) if light.object != NOTHING => light.short_of(ray, limit),
-            _ => limit,
-        }
+        self.lights.all.get(light as usize).map_or(distance, |light| light.short_of(ray, distance))
     }
 
     /// The environment's radiance from a direction.

@@ -13,8 +13,8 @@ pub struct TriangleLight {
     corner: Vec3,
     /// From the corner to the other two.
     edges: [Vec3; 2],
-    /// Unit normal of the front.
-    normal: Vec3,
+    /// With the normal of the front.
+    plane: Plane,
     /// Sum of the lengths of two sides.
     size: f32,
     radiance: Rgb,
@@ -26,7 +26,7 @@ impl TriangleLight {
     pub fn new([a, b, c]: [Vec3; 3], normal: Vec3, radiance: Rgb, two_sided: bool) -> Self {
         let edges = [b - a, c - a];
         let size = edges[0].length() + edges[1].length();
-        Self { corner: a, edges, normal, size, radiance, two_sided }
+        Self { corner: a, edges, plane: Plane::through(a, normal), size, radiance, two_sided }
     }
 
     /// Where it is and how it emits, for selecting one of many lights.
@@ -34,13 +34,13 @@ impl TriangleLight {
         let [ab, ac] = self.edges;
         let intensity = mean_rgb(self.radiance) as f32 * 0.5 * ab.cross(ac).length();
         let corners = [self.corner, self.corner + ab, self.corner + ac];
-        LightBounds::plane(corners, self.normal, intensity, self.two_sided)
+        LightBounds::plane(corners, self.plane.normal, intensity, self.two_sided)
     }
 
     /// Its plane.
     #[inline(always)]
     pub fn plane(&self) -> Plane {
-        Plane::through(self.corner, self.normal)
+        self.plane
     }
 
     /// At least its largest extent.
@@ -51,7 +51,7 @@ impl TriangleLight {
 
     /// Unit normal of the front.
     pub fn normal(&self) -> Vec3 {
-        self.normal
+        self.plane.normal
     }
 
     /// The radiance, and the area.
@@ -65,7 +65,7 @@ impl TriangleLight {
     pub fn point(&self, u: [f32; 2]) -> LightPoint {
         let r = u[0].sqrt();
         let position = self.corner + r * (1.0 - u[1]) * self.edges[0] + r * u[1] * self.edges[1];
-        LightPoint { position, normal: self.normal, two_sided: self.two_sided }
+        LightPoint { position, normal: self.plane.normal, two_sided: self.two_sided }
     }
 
     #[inline(always)]
@@ -82,7 +82,7 @@ impl SampleLight for TriangleLight {
         let from_corner = self.corner - point;
         let to = from_corner + b * self.edges[0] + c * self.edges[1];
         let distance = to.length();
-        let side = -from_corner.dot(self.normal);
+        let side = -from_corner.dot(self.plane.normal);
         let lit = (side > 0.0) | (self.two_sided & (side < 0.0));
         let scale = if lit { seen.solid_angle() } else { 0.0 };
         LightSample { wi: to / distance, distance, weight: self.radiance * scale, pdf: 1.0 / seen.solid_angle() }

@@ -19,10 +19,18 @@ const LEAST_OFFSET: f32 = 1e-30;
 
 impl Plane {
     /// The plane through a point with this unit normal.
-    #[inline(always)]
     #[must_use]
     pub fn through(point: Vec3, normal: Vec3) -> Self {
-        Self { normal, height: normal.dot(point) }
+        // In f64, so that only the result is rounded.
+        Self { normal, height: normal.as_dvec3().dot(point.as_dvec3()) as f32 }
+    }
+
+    /// How far the plane may be off a polygon with these corners, one of which it goes through, and off the plane of a neighbour:
+    /// at each corner the rounding of the normal and of the height, three times ε/2 of Σ |nᵢ pᵢ|, for both.
+    #[must_use]
+    pub fn error(&self, corners: &[Vec3]) -> f32 {
+        let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
+        3.0 * f32::EPSILON * self.normal.abs().dot(farthest)
     }
 
     /// The point of the plane below one that is close to it.

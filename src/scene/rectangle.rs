@@ -8,7 +8,7 @@ use glam::Vec3;
 pub struct Rectangle {
     centre: Vec3,
     half: [Vec3; 2],
-    normal: Vec3,
+    plane: Plane,
 }
 
 /// A vector whose components below 4 ε of the largest are 0, as rotations by right angles leave them.
@@ -34,21 +34,22 @@ impl Rectangle {
         let length = normal.length();
         // Divided, so that an axis has the length 1 to the bit.
         let usable = right && length > 0.0 && length.recip().is_finite();
-        usable.then(|| Self { centre, half: [half_x, half_y], normal: normal / length })
+        usable.then(|| Self { centre, half: [half_x, half_y], plane: Plane::through(centre, normal / length) })
     }
 
-    /// The rectangle with these corners, in order around it; `None` when they do not form one (to 10⁻⁴ of its size).
+    /// The rectangle with these corners, in order around it; `None` when they do not form one, to 10⁻⁶ of its shorter side.
     #[must_use]
     pub fn from_corners(corners: [Vec3; 4]) -> Option<Self> {
         let [a, b, c, d] = corners;
-        let (x, y) = ((b - a) * 0.5, (d - a) * 0.5);
-        let closed = (a + c - b - d).length() <= PERPENDICULAR * (c - a).length();
-        if closed { Self::new((a + c) * 0.5, x, y) } else { None }
+        let rectangle = Self::new((a + c) * 0.5, (b - a) * 0.5, (d - a) * 0.5)?;
+        let error = corners.into_iter().zip(rectangle.corners()).map(|(p, q)| p.distance(q)).fold(0.0, f32::max);
+        let shorter = rectangle.half[0].length().min(rectangle.half[1].length());
+        (error <= 2e-6 * shorter).then_some(rectangle)
     }
 
     /// The rectangle with its middle elsewhere.
     pub(super) fn centred_at(self, centre: Vec3) -> Self {
-        Self { centre, ..self }
+        Self { centre, plane: Plane::through(centre, self.plane.normal), ..self }
     }
 
     /// The middle.
@@ -73,21 +74,21 @@ impl Rectangle {
     /// The unit normal of the front.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
-        self.normal
+        self.plane.normal
     }
 
     /// Its plane.
     #[inline(always)]
     #[must_use]
     pub fn plane(&self) -> Plane {
-        Plane::through(self.centre, self.normal)
+        self.plane
     }
 
     /// The distance t > 0 along a ray at which it meets the rectangle, from either side; infinite where it does not.
     #[must_use]
     pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let from = origin - self.centre;
-        let t = -from.dot(self.normal) / direction.dot(self.normal);
+        let t = -from.dot(self.plane.normal) / direction.dot(self.plane.normal);
         let point = from + t * direction;
         let within = self.half.iter().all(|side| point.dot(*side).abs() <= side.length_squared());
         if t > 0.0 && within { t } else { f32::INFINITY }
@@ -124,6 +125,8 @@ mod tests {
         assert!(Rectangle::from_corners(skewed).is_none(), "a parallelogram");
         let bent = [corner(0.0, 0.0), corner(0.0, 2.0), Vec3::new(4.0, 2.0, 2.0), corner(4.0, 0.0)];
         assert!(Rectangle::from_corners(bent).is_none(), "not flat");
+        let thin = [(-5.0, 0.0), (5.0, 0.0), (5.0, 1e-6), (-5.0, 1e-3)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        assert!(Rectangle::from_corners(thin).is_none(), "a trapezoid that is much thinner than long");
         assert!(Rectangle::new(Vec3::ZERO, Vec3::X, Vec3::ZERO).is_none());
         assert!(Rectangle::new(Vec3::NAN, Vec3::X, Vec3::Y).is_none());
     }

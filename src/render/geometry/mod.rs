@@ -248,9 +248,9 @@ impl<'a> Geometry<'a> {
                     return Surface { position, normal: -direction, shading: -direction, offset: 0.0 };
                 };
                 let s = tree.bvh.surface(hits.place[i], hits.u[i], hits.v[i]);
-                let plane = tree.bvh.plane(hits.place[i]);
+                let (plane, error) = tree.bvh.plane(hits.place[i]);
                 let position = plane.project(s.point);
-                Surface { position, normal: s.normal, shading: s.shading, offset: plane.offset(position) }
+                Surface { position, normal: s.normal, shading: s.shading, offset: plane.offset(position).max(error) }
             }
         }
     }

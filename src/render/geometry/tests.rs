@@ -5,7 +5,6 @@ use crate::math::Rgb;
 use crate::render::lanes::set;
 use crate::render::light_sample::SampleLight;
 use crate::render::lights::Sampled;
-use crate::render::prepared::SHORT_OF_LIGHT;
 use crate::render::settings::Settings;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Camera, Emission, EmitterVisibility, Material, Mesh, Projection, Rectangle};
@@ -70,7 +69,7 @@ fn lights_do_not_occlude_their_own_samples() {
             let origin = point + offset * random_vec(i, j + 3).normalize();
             set(&mut rays.origin, k, origin);
             set(&mut rays.direction, k, sample.wi);
-            limit[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance * SHORT_OF_LIGHT };
+            limit[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance };
         }
         for geometry in &geometries {
             let mut short = limit;

@@ -12,7 +12,8 @@ use crate::render::geometry::Surface;
 use crate::render::lanes::{Hits, LANES, Lane, Lane3, Rays, ZERO3, at, set};
 use crate::render::lens::{Lens, View};
 use crate::render::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_ratio, projected};
-use crate::render::prepared::{Dimensions, PreparedScene, SHORT_OF_LIGHT};
+use crate::render::lights::SHORT;
+use crate::render::prepared::{Dimensions, PreparedScene};
 use crate::render::sample_lanes::SampleLanes;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::render::shading_normal::{adjoint_factor, is_sound};
@@ -244,7 +245,7 @@ fn connect(
         let path_class = vertex.path.path_class.then(false).reversed();
         connections.push(
             [vertex.surface.ray_origin(wi), wi],
-            view.distance * SHORT_OF_LIGHT,
+            view.distance * SHORT,
             Contribution {
                 film: view.film,
                 class: scene.classes.map_or(0, |classes| classes.index(path_class)),

@@ -154,3 +154,58 @@ fn emitters_of_rough_glass_light_only_what_they_face() {
         }
     }
 }
+
+/// A cover close below a light leaves nothing of it.
+#[test]
+fn a_cover_close_to_a_light_hides_it() {
+    let black = Material::Diffuse { albedo: Rgb::ZERO };
+    let level =
+        |height: f32, size: f32| Rectangle::new(Vec3::new(0.3, height, 0.2), size * Vec3::X, size * Vec3::Z).unwrap();
+    for (gap, angle) in [(1e-4, 0.0), (1e-5, 0.0), (1e-5, 0.4)] {
+        let cover = level(0.5 - gap, 0.6);
+        let panel = level(0.5, 0.5);
+        let point =
+            Light::Point { position: Vec3::new(0.3, 0.5, 0.2), intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
+        for cover in [Shape::Rectangle(cover), triangles(&cover)] {
+            let cover = Object::new(cover, black.clone());
+            for (objects, lights) in [
+                (vec![emitter(Shape::Rectangle(panel)), cover.clone()], Vec::new()),
+                (vec![emitter(triangles(&panel)), cover.clone()], Vec::new()),
+                (vec![cover.clone()], vec![point]),
+                (vec![cover.clone()], vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }]),
+            ] {
+                let mut scene = floor(objects, Vec::new());
+                scene.camera.position.y = 0.4;
+                // Lights without a surface are not turned.
+                scene.lights = if angle == 0.0 { lights } else { Vec::new() };
+                let scene = moved(scene, angle, Vec3::ZERO);
+                for sampling in ALL {
+                    let (found, _) = of_small(&scene, &Settings { sampling, ..Settings::default() }, 1);
+                    assert_eq!(found, 0.0, "{gap} {angle} {sampling:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The triangles of a large tilted ground do not shadow each other where they meet.
+#[test]
+fn a_large_tilted_ground_under_a_white_sky_is_not_in_its_own_shadow() {
+    let (mut scene, _) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    for half_width in [1.0, 0.01] {
+        scene.camera =
+            Camera { projection: Projection::Orthographic { half_width, half_height: half_width }, ..above(0.0, 0.0) };
+        // Many triangles meet in the middle.
+        let around = |i: u32| 5e3 * Vec3::new((0.3 * i as f32).cos(), 0.0, (0.3 * i as f32).sin());
+        let corners = std::iter::once(Vec3::ZERO).chain((0..=21).map(around)).collect();
+        let mesh = Mesh::new(corners, Vec::new(), (1..=21).map(|i| [0, i, i + 1]).collect()).unwrap();
+        let white = Material::Diffuse { albedo: Rgb::splat(0.5) };
+        scene.objects = vec![Object::new(Shape::Mesh(Arc::new(mesh)), white)];
+        for angle in [0.0, 0.3, 1.1] {
+            let scene = moved(scene.clone(), angle, Vec3::ZERO);
+            let settings = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
+            let (found, _) = of_small(&scene, &settings, 1);
+            assert!((found - 0.5).abs() < 1e-6, "{half_width} {angle}: {found}");
+        }
+    }
+}

@@ -128,14 +128,14 @@ impl Bvh {
         self.tree.surface(place, [u, v])
     }
 
-    /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place): on which side of it a ray starts is certain if the ray
-    /// starts [`Plane::offset`] away.
+    /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place), and its [error](Plane::error). On which side of the triangle
+    /// a ray starts is certain if it starts [`Plane::offset`] away, and of its neighbours if also more than the error.
     ///
     /// # Panics
     /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
-    pub fn plane(&self, place: u32) -> Plane {
+    pub fn plane(&self, place: u32) -> (Plane, f32) {
         self.tree.plane(place)
     }
 

@@ -44,6 +44,8 @@ pub struct Triangles {
     pub normal: [[f32; WIDTH]; 3],
     /// Of their planes.
     pub height: [f32; WIDTH],
+    /// [`Plane::error`].
+    pub error: [f32; WIDTH],
     /// Numbers of the shapes.
     pub shape: [u32; WIDTH],
     /// Numbers in the shapes.
@@ -157,11 +159,11 @@ impl Tree {
         Surface::on(pack.corner.each_ref().map(at), at(&pack.normal), normals, weights)
     }
 
-    /// The plane of the triangle at a place.
+    /// The plane of the triangle at a place, and its error.
     #[inline]
-    pub fn plane(&self, place: u32) -> Plane {
+    pub fn plane(&self, place: u32) -> (Plane, f32) {
         let (pack, i) = (&self.triangles[place as usize / WIDTH], place as usize % WIDTH);
-        Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }
+        (Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }, pack.error[i])
     }
 
     /// The number, in its shape, of the triangle at a place.
@@ -199,6 +201,7 @@ impl Tree {
             corner: [unused; 3],
             normal: unused,
             height: unused[0],
+            error: unused[0],
             shape: [0; WIDTH],
             triangle: [0; WIDTH],
         };
@@ -211,6 +214,7 @@ impl Tree {
                 }
             }
             pack.height[i] = facet.plane.height;
+            pack.error[i] = facet.plane.error(&facet.corners);
             (pack.shape[i], pack.triangle[i]) = (id.shape, id.triangle);
             self.corner_normals[first + i] = facet.corner_normals;
         }
