@@ -122,11 +122,11 @@ fn intervals_without_a_bound_cover_at_grazing_angles() {
 #[ignore = "takes minutes: cargo test -- --ignored"]
 fn intervals_without_a_bound_cover_as_often_as_they_say() {
     for name in ["compensated-ggx", "compensated-beckmann", "ggx-ndf"] {
-        for alpha in [1e-3, 0.03, 0.3, 1.0] {
-            for degrees in [0.0, 60.0, 80.0, 85.0, 89.0, 89.9, 89.99, 89.999] {
-                // Of 300 with a risk of 1 %, 10 or more outside have a probability of 0.1 %.
-                let covered = covered(name, [alpha, 0.5, 2.5], degrees, 1e-3, 300);
-                assert!(covered > 290, "{name}, alpha = {alpha}, at {degrees} deg: {covered} of 300");
+        for alpha in [1e-3, 0.1, 1.0] {
+            for degrees in [60.0, 89.0, 89.99] {
+                // Of 100 with a risk of 1 %, 6 or more outside have a probability of 0.05 %.
+                let covered = covered(name, [alpha, 0.5, 2.5], degrees, 1e-3, 100);
+                assert!(covered > 94, "{name}, alpha = {alpha}, at {degrees} deg: {covered} of 100");
             }
         }
     }
