@@ -235,7 +235,7 @@ impl Sampled {
     pub fn cos_at(&self, point: Vec3, w: Vec3) -> f32 {
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.axes[2].dot(w).abs(),
-            Kind::Triangle(triangle) => triangle.normal().dot(w).abs(),
+            Kind::Triangle(triangle) => triangle.plane.normal.dot(w).abs(),
             Kind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
@@ -246,7 +246,7 @@ impl Sampled {
     pub fn offset(&self, point: Vec3) -> f32 {
         match &self.kind {
             Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.plane.offset(point),
-            Kind::Triangle(triangle) => triangle.plane().offset(point),
+            Kind::Triangle(triangle) => triangle.plane.offset(point),
             Kind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
         }
@@ -261,9 +261,7 @@ impl Sampled {
                 let size = panel.half[0] + panel.half[1];
                 solids::short_of(&panel.plane, [offset, size], origin, wi, limit)
             }
-            Kind::Triangle(triangle) => {
-                solids::short_of(&triangle.plane(), [offset, triangle.size()], origin, wi, limit)
-            }
+            Kind::Triangle(triangle) => solids::short_of(&triangle.plane, [offset, triangle.size], origin, wi, limit),
             Kind::Sphere(light) => solids::short_of(&light.sphere, [offset, 0.0], origin, wi, limit),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit * SHORT,
         }
@@ -274,13 +272,10 @@ impl Sampled {
     #[inline]
     pub fn ahead(&self, [origin, wi]: [Vec3; 2], sampled: f32) -> Option<f32> {
         let (distance, is_front, two_sided) = match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
-                let plane = panel.plane;
-                (plane.distance(origin, wi), panel.axes[2].dot(wi) < 0.0, panel.two_sided)
-            }
-            Kind::Triangle(triangle) => {
-                let two_sided = triangle.point([0.0; 2]).two_sided;
-                (triangle.plane().distance(origin, wi), triangle.normal().dot(wi) < 0.0, two_sided)
+            Kind::Rectangle(RectangleLight { plane, two_sided, .. })
+            | Kind::InverseDistanceRectangle(RectangleLight { plane, two_sided, .. })
+            | Kind::Triangle(TriangleLight { plane, two_sided, .. }) => {
+                (plane.distance(origin, wi), plane.normal.dot(wi) < 0.0, *two_sided)
             }
             Kind::Sphere(SphereLight { sphere, two_sided, .. }) => {
                 let from_centre = (origin - sphere.centre).length_squared();

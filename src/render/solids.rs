@@ -113,7 +113,7 @@ impl TiltedPanel {
     fn new(rectangle: &Rectangle) -> Self {
         let across = rectangle.half_sides().map(|half| half / half.length_squared());
         let offset = across.map(|a| a.dot(rectangle.centre()));
-        Self { plane: Plane::through(rectangle.centre(), rectangle.normal()), across, offset }
+        Self { plane: rectangle.plane(), across, offset }
     }
 }
 

@@ -14,11 +14,12 @@ pub struct TriangleLight {
     /// From the corner to the other two.
     edges: [Vec3; 2],
     /// With the normal of the front.
-    plane: Plane,
-    /// Sum of the lengths of two sides.
-    size: f32,
+    pub plane: Plane,
+    /// Sum of the lengths of two sides: at least its largest extent.
+    pub size: f32,
     radiance: Rgb,
-    two_sided: bool,
+    /// Whether the back emits, too.
+    pub two_sided: bool,
 }
 
 impl TriangleLight {
@@ -35,23 +36,6 @@ impl TriangleLight {
         let intensity = mean_rgb(self.radiance) as f32 * 0.5 * ab.cross(ac).length();
         let corners = [self.corner, self.corner + ab, self.corner + ac];
         LightBounds::plane(corners, self.plane.normal, intensity, self.two_sided)
-    }
-
-    /// Its plane.
-    #[inline(always)]
-    pub fn plane(&self) -> Plane {
-        self.plane
-    }
-
-    /// At least its largest extent.
-    #[inline(always)]
-    pub fn size(&self) -> f32 {
-        self.size
-    }
-
-    /// Unit normal of the front.
-    pub fn normal(&self) -> Vec3 {
-        self.plane.normal
     }
 
     /// The radiance, and the area.

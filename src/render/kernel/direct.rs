@@ -109,15 +109,12 @@ pub fn light_general(
                 };
                 let ray = [vertex.surface.ray_origin(wi), wi];
                 let sampled = [samples.distance[i], count as f32 * samples.pdf[i]];
-                let is_transmitted = local.z * vertex.wo.z < 0.0;
-                let Some([distance, density]) = (match samples.light[i] {
-                    NOTHING => Some(sampled),
-                    light if is_transmitted => from_other_side(step.scene, light, ray, sampled),
-                    _ => Some(sampled),
-                }) else {
-                    continue;
-                };
-                let limit = step.scene.shadow_limit(samples.light[i], ray, distance);
+                let light = samples.light[i];
+                let is_transmitted = light != NOTHING && local.z * vertex.wo.z < 0.0;
+                let seen =
+                    if is_transmitted { from_other_side(step.scene, light, ray, sampled) } else { Some(sampled) };
+                let Some([distance, density]) = seen else { continue };
+                let limit = step.scene.shadow_limit(light, ray, distance);
                 let share = power_heuristic(density, [pdf, by_light_tracing]);
                 shadows.push(ray, limit, value * share, vertex.slot, vertex.path_class.then(false));
             }

@@ -59,9 +59,19 @@ fn by_rows(name: &str, weight: fn(&LatLong, usize) -> f64) -> Case {
     })
 }
 
-/// Shares by row as a curve of steps.
-fn steps(share: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
-    (0..HEIGHT).flat_map(|y| [[y as f64, share(y)], [(y + 1) as f64, share(y)]]).collect()
+/// Shares of the samples by row, as steps.
+fn shares_of_rows(printed: impl Fn(usize) -> f64, right: impl Fn(usize) -> f64) -> ErratumCurves {
+    let steps = |share: &dyn Fn(usize) -> f64| {
+        (0..HEIGHT).flat_map(|y| [[y as f64, share(y)], [(y + 1) as f64, share(y)]]).collect()
+    };
+    ErratumCurves {
+        x: "row",
+        every: 4.0,
+        y: "share of the samples",
+        printed: steps(&printed),
+        right: steps(&right),
+        scattered: false,
+    }
 }
 
 /// The share of uniform directions in a row.
@@ -79,14 +89,7 @@ pub fn pole_rows() -> Suspect {
         test: "chi-square of the directions, uniform sky of 32×16",
         error_in_picture: -of_floor(0),
         error_of: "light on a floor, 16 rows",
-        curves: ErratumCurves {
-            x: "row",
-            every: 4.0,
-            y: "share of the samples",
-            printed: steps(|y| row_weight(y, HEIGHT) / total),
-            right: steps(right_share),
-            scattered: false,
-        },
+        curves: shares_of_rows(|y| row_weight(y, HEIGHT) / total, right_share),
         ..Erratum::default()
     };
     let printed = by_rows("pole-rows/printed", |_, y| row_weight(y, HEIGHT));
@@ -165,14 +168,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: ErratumCurves {
-            x: "row",
-            every: 4.0,
-            y: "share of the samples",
-            printed: steps(|y| gaussian[y]),
-            right: steps(|y| rows[y]),
-            scattered: false,
-        },
+        curves: shares_of_rows(|y| gaussian[y], |y| rows[y]),
         ..Erratum::default()
     };
     Ok((erratum, [test("printed", true), test("right", false)]))
@@ -202,14 +198,7 @@ pub fn rows_without_sums() -> Suspect {
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: ErratumCurves {
-            x: "row",
-            every: 4.0,
-            y: "share of the samples",
-            printed: steps(above),
-            right: steps(|y| rows[y]),
-            scattered: false,
-        },
+        curves: shares_of_rows(above, |y| rows[y]),
         ..Erratum::default()
     };
     (erratum, [test("printed", row_without_sums), test("right", by_sums)])

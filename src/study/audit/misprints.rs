@@ -1,4 +1,4 @@
-//! Errors of print that take a test of their own: formulas that a report's text has wrong and its program has right, and what each would
+//! Misprints that take a test of their own: formulas that a report's text has wrong and its program has right, and what each would
 //! do if taken at its word.
 
 use super::erratum::{ETA, Erratum, ErratumCurves, Nature, ROUNDING, Suspect, curve, exact, mean_by_cosine};
