@@ -5,7 +5,7 @@ use super::global::SCENE;
 use super::map_file::{self, MapOptions};
 use super::values::filter;
 use crate::error::{Error, Result};
-use crate::import::{self, SCENE_EXTENSIONS, SceneOptions};
+use crate::import::{self, SCENE_EXTENSIONS, SceneOptions, collada};
 use crate::scene::{Environment, Material, PixelFilter, Request, Scene, builtin};
 use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
@@ -23,9 +23,12 @@ pub struct SceneArgs {
     ///
     /// `etalon scenes` lists the sizes of built-in scenes. In a .dae scene they also set the field of view, as in the course's
     /// renderer: a pixel keeps its angle (that of an image of 800 by 600 with the file's field of view), so a smaller image
-    /// shows less. All other scenes keep their field of view.
+    /// shows less, unless --fit is given. All other scenes keep their field of view.
     #[arg(short, long = "size", num_args = 2, value_names = ["W", "H"], action = ArgAction::Set)]
     resolution: Option<Vec<usize>>,
+    /// Show all of a .dae scene's view at the size that -r gives
+    #[arg(long)]
+    fit: bool,
     /// Environment map, a file or a built-in name [default: the scene's]
     ///
     /// Built-in scenes that have one have nave. It takes the place of the map of a built-in scene that has one (`etalon scenes` lists them) or of a .pbrt file. To a .dae
@@ -71,15 +74,24 @@ pub struct Loaded {
     pub map: Option<PathBuf>,
 }
 
+fn is_collada(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"))
+}
+
 impl SceneArgs {
     /// A built-in scene as it is, under its own map or another.
     pub fn built_in(scene: OsString, envmap: Option<OsString>, map_options: MapOptions) -> Self {
         let (resolution, camera, mesh, alpha, filter) = (None, None, None, None, None);
-        Self { scene, resolution, envmap, map_options, camera, mesh, alpha, filter, multiple_scattering: false }
+        let (fit, multiple_scattering) = (false, false);
+        Self { scene, resolution, fit, envmap, map_options, camera, mesh, alpha, filter, multiple_scattering }
     }
 
     /// Loads the scene; its camera fits the request's size.
     pub fn load(&self, console: &Console) -> Result<Loaded> {
+        if self.fit && !(self.file().is_some_and(is_collada) && self.resolution.is_some()) {
+            return Err(Error::parameter("fit", "it is for a .dae scene and the size that `resolution` gives")
+                .with_hint("all other scenes show all of their view at every size"));
+        }
         let alpha = self.alpha.as_deref().map(widths).transpose()?;
         let mut loaded = match self.file() {
             Some(path) => self.imported(path, console)?,
@@ -134,22 +146,34 @@ impl SceneArgs {
                 .with_hint("it takes the place of the statue in the cornell-statue scenes"));
         }
         // A .pbrt file says how its map stands: the given one takes its place as it is stored.
-        let is_collada = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"));
+        let is_collada = is_collada(path);
         let load = if is_collada { map_file::load } else { map_file::load_as_stored };
         let environment = self.envmap.as_deref().map(|name| load(name, self.map_options, console)).transpose()?;
         // `allow_ldr` is also for the map that the file names.
         if environment.is_none() {
             MapOptions { ldr: false, ..self.map_options }.check_unused()?;
         }
+        let resolution = self.resolution();
         let options = SceneOptions {
-            resolution: self.resolution(),
+            resolution: if self.fit { None } else { resolution },
             camera: self.camera.as_deref(),
             environment: environment.map(|source| (source.map, source.name)),
             allow_ldr: self.map_options.ldr,
         };
         let imported = import::read_scene(path, &options)?;
         imported.warnings.iter().for_each(|warning| console.warn(warning));
-        Ok(Loaded { scene: imported.scene, request: imported.request, map: imported.map })
+        let (mut scene, mut request) = (imported.scene, imported.request);
+        if let Some(size) = resolution.filter(|_| self.fit) {
+            (scene, request) = scene.resized(request, size);
+        } else if let Some([width, height]) = resolution.filter(|_| is_collada && self.camera.is_none()) {
+            let [all_width, all_height] = collada::WINDOW;
+            if width < all_width || height < all_height {
+                console.note(&format!(
+                    "{width}x{height} pixels show the middle of a view of {all_width}x{all_height}, as in the course's renderer; with --fit, all of it"
+                ));
+            }
+        }
+        Ok(Loaded { scene, request, map: imported.map })
     }
 
     fn builtin(&self, console: &Console) -> Result<Loaded> {

@@ -357,6 +357,35 @@ fn a_scene_without_lights_warns_and_takes_an_environment_map() {
     assert!(mean > 0.7 && mean < 1.0, "{mean}");
 }
 
+#[test]
+fn a_cropped_view_says_so_and_fit_shows_all_of_it() {
+    let dir = folder();
+    std::fs::write(dir.path().join("unlit.dae"), UNLIT).unwrap();
+    let run = |args: &str| {
+        let words: Vec<&str> =
+            "render unlit.dae --envmap constant -s 4 --json".split(' ').chain(args.split(' ')).collect();
+        let ran = etalon(dir.path(), &words);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let mean = serde_json::from_str::<Value>(&ran.stdout).unwrap()["mean_rgb"][0].as_f64().unwrap();
+        (mean, ran.stderr.contains("--fit"))
+    };
+    let (whole, of_whole) = run("-r 800 600");
+    let (cropped, of_cropped) = run("-r 80 60");
+    let (fitted, of_fitted) = run("-r 80 60 --fit");
+    assert_eq!([of_whole, of_cropped, of_fitted], [false, true, false]);
+    // The metal in the middle is darker than the light around it.
+    assert!((fitted / whole - 1.0).abs() < 2e-3 && cropped < 0.95 * whole, "{whole} {cropped} {fitted}");
+    for wrong in ["sphere-env -r 8 8 --fit", "unlit.dae --fit"] {
+        let words: Vec<&str> = ["render"].into_iter().chain(wrong.split(' ')).collect();
+        let ran = etalon(dir.path(), &words);
+        assert!(
+            ran.code == 2 && ran.stderr.contains("--fit: it is for a .dae scene and the size that -r gives"),
+            "{}",
+            ran.stderr
+        );
+    }
+}
+
 /// A folder of scenes of other programs; `None`, and a word about it, where there is none.
 fn scenes() -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets/scenes");

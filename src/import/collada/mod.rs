@@ -27,6 +27,8 @@ use super::{Imported, SceneOptions};
 use crate::error::{Error, Place, Result};
 use crate::files::{read_bounded, without_bom};
 use crate::scene::{Environment, Request, Scene};
+pub use camera::WINDOW;
+
 use document::Document;
 use std::path::Path;
 

@@ -1,0 +1,390 @@
+//! Is the default the best? Every scene under every combination of technique, density of the map and adaptive sampling, of this program
+//! and of a rival (an earlier version of it), as tables for BENCHMARKS.md.
+//!
+//! `cargo bench --bench techniques -- --runs FILE [--rival PROGRAM] [--scenes FOLDER]... [--maps FOLDER] [--envmap MAP] [NAME ...]`
+//! measures the built-in scenes, the scene files of the folders (MAP takes the place of a map that a file names and the folder lacks), and
+//! three objects under the built-in maps and those of the folder. Names choose some of the cases. FILE keeps each pair of renders: the same
+//! command goes on from there.
+//!
+//! *Efficiency* is 1 / (seconds × MSE), of processes with one thread that prepare the scene and render it. Two renders with different seeds
+//! have independent errors, so half of their mean squared difference is the MSE of one, without any reference. All combinations render 4
+//! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
+//! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is.
+
+use etalon::raster::{ReadOptions, compare, read};
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Samples per pixel of the table, and those of the first look.
+const SAMPLES: [u32; 4] = [4, 16, 64, 256];
+const FIRST_LOOK: u32 = 16;
+/// Pairs of seeds: of the first look, the least of the table, and the most.
+const PAIRS: [usize; 3] = [2, 4, 128];
+/// Combinations with less than this share of the best efficiency are dropped.
+const DROPPED: f64 = 1.0 / 1.5;
+/// An efficiency is known once its interval is at most this wide, to each side.
+const KNOWN: f64 = 0.07;
+/// Of a normal distribution, for intervals of 95 %.
+const Z: f64 = 1.96;
+/// Processes side by side.
+const WORKERS: usize = 2;
+/// Samples per pixel at which the price of leaving a technique out is measured.
+const JUDGED: u32 = 64;
+/// The name of the default.
+const DEFAULT: &str = "default";
+
+/// Ways to find light without a map.
+const TECHNIQUES: [&str; 5] = ["light", "bsdf", "hemisphere", "mis", "mis+lt"];
+/// Densities of the map by technique.
+const DENSITIES: [(&str, &[&str]); 5] = [
+    ("light", &["cdf", "cosine"]),
+    ("bsdf", &["cdf"]),
+    ("hemisphere", &["cdf"]),
+    ("mis", &["cdf", "compensated", "cosine", "cosine-compensated"]),
+    ("mis+lt", &["cdf", "compensated", "cosine", "cosine-compensated"]),
+];
+/// What the price is asked of: a part of the name of the combinations that have it.
+const JUDGED_TECHNIQUES: [&str; 6] = ["+lt", "+adaptive", "cosine", "compensated", "cosine-compensated", "light"];
+
+fn main() {
+    let bench = Bench::from_arguments();
+    let cases = bench.cases();
+    let next = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..WORKERS {
+            scope.spawn(|| {
+                while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    bench.measure(case);
+                    eprintln!("{}", case.name);
+                }
+            });
+        }
+    });
+    bench.report(&cases);
+}
+
+/// What is rendered.
+struct Case {
+    name: String,
+    /// The folder, or what kind of map scene it is.
+    kind: String,
+    args: Vec<String>,
+    has_map: bool,
+}
+
+/// Two renders with different seeds.
+#[derive(Clone, Copy)]
+struct Pair {
+    /// Of one.
+    seconds: f64,
+    mse: f64,
+}
+
+/// A case, a combination and a number of samples.
+type Key = (String, String, u32);
+
+struct Bench {
+    rival: Option<String>,
+    scenes: Vec<PathBuf>,
+    maps: Option<PathBuf>,
+    envmap: Option<String>,
+    names: Vec<String>,
+    pairs: Mutex<HashMap<Key, Vec<Pair>>>,
+    file: Mutex<File>,
+}
+
+/// The mean of a quantity of pairs and the relative standard error of it.
+fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt() / mean)
+}
+
+/// The logarithm of the efficiency of pairs, and its standard error.
+fn log_efficiency(pairs: &[Pair]) -> [f64; 2] {
+    let mut seconds: Vec<f64> = pairs.iter().map(|pair| pair.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let (mse, error) = mean(pairs.iter().map(|pair| pair.mse));
+    [-(seconds[seconds.len() / 2] * mse).ln(), error]
+}
+
+impl Bench {
+    fn from_arguments() -> Self {
+        let (mut rival, mut scenes, mut maps, mut envmap, mut runs, mut names) =
+            (None, Vec::new(), None, None, None, Vec::new());
+        let mut args = std::env::args().skip(1);
+        while let Some(arg) = args.next() {
+            match arg.as_str() {
+                "--rival" => rival = args.next(),
+                "--scenes" => scenes.extend(args.next().map(PathBuf::from)),
+                "--maps" => maps = args.next().map(PathBuf::from),
+                "--envmap" => envmap = args.next(),
+                "--runs" => runs = args.next(),
+                // Cargo says so to every bench.
+                "--bench" => {}
+                _ => names.push(arg),
+            }
+        }
+        let runs = runs.expect("--runs FILE keeps what is measured");
+        let mut pairs: HashMap<Key, Vec<Pair>> = HashMap::new();
+        for line in std::fs::read_to_string(&runs).unwrap_or_default().lines() {
+            if let [case, combination, spp, seconds, mse] = line.split(',').collect::<Vec<_>>()[..]
+                && let (Ok(spp), Ok(seconds), Ok(mse)) = (spp.parse(), seconds.parse(), mse.parse())
+            {
+                pairs.entry((case.into(), combination.into(), spp)).or_default().push(Pair { seconds, mse });
+            }
+        }
+        let file = OpenOptions::new().create(true).append(true).open(&runs).expect("a file for the runs");
+        Self { rival, scenes, maps, envmap, names, pairs: Mutex::new(pairs), file: Mutex::new(file) }
+    }
+
+    fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        let json = run(env!("CARGO_BIN_EXE_etalon"), &["scenes".into(), "--json".into()]).expect("a list of scenes");
+        let built_in = json["scenes"].as_array().into_iter().flatten().filter_map(|scene| scene["name"].as_str());
+        cases.extend(built_in.map(|name| Case::new("built-in", name, vec![name.into()])));
+        for folder in &self.scenes {
+            let kind = folder.file_name().map_or("scenes".into(), |name| name.to_string_lossy().into_owned());
+            for path in files(folder, &["pbrt", "dae"]) {
+                let mut args = vec![path.display().to_string()];
+                if path.extension().is_some_and(|extension| extension == "dae") {
+                    // The renderer crops small images; camera settings do not.
+                    let camera = path.with_extension("txt").display().to_string();
+                    args.extend(["-m".into(), "5".into(), "-c".into(), camera]);
+                } else if let Some(map) = &self.envmap
+                    && std::fs::read_to_string(&path).is_ok_and(|text| text.contains("grace_latlong"))
+                {
+                    args.extend(["--envmap".into(), map.clone(), "-l".into(), "4".into()]);
+                }
+                cases.push(Case::new(&kind, &stem(&path), args));
+            }
+        }
+        let mesh = self.scenes.iter().map(|folder| folder.join("mesh-sky.pbrt")).find(|path| path.exists());
+        let objects = ["sphere-env".to_owned(), "brushed-metal".to_owned()];
+        let objects: Vec<String> = objects.into_iter().chain(mesh.map(|path| path.display().to_string())).collect();
+        let maps = ["nave".to_owned(), "sun".to_owned()].into_iter();
+        let of_folder = self.maps.iter().flat_map(|folder| files(folder, &["exr", "hdr", "pfm"]));
+        for map in maps.chain(of_folder.map(|path| path.display().to_string())) {
+            for object in &objects {
+                let name = format!("{} under {}", stem(Path::new(object)), stem(Path::new(&map)));
+                cases.push(Case::new("maps", &name, vec![object.clone(), "--envmap".into(), map.clone()]));
+            }
+        }
+        cases.retain(|case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name)));
+        cases
+    }
+
+    /// The names of all combinations, those of the rival with a sign.
+    fn combinations(&self, case: &Case) -> Vec<String> {
+        let densities = |technique: &&str| {
+            let of_map = DENSITIES.iter().find(|(name, _)| name == technique).map_or(&[""][..], |(_, names)| names);
+            if case.has_map { of_map } else { &[""][..] }
+        };
+        let sampled = TECHNIQUES.iter().flat_map(|t| densities(t).iter().map(move |d| format!("{t} {d}")));
+        let adaptive = sampled.flat_map(|name| [name.trim().to_owned(), format!("{} +adaptive", name.trim())]);
+        let ours: Vec<String> = adaptive.collect();
+        let rivals = ours.iter().filter(|_| self.rival.is_some()).map(|name| format!("rival {name}"));
+        std::iter::once(DEFAULT.to_owned()).chain(ours.iter().cloned()).chain(rivals).collect()
+    }
+
+    fn measure(&self, case: &Case) {
+        let all = self.combinations(case);
+        all.iter().for_each(|name| self.render(case, name, FIRST_LOOK, PAIRS[0]));
+        let all = self.ranked(case, &all, FIRST_LOOK, 0..PAIRS[0]);
+        let Some(best) = all.first().map(|(_, [log, _])| *log) else { return };
+        let mut kept: Vec<String> =
+            all.iter().filter(|(_, [log, _])| log - best > DROPPED.ln()).map(|(name, _)| name.clone()).collect();
+        // The best without each technique says what it is worth.
+        for technique in JUDGED_TECHNIQUES {
+            kept.extend(all.iter().map(|(name, _)| name).find(|name| !has(name, technique)).cloned());
+        }
+        kept.push(DEFAULT.to_owned());
+        kept.sort();
+        kept.dedup();
+        for spp in SAMPLES {
+            kept.iter().for_each(|name| self.render(case, name, spp, PAIRS[1]));
+            for count in (PAIRS[1] + 2..=PAIRS[2]).step_by(2) {
+                let ranked = self.ranked(case, &kept, spp, 0..count);
+                let mut wanted: Vec<_> = ranked.iter().take(3).collect();
+                wanted.extend(ranked.iter().filter(|(name, _)| name == DEFAULT));
+                let unknown: Vec<_> = wanted.iter().filter(|(_, [_, error])| Z * error > KNOWN).collect();
+                if unknown.is_empty() {
+                    break;
+                }
+                unknown.iter().for_each(|(name, _)| self.render(case, name, spp, count));
+            }
+        }
+    }
+
+    /// Combinations by their efficiency from some of their pairs, the best first.
+    fn ranked(
+        &self,
+        case: &Case,
+        names: &[String],
+        spp: u32,
+        range: impl Iterator<Item = usize> + Clone,
+    ) -> Vec<(String, [f64; 2])> {
+        let pairs = self.pairs.lock().expect("no panic");
+        let of = |name: &String| {
+            let pairs = pairs.get(&(case.name.clone(), name.clone(), spp))?;
+            let some: Vec<Pair> = range.clone().filter_map(|i| pairs.get(i).copied()).collect();
+            let found = (some.len() > 1).then(|| log_efficiency(&some))?;
+            found[0].is_finite().then(|| (name.clone(), found))
+        };
+        let mut ranked: Vec<_> = names.iter().filter_map(of).collect();
+        ranked.sort_by(|(_, a), (_, b)| b[0].total_cmp(&a[0]));
+        ranked
+    }
+
+    /// Renders pairs of a combination until there are so many.
+    fn render(&self, case: &Case, name: &str, spp: u32, count: usize) {
+        let key = (case.name.clone(), name.to_owned(), spp);
+        loop {
+            let known = self.pairs.lock().expect("no panic").get(&key).map_or(0, Vec::len);
+            if known >= count {
+                return;
+            }
+            let Some([a, b]) = self.pair(case, name, spp, known) else { return };
+            let pair =
+                Pair { seconds: 0.5 * (a.0 + b.0), mse: 0.5 * compare(&a.1, &b.1).expect("images of one size").mse };
+            let line = format!("{},{name},{spp},{},{:e}", case.name, pair.seconds, pair.mse);
+            writeln!(self.file.lock().expect("no panic"), "{line}").expect("the line is written");
+            self.pairs.lock().expect("no panic").entry(key.clone()).or_default().push(pair);
+        }
+    }
+
+    /// Seconds and images of the two renders of a pair; `None` for a combination that the program refuses.
+    fn pair(&self, case: &Case, name: &str, spp: u32, number: usize) -> Option<[(f64, etalon::raster::Image); 2]> {
+        let folder = tempfile::tempdir().expect("a folder for the image");
+        let path = folder.path().join("image.pfm");
+        let (program, options) = match (name.strip_prefix("rival "), &self.rival) {
+            (Some(options), Some(rival)) => (rival.as_str(), options),
+            _ => (env!("CARGO_BIN_EXE_etalon"), name),
+        };
+        let mut args = vec!["render".to_owned()];
+        args.extend(case.args.iter().cloned());
+        args.extend(["-r", "80", "60", "-t", "1", "--json", "--quiet", "-o"].map(str::to_owned));
+        args.extend([path.display().to_string(), "-s".into(), spp.to_string()]);
+        if options != DEFAULT {
+            let mut words = options.split(' ').peekable();
+            args.extend(["--sampling".into(), words.next()?.into()]);
+            if let Some(density) = words.next_if(|word| !word.starts_with('+')) {
+                args.extend(["--light-density".into(), density.into()]);
+            }
+            args.extend(words.next().is_none().then(|| "--uniform".into()));
+        }
+        let render = |seed: usize| {
+            let seeded = args.iter().cloned().chain(["--seed".into(), seed.to_string()]);
+            let json = run(program, &seeded.collect::<Vec<_>>())?;
+            Some((json["seconds"].as_f64()?, read(&path, ReadOptions::default()).ok()?))
+        };
+        Some([render(2 * number + 1)?, render(2 * number + 2)?])
+    }
+
+    fn report(&self, cases: &[Case]) {
+        println!("| case | samples per pixel | best | default over it (95 %) | pairs |\n|---|---|---|---|---|");
+        let mut ratios: HashMap<u32, Vec<f64>> = HashMap::new();
+        for case in cases {
+            for spp in SAMPLES {
+                let names = self.combinations(case);
+                let Some((best, _)) = self.ranked(case, &names, spp, (0..PAIRS[2]).step_by(2)).into_iter().next()
+                else {
+                    continue;
+                };
+                let odd = |name: &str| {
+                    self.ranked(case, &[name.to_owned()], spp, (1..PAIRS[2]).step_by(2)).pop().map(|(_, found)| found)
+                };
+                let (Some([a, da]), Some([b, db])) = (odd(DEFAULT), odd(&best)) else { continue };
+                let (ratio, width) = (a - b, Z * da.hypot(db));
+                let [low, middle, high] = [ratio - width, ratio, ratio + width].map(f64::exp);
+                let key = (case.name.clone(), best.clone(), spp);
+                let pairs = self.pairs.lock().expect("no panic").get(&key).map_or(0, Vec::len);
+                println!("| {} | {spp} | {best} | {middle:.2} ({low:.2} to {high:.2}) | {pairs} |", case.name);
+                ratios.entry(spp).or_default().push(ratio);
+            }
+        }
+        for spp in SAMPLES {
+            let Some(ratios) = ratios.get(&spp) else { continue };
+            let mean = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
+            println!(
+                "\nDefault over the best at {spp} samples per pixel, geometric mean of {}: {mean:.3}",
+                ratios.len()
+            );
+        }
+        println!(
+            "\n| kind | left out | best without it over the best, {JUDGED} samples per pixel | of each case |\n|---|---|---|---|"
+        );
+        let mut kinds: Vec<String> = cases.iter().map(Case::group).collect();
+        kinds.dedup();
+        for kind in &kinds {
+            for technique in JUDGED_TECHNIQUES {
+                let of = |case: &Case| {
+                    let names: Vec<_> = self.combinations(case);
+                    let ours: Vec<_> =
+                        names.into_iter().filter(|name| !name.starts_with("rival") && name != DEFAULT).collect();
+                    let all = self.ranked(case, &ours, JUDGED, 0..PAIRS[2]);
+                    let without = all.iter().find(|(name, _)| !has(name, technique))?;
+                    Some((without.1[0] - all.first()?.1[0]).exp())
+                };
+                let each: Vec<f64> = cases.iter().filter(|case| case.group() == *kind).filter_map(of).collect();
+                if each.is_empty() || each.iter().all(|ratio| *ratio == 1.0) {
+                    continue;
+                }
+                let mean = (each.iter().map(|ratio| ratio.ln()).sum::<f64>() / each.len() as f64).exp();
+                let listed: Vec<String> = each.iter().map(|ratio| format!("{ratio:.2}")).collect();
+                println!("| {kind} | {technique} | {mean:.2} | {} |", listed.join(" "));
+            }
+        }
+    }
+}
+
+impl Case {
+    fn new(kind: &str, name: &str, args: Vec<String>) -> Self {
+        // A density of the map is refused where there is none.
+        let mut tried = vec!["render".to_owned()];
+        tried.extend(args.iter().cloned());
+        let folder = tempfile::tempdir().expect("a folder for the image");
+        let path = folder.path().join("image.pfm").display().to_string();
+        let options = ["-r", "1", "1", "-s", "1", "--light-density", "cdf", "--json", "--quiet", "-o", &path];
+        tried.extend(options.map(str::to_owned));
+        let has_map = run(env!("CARGO_BIN_EXE_etalon"), &tried).is_some();
+        Self { name: name.to_owned(), kind: kind.to_owned(), args, has_map }
+    }
+
+    /// The group in which the price of a technique is averaged: `frosted-panes` of `frosted-panes-1`, or the folder.
+    fn group(&self) -> String {
+        let numbered = self.name.rsplit_once('-').filter(|(_, number)| matches!(*number, "1" | "2"));
+        numbered.map_or_else(|| self.kind.clone(), |(kind, _)| kind.to_owned())
+    }
+}
+
+/// Whether a combination has a technique: whole words, but any `+`.
+fn has(name: &str, technique: &str) -> bool {
+    name.split(' ').any(|word| word == technique || (technique.starts_with('+') && word.contains(technique)))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// The files of a folder with one of the extensions, by name.
+fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    let suits = |path: &PathBuf| path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension));
+    paths.retain(suits);
+    paths.sort();
+    paths
+}
+
+/// Runs a program and returns what it prints; `None` if it fails.
+fn run(program: &str, args: &[String]) -> Option<serde_json::Value> {
+    let output = Command::new(program).args(args).output().expect("the program runs");
+    output.status.success().then(|| serde_json::from_slice(&output.stdout).expect("the program writes JSON"))
+}
