@@ -189,15 +189,6 @@ impl Render {
         let interrupted = !part.ranges().have(&samples);
         let mut summary = Summary::new(&scene.name, &request, &part, part.count() - count, job.seconds());
         summary.left_out = job.left_out();
-        let has_map = scene.environment.is_some();
-        let is_usual = |settings: &Settings| {
-            settings.sampling == usual.sampling && (!has_map || settings.map_sampling() == usual.map_sampling())
-        };
-        summary.default_strategy = (settings.kernel == usual.kernel && !is_usual(&settings)).then(|| {
-            let density =
-                if has_map { format!(" with light density {}", usual.map_sampling().density()) } else { String::new() };
-            usual.sampling.name().to_owned() + &density
-        });
         summary.interrupted = interrupted;
         summary.written = images.write(&part, &scene.name, state, interrupted)?;
         warn_of_lost_light(&part.film, console);

@@ -39,9 +39,6 @@ pub struct Summary<'a> {
     pub dropped: Dropped,
     /// Features that the kernel leaves out.
     pub left_out: Vec<&'static str>,
-    /// The strategy by default, where another one rendered.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub default_strategy: Option<String>,
     pub interrupted: bool,
     #[serde(flatten)]
     pub written: Written,
@@ -85,7 +82,6 @@ impl<'a> Summary<'a> {
             paths: classes.collect(),
             dropped: film.dropped(),
             left_out: Vec::new(),
-            default_strategy: None,
             interrupted: false,
             written: Written::default(),
         }
@@ -118,11 +114,6 @@ impl<'a> Summary<'a> {
         }
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));
-        }
-        if let Some(strategy) = &self.default_strategy {
-            text += &format!(
-                "the default, {strategy}, usually has less error in the same time; `etalon converge` compares strategies\n"
-            );
         }
         text + &self.written.text()
     }
