@@ -1,7 +1,8 @@
 //! Is the default the best? Every scene under every combination of technique, density of the map and adaptive sampling, of this program
 //! and of a rival (an earlier version of it), as tables for BENCHMARKS.md.
 //!
-//! `cargo bench --bench techniques -- --runs FILE [--rival PROGRAM] [--scenes FOLDER]... [--maps FOLDER] [--envmap MAP] [NAME ...]`
+//! `cargo bench --bench techniques -- --runs FILE [--rival PROGRAM] [--scenes FOLDER]... [--maps FOLDER] [--envmap MAP]
+//! [--spp N,...] [--pairs N] [NAME ...]`
 //! measures the built-in scenes, the scene files of the folders (MAP takes the place of a map that a file names and the folder lacks), and
 //! three objects under the built-in maps and those of the folder. Names choose some of the cases. FILE keeps each pair of renders: the same
 //! command goes on from there.
@@ -20,10 +21,10 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Samples per pixel of the table, and those of the first look.
+/// Samples per pixel of the table, unless `--spp` names some, and those of the first look.
 const SAMPLES: [u32; 4] = [4, 16, 64, 256];
 const FIRST_LOOK: u32 = 16;
-/// Pairs of seeds: of the first look, the least of the table, and the most.
+/// Pairs of seeds: of the first look, the least of the table, and the most unless `--pairs` says so.
 const PAIRS: [usize; 3] = [2, 4, 128];
 /// Combinations with less than this share of the best efficiency are dropped.
 const DROPPED: f64 = 1.0 / 1.5;
@@ -94,6 +95,8 @@ struct Bench {
     maps: Option<PathBuf>,
     envmap: Option<String>,
     names: Vec<String>,
+    spp: Vec<u32>,
+    most: usize,
     pairs: Mutex<HashMap<Key, Vec<Pair>>>,
     file: Mutex<File>,
 }
@@ -118,6 +121,7 @@ impl Bench {
     fn from_arguments() -> Self {
         let (mut rival, mut scenes, mut maps, mut envmap, mut runs, mut names) =
             (None, Vec::new(), None, None, None, Vec::new());
+        let (mut spp, mut most) = (SAMPLES.to_vec(), PAIRS[2]);
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             match arg.as_str() {
@@ -126,6 +130,11 @@ impl Bench {
                 "--maps" => maps = args.next().map(PathBuf::from),
                 "--envmap" => envmap = args.next(),
                 "--runs" => runs = args.next(),
+                "--spp" => {
+                    let list = args.next().unwrap_or_default();
+                    spp = list.split(',').map(|spp| spp.parse().expect("numbers with commas between them")).collect();
+                }
+                "--pairs" => most = args.next().and_then(|most| most.parse().ok()).expect("a number of pairs"),
                 // Cargo says so to every bench.
                 "--bench" => {}
                 _ => names.push(arg),
@@ -141,7 +150,7 @@ impl Bench {
             }
         }
         let file = OpenOptions::new().create(true).append(true).open(&runs).expect("a file for the runs");
-        Self { rival, scenes, maps, envmap, names, pairs: Mutex::new(pairs), file: Mutex::new(file) }
+        Self { rival, scenes, maps, envmap, names, spp, most, pairs: Mutex::new(pairs), file: Mutex::new(file) }
     }
 
     fn cases(&self) -> Vec<Case> {
@@ -207,9 +216,9 @@ impl Bench {
         kept.push(DEFAULT.to_owned());
         kept.sort();
         kept.dedup();
-        for spp in SAMPLES {
+        for &spp in &self.spp {
             kept.iter().for_each(|name| self.render(case, name, spp, PAIRS[1]));
-            for count in (PAIRS[1] + 2..=PAIRS[2]).step_by(2) {
+            for count in (PAIRS[1] + 2..=self.most).step_by(2) {
                 let ranked = self.ranked(case, &kept, spp, 0..count);
                 let mut wanted: Vec<_> = ranked.iter().take(3).collect();
                 wanted.extend(ranked.iter().filter(|(name, _)| name == DEFAULT));
@@ -291,14 +300,14 @@ impl Bench {
         println!("| case | samples per pixel | best | default over it (95 %) | pairs |\n|---|---|---|---|---|");
         let mut ratios: HashMap<u32, Vec<f64>> = HashMap::new();
         for case in cases {
-            for spp in SAMPLES {
+            for &spp in &self.spp {
                 let names = self.combinations(case);
-                let Some((best, _)) = self.ranked(case, &names, spp, (0..PAIRS[2]).step_by(2)).into_iter().next()
+                let Some((best, _)) = self.ranked(case, &names, spp, (0..self.most).step_by(2)).into_iter().next()
                 else {
                     continue;
                 };
                 let odd = |name: &str| {
-                    self.ranked(case, &[name.to_owned()], spp, (1..PAIRS[2]).step_by(2)).pop().map(|(_, found)| found)
+                    self.ranked(case, &[name.to_owned()], spp, (1..self.most).step_by(2)).pop().map(|(_, found)| found)
                 };
                 let (Some([a, da]), Some([b, db])) = (odd(DEFAULT), odd(&best)) else { continue };
                 let (ratio, width) = (a - b, Z * da.hypot(db));
@@ -309,7 +318,7 @@ impl Bench {
                 ratios.entry(spp).or_default().push(ratio);
             }
         }
-        for spp in SAMPLES {
+        for &spp in &self.spp {
             let Some(ratios) = ratios.get(&spp) else { continue };
             let mean = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
             println!(
@@ -328,7 +337,7 @@ impl Bench {
                     let names: Vec<_> = self.combinations(case);
                     let ours: Vec<_> =
                         names.into_iter().filter(|name| !name.starts_with("rival") && name != DEFAULT).collect();
-                    let all = self.ranked(case, &ours, JUDGED, 0..PAIRS[2]);
+                    let all = self.ranked(case, &ours, JUDGED, 0..self.most);
                     let without = all.iter().find(|(name, _)| !has(name, technique))?;
                     Some((without.1[0] - all.first()?.1[0]).exp())
                 };

@@ -82,7 +82,7 @@ impl<'a> EnvironmentSampling<'a> {
                 let (wi, radiance, pdf) =
                     in_world.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| (s.wi.as_vec3(), s.radiance, s.pdf as f32));
                 let sample = LightSample { wi, distance: f32::INFINITY, weight: radiance / pdf, pdf };
-                out.set(start + i, NOTHING, sample);
+                out.set(start + i, NOTHING, sample, f32::INFINITY);
             }
         }
     }

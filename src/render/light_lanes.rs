@@ -44,16 +44,18 @@ impl<L: SampleLight + Copy> Wide for SampleMany<'_, L> {
             put(&mut out.wi, number, &samples.wi);
             put(&mut out.weight, number, &samples.weight);
             put(from_mut(&mut out.distance), number, &[samples.distance]);
+            put(from_mut(&mut out.limit), number, &[samples.limit]);
             put(from_mut(&mut out.pdf), number, &[samples.pdf]);
         }
     }
 }
 
-/// [`LightSample`]s of a block.
+/// [`LightSample`]s of a block, and the lengths of their shadow rays.
 struct SampleBlock {
     wi: Block3,
     weight: Block3,
     distance: Block,
+    limit: Block,
     pdf: Block,
 }
 
@@ -61,9 +63,11 @@ impl SampleBlock {
     #[inline(always)]
     fn of<L: SampleLight>(light: impl Fn(usize) -> L, positions: &Block3, u: &[Block; 2]) -> Self {
         let zeros = [0.0; BLOCK];
-        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, pdf: zeros };
+        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, limit: zeros, pdf: zeros };
         for k in 0..BLOCK {
-            let sample = light(k).sample(at(positions, k), [u[0][k], u[1][k]]);
+            let (light, point) = (light(k), at(positions, k));
+            let sample = light.sample(point, [u[0][k], u[1][k]]);
+            out.limit[k] = light.shadow_length([point, sample.wi], sample.distance);
             set(&mut out.wi, k, sample.wi);
             set(&mut out.weight, k, sample.weight);
             (out.distance[k], out.pdf[k]) = (sample.distance, sample.pdf);
@@ -91,8 +95,12 @@ pub fn sample_each(
     for (i, &number) in light.iter().enumerate().take(LANES) {
         match all.get(number as usize) {
             Some(Sampled { kind: Kind::Rectangle(_) | Kind::Triangle(_) | Kind::Sphere(_), .. }) => {}
-            Some(other) => out.set(i, number, other.sample(at(positions, i), [u[0][i], u[1][i]])),
-            None => out.set(i, NOTHING, LightSample::BLACK),
+            Some(other) => {
+                let point = at(positions, i);
+                let sample = other.sample(point, [u[0][i], u[1][i]]);
+                out.set(i, number, sample, other.shadow_length([point, sample.wi], sample.distance));
+            }
+            None => out.set(i, NOTHING, LightSample::BLACK, f32::INFINITY),
         }
     }
     // Loops over one shape, which vectorize.
@@ -140,7 +148,7 @@ impl<L: OfShape> Wide for SampleEach<'_, L> {
             }
             let samples = SampleBlock::of(|k| lights[k], &points, &numbers);
             for (k, &i) in block.iter().enumerate() {
-                out.set(i, light[i], samples.at(k));
+                out.set(i, light[i], samples.at(k), samples.limit[k]);
             }
         }
     }

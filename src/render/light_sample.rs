@@ -28,6 +28,9 @@ pub trait SampleLight {
     /// A direction towards the light from a point.
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
 
+    /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
+    fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32;
+
     /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
     fn pdf(&self, point: Vec3) -> f32;
 }
@@ -49,12 +52,12 @@ pub struct LightSampleLanes {
 }
 
 impl LightSampleLanes {
-    /// Sets lane `i` to a sample of that light, or of none in the scene.
+    /// Sets lane `i` to a sample of that light, or of none in the scene, and the length of its shadow ray.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, light: u32, sample: LightSample) {
+    pub fn set(&mut self, i: usize, light: u32, sample: LightSample, limit: f32) {
         set(&mut self.wi, i, sample.wi);
         set(&mut self.weight, i, sample.weight);
-        (self.distance[i], self.limit[i]) = (sample.distance, sample.distance);
+        (self.distance[i], self.limit[i]) = (sample.distance, limit);
         (self.pdf[i], self.light[i]) = (sample.pdf, light);
     }
 }

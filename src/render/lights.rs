@@ -112,6 +112,12 @@ impl SampleLight for RectangleLight {
     }
 
     #[inline(always)]
+    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+        let (offset, size) = (self.plane.offset(origin + distance * wi), self.half[0] + self.half[1]);
+        solids::short_of(&self.plane, [offset, size], origin, wi, distance)
+    }
+
+    #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         let ([xs, ys], depth, _) = self.seen_from(point);
         1.0 / solid_angle(xs, ys, depth)
@@ -147,6 +153,11 @@ impl SampleLight for SphereLight {
         // A point of the sphere itself may by rounding be inside.
         let scale = if self.two_sided | is_outside { solid_angle } else { 0.0 };
         LightSample { wi, distance, weight: self.radiance * scale, pdf: 1.0 / solid_angle }
+    }
+
+    #[inline(always)]
+    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+        solids::short_of(&self.sphere, [solids::offset_of_sphere(&self.sphere), 0.0], origin, wi, distance)
     }
 
     #[inline(always)]
@@ -252,21 +263,6 @@ impl Sampled {
         }
     }
 
-    /// The length of a shadow ray to this light at a distance: [`solids::short_of`] its surface, and of a point by rounding.
-    #[inline(always)]
-    pub fn short_of(&self, [origin, wi]: [Vec3; 2], limit: f32) -> f32 {
-        let offset = self.offset(origin + limit * wi);
-        match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
-                let size = panel.half[0] + panel.half[1];
-                solids::short_of(&panel.plane, [offset, size], origin, wi, limit)
-            }
-            Kind::Triangle(triangle) => solids::short_of(&triangle.plane, [offset, triangle.size], origin, wi, limit),
-            Kind::Sphere(light) => solids::short_of(&light.sphere, [offset, 0.0], origin, wi, limit),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => limit * SHORT,
-        }
-    }
-
     /// The distance of the light along a ray in the direction of a sample that was taken from another point close by, where
     /// the distance was `sampled`; `None` if the light is not ahead, or does not emit towards the ray's origin.
     #[inline]
@@ -340,6 +336,16 @@ impl SampleLight for Sampled {
                 let pdf = 0.5 * std::f32::consts::FRAC_1_PI;
                 LightSample { wi, distance: f32::INFINITY, weight: *radiance / pdf, pdf }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32 {
+        match &self.kind {
+            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.shadow_length(ray, distance),
+            Kind::Triangle(triangle) => triangle.shadow_length(ray, distance),
+            Kind::Sphere(light) => light.shadow_length(ray, distance),
+            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => distance * SHORT,
         }
     }
 

@@ -5,6 +5,7 @@ use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
 use super::lanes::Hits;
+use super::light_sample::SampleLight;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights::Sampled;
@@ -101,7 +102,7 @@ impl<'a> PreparedScene<'a> {
     /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
     #[inline(always)]
     pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
-        self.lights.all.get(light as usize).map_or(distance, |light| light.short_of(ray, distance))
+        self.lights.all.get(light as usize).map_or(distance, |light| light.shadow_length(ray, distance))
     }
 
     /// The environment's radiance from a direction.

@@ -2,6 +2,7 @@
 
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
+use super::solids;
 use crate::math::{Rgb, mean_rgb};
 use crate::sampling::spherical_triangle::SphericalTriangle;
 use crate::scene::Plane;
@@ -70,6 +71,11 @@ impl SampleLight for TriangleLight {
         let lit = (side > 0.0) | (self.two_sided & (side < 0.0));
         let scale = if lit { seen.solid_angle() } else { 0.0 };
         LightSample { wi: to / distance, distance, weight: self.radiance * scale, pdf: 1.0 / seen.solid_angle() }
+    }
+
+    #[inline(always)]
+    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+        solids::short_of(&self.plane, [self.plane.offset(origin + distance * wi), self.size], origin, wi, distance)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Direct light at the hits: light sampling, and directions that are sampled without regard to light.
 
-use super::light_samples::{Choice, Places, Source, sample, shorten, sources};
+use super::light_samples::{Choice, Places, Source, sample, sources};
 use super::paths::{Points, Radiance, Shadows, Vertex};
 use super::rough::{self, Bsdfs, Scattered};
 use super::step::Step;
@@ -53,9 +53,6 @@ pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, rad
     for (source, count) in sources(step.scene, Kind::Diffuse) {
         for index in 0..count {
             sample(step, source, (index, count), &places, choices, samples);
-            if let Source::Lights(..) = source {
-                shorten(step.scene, &points.position, points.count, samples);
-            }
             diffuse::values(step.scene.arch, points, samples, count as f32, shadows);
             shadows.rays.direction = samples.wi;
             add_light(step.scene, source, shadows, hits, radiance);
@@ -108,13 +105,12 @@ pub fn light_general(
                     0.0
                 };
                 let ray = [vertex.surface.ray_origin(wi), wi];
-                let sampled = [samples.distance[i], count as f32 * samples.pdf[i]];
-                let light = samples.light[i];
-                let is_transmitted = light != NOTHING && local.z * vertex.wo.z < 0.0;
-                let seen =
-                    if is_transmitted { from_other_side(step.scene, light, ray, sampled) } else { Some(sampled) };
-                let Some([distance, density]) = seen else { continue };
-                let limit = step.scene.shadow_limit(light, ray, distance);
+                let (light, density) = (samples.light[i], count as f32 * samples.pdf[i]);
+                let seen = match light != NOTHING && local.z * vertex.wo.z < 0.0 {
+                    true => from_other_side(step.scene, light, ray, [samples.distance[i], density]),
+                    false => Some([samples.limit[i], density]),
+                };
+                let Some([limit, density]) = seen else { continue };
                 let share = power_heuristic(density, [pdf, by_light_tracing]);
                 shadows.push(ray, limit, value * share, vertex.slot, vertex.path_class.then(false));
             }
@@ -123,13 +119,14 @@ pub fn light_general(
     }
 }
 
-/// The distance and density of a light sample, `sampled` from the viewer's side of a surface, for the ray that leaves its other side;
-/// `None` if the light cannot be seen from there. A BSDF sample on that ray is weighted by the same density.
+/// The length of the shadow ray and the density of a light sample, whose distance and density from the viewer's side of a surface are
+/// `sampled`, for the ray that leaves its other side; `None` if the light cannot be seen from there. A BSDF sample on that ray is weighted by the same density.
 fn from_other_side(scene: &PreparedScene, light: u32, ray: [Vec3; 2], sampled: [f32; 2]) -> Option<[f32; 2]> {
     let [distance, density] = sampled;
     let distance = scene.lights.all[light as usize].ahead(ray, distance)?;
     let is_weighted = density.is_finite();
-    Some([distance, if is_weighted { scene.lights.density(light, ray[0], None) } else { density }])
+    let limit = scene.shadow_limit(light, ray, distance);
+    Some([limit, if is_weighted { scene.lights.density(light, ray[0], None) } else { density }])
 }
 
 /// What the light of sample `i` contributes to the density of light tracing.

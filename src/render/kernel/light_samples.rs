@@ -43,7 +43,7 @@ pub struct Places<'a> {
     pub surface: Kind,
 }
 
-/// Fills `out` with sample number `sub_sample.0` of `sub_sample.1` of a source for each place, without the lengths of shadow rays.
+/// Fills `out` with sample number `sub_sample.0` of `sub_sample.1` of a source for each place.
 /// The pdf is infinite where no BSDF samples are combined with it.
 pub fn sample(
     step: Step,
@@ -92,7 +92,8 @@ pub fn sample(
                 let local = strategy.sample(numbers.pair(slots[i], dimensions.bsdf_direct(), sub_sample));
                 let wi = Frame::from_normal(at(normal, i)).to_world(local.as_vec3());
                 let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
-                out.set(i, NOTHING, LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY });
+                let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };
+                out.set(i, NOTHING, sample, f32::INFINITY);
             }
         }
     }
@@ -171,28 +172,6 @@ impl Wide for WeighChosen<'_> {
             set(&mut out.weight, i, weight);
             let is_weighed = by_mis && scene.lights.is_found_by_rays(light);
             out.pdf[i] = if is_weighed { out.pdf[i] * probability } else { f32::INFINITY };
-        }
-    }
-}
-
-/// Sets the lengths of shadow rays from `origins` to the lights of samples.
-pub fn shorten(scene: &PreparedScene, origins: &Lane3, count: usize, out: &mut LightSampleLanes) {
-    wide(scene.arch, Shorten { scene, origins, count, out });
-}
-
-struct Shorten<'a> {
-    scene: &'a PreparedScene<'a>,
-    origins: &'a Lane3,
-    count: usize,
-    out: &'a mut LightSampleLanes,
-}
-
-impl Wide for Shorten<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { scene, origins, count, out } = self;
-        for i in 0..count.min(LANES) {
-            out.limit[i] = scene.shadow_limit(out.light[i], [at(origins, i), at(&out.wi, i)], out.distance[i]);
         }
     }
 }
