@@ -4,9 +4,10 @@
 //! `cargo bench --bench left_out -- [--scenes FOLDER] [--envmap MAP] [NAME ...]` renders the built-in scenes, and with `--scenes` the scene
 //! files of a folder, a map of which is replaced by MAP; names choose some of them.
 
+mod program;
+
 use etalon::raster::{Image, ReadOptions, compare, read};
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
 /// Renders of each kind, with a seed for each round.
 const ROUNDS: u32 = 5;
@@ -31,7 +32,7 @@ fn main() {
             _ => chosen.push(arg),
         }
     }
-    let mut scenes = built_in();
+    let mut scenes: Vec<Scene> = built_in().collect();
     scenes.extend(folder.iter().flat_map(|folder| files(Path::new(folder), map.as_deref())));
     scenes.retain(|scene| chosen.is_empty() || chosen.contains(&scene.name));
     println!(
@@ -47,29 +48,21 @@ struct Scene {
     args: Vec<String>,
 }
 
-fn built_in() -> Vec<Scene> {
-    let json = run(&["scenes".into(), "--json".into()]);
-    let names = json["scenes"].as_array().into_iter().flatten().filter_map(|scene| scene["name"].as_str());
-    names.map(|name| Scene { name: name.to_owned(), args: vec![name.to_owned()] }).collect()
+fn built_in() -> impl Iterator<Item = Scene> {
+    program::built_in().into_iter().map(|name| Scene { args: vec![name.clone()], name })
 }
 
 /// The scene files of a folder; pbrt's take the map, which the folder may lack.
 fn files(folder: &Path, map: Option<&str>) -> Vec<Scene> {
-    let entries = std::fs::read_dir(folder).expect("a folder of scenes");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    paths.sort();
-    let scene = |path: &Path| {
-        let extension = path.extension().and_then(|extension| extension.to_str());
+    let scene = |path: &PathBuf| {
         let mut args = vec![path.to_str().expect("a name in UTF-8").to_owned()];
-        match (extension, map) {
-            (Some("pbrt"), Some(map)) => args.extend(["--envmap".to_owned(), map.to_owned()]),
-            (Some("pbrt" | "dae"), _) => {}
-            _ => return None,
+        if let Some(map) = map.filter(|_| path.extension().is_some_and(|extension| extension == "pbrt")) {
+            args.extend(["--envmap".to_owned(), map.to_owned()]);
         }
-        let name = path.file_name().and_then(|name| name.to_str())?;
-        Some(Scene { name: name.to_owned(), args })
+        let name = path.file_name().and_then(|name| name.to_str()).expect("a name in UTF-8");
+        Scene { name: name.to_owned(), args }
     };
-    paths.iter().filter_map(|path| scene(path)).collect()
+    program::files(folder, &["pbrt", "dae"]).iter().map(scene).collect()
 }
 
 /// One render.
@@ -121,7 +114,7 @@ impl Scene {
         args.extend(SAMPLES.map(str::to_owned));
         args.extend(["--seed".into(), seed.to_string(), "--json".into(), "-o".into(), path.display().to_string()]);
         args.extend(options.iter().map(|option| (*option).to_owned()));
-        let json = run(&args);
+        let json = program::run(program::ETALON, &args).unwrap_or_else(|error| panic!("{error}"));
         let words = json["left_out"].as_array().into_iter().flatten().filter_map(|word| word.as_str());
         Measured {
             seconds: json["seconds"].as_f64().expect("a time"),
@@ -130,11 +123,4 @@ impl Scene {
             image: read(&path, ReadOptions::default()).expect("the image"),
         }
     }
-}
-
-/// Runs the program and returns what it prints.
-fn run(args: &[String]) -> serde_json::Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_etalon")).args(args).output().expect("the program runs");
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("the program writes JSON")
 }

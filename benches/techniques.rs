@@ -5,19 +5,21 @@
 //! [--spp N,...] [--pairs N] [NAME ...]`
 //! measures the built-in scenes, the scene files of the folders (MAP takes the place of a map that a file names and the folder lacks), and
 //! three objects under the built-in maps and those of the folder. Names choose some of the cases. FILE keeps each pair of renders: the same
-//! command goes on from there.
+//! command goes on from there. `benches/kinds` says what a technique is worth; `benches/unknown` has other scenes of the same kinds, kept aside.
 //!
 //! *Efficiency* is 1 / (seconds × MSE), of processes with one thread that prepare the scene and render it. Two renders with different seeds
 //! have independent errors, so half of their mean squared difference is the MSE of one, without any reference. All combinations render 4
 //! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
 //! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is.
 
-use etalon::raster::{ReadOptions, compare, read};
+mod program;
+
+use etalon::raster::{Image, ReadOptions, compare, read};
+use program::{ETALON, files, run};
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -39,10 +41,8 @@ const JUDGED: u32 = 64;
 /// The name of the default.
 const DEFAULT: &str = "default";
 
-/// Ways to find light without a map.
-const TECHNIQUES: [&str; 5] = ["light", "bsdf", "hemisphere", "mis", "mis+lt"];
-/// Densities of the map by technique.
-const DENSITIES: [(&str, &[&str]); 5] = [
+/// Techniques, and the densities of a map with which they are combined; a program may refuse some that another one has.
+const TECHNIQUES: [(&str, &[&str]); 5] = [
     ("light", &["cdf", "cosine"]),
     ("bsdf", &["cdf"]),
     ("hemisphere", &["cdf"]),
@@ -154,12 +154,10 @@ impl Bench {
     }
 
     fn cases(&self) -> Vec<Case> {
-        let mut cases = Vec::new();
-        let json = run(env!("CARGO_BIN_EXE_etalon"), &["scenes".into(), "--json".into()]).expect("a list of scenes");
-        let built_in = json["scenes"].as_array().into_iter().flatten().filter_map(|scene| scene["name"].as_str());
-        cases.extend(built_in.map(|name| Case::new("built-in", name, vec![name.into()])));
+        let mut cases: Vec<Case> =
+            program::built_in().into_iter().map(|name| Case::new("built-in", &name, vec![name.clone()])).collect();
         for folder in &self.scenes {
-            let kind = folder.file_name().map_or("scenes".into(), |name| name.to_string_lossy().into_owned());
+            let kind = stem(folder);
             for path in files(folder, &["pbrt", "dae"]) {
                 let mut args = vec![path.display().to_string()];
                 if path.extension().is_some_and(|extension| extension == "dae") {
@@ -171,7 +169,8 @@ impl Bench {
                 {
                     args.extend(["--envmap".into(), map.clone(), "-l".into(), "4".into()]);
                 }
-                cases.push(Case::new(&kind, &stem(&path), args));
+                // Folders may have files of the same name.
+                cases.push(Case::new(&kind, &format!("{kind}/{}", stem(&path)), args));
             }
         }
         let mesh = self.scenes.iter().map(|folder| folder.join("mesh-sky.pbrt")).find(|path| path.exists());
@@ -186,17 +185,17 @@ impl Bench {
             }
         }
         cases.retain(|case| self.names.is_empty() || self.names.iter().any(|name| case.name.contains(name)));
+        cases.iter_mut().for_each(Case::find_map);
         cases
     }
 
     /// The names of all combinations, those of the rival with a sign.
     fn combinations(&self, case: &Case) -> Vec<String> {
-        let densities = |technique: &&str| {
-            let of_map = DENSITIES.iter().find(|(name, _)| name == technique).map_or(&[""][..], |(_, names)| names);
-            if case.has_map { of_map } else { &[""][..] }
-        };
-        let sampled = TECHNIQUES.iter().flat_map(|t| densities(t).iter().map(move |d| format!("{t} {d}")));
-        let adaptive = sampled.flat_map(|name| [name.trim().to_owned(), format!("{} +adaptive", name.trim())]);
+        let sampled = TECHNIQUES.iter().flat_map(|(technique, densities)| {
+            let densities = if case.has_map { densities } else { &[""][..] };
+            densities.iter().map(move |density| format!("{technique} {density}").trim_end().to_owned())
+        });
+        let adaptive = sampled.flat_map(|name| [name.clone(), format!("{name} +adaptive")]);
         let ours: Vec<String> = adaptive.collect();
         let rivals = ours.iter().filter(|_| self.rival.is_some()).map(|name| format!("rival {name}"));
         std::iter::once(DEFAULT.to_owned()).chain(ours.iter().cloned()).chain(rivals).collect()
@@ -269,12 +268,12 @@ impl Bench {
     }
 
     /// Seconds and images of the two renders of a pair; `None` for a combination that the program refuses.
-    fn pair(&self, case: &Case, name: &str, spp: u32, number: usize) -> Option<[(f64, etalon::raster::Image); 2]> {
+    fn pair(&self, case: &Case, name: &str, spp: u32, number: usize) -> Option<[(f64, Image); 2]> {
         let folder = tempfile::tempdir().expect("a folder for the image");
         let path = folder.path().join("image.pfm");
         let (program, options) = match (name.strip_prefix("rival "), &self.rival) {
             (Some(options), Some(rival)) => (rival.as_str(), options),
-            _ => (env!("CARGO_BIN_EXE_etalon"), name),
+            _ => (ETALON, name),
         };
         let mut args = vec!["render".to_owned()];
         args.extend(case.args.iter().cloned());
@@ -290,13 +289,19 @@ impl Bench {
         }
         let render = |seed: usize| {
             let seeded = args.iter().cloned().chain(["--seed".into(), seed.to_string()]);
-            let json = run(program, &seeded.collect::<Vec<_>>())?;
+            let json = run(program, &seeded.collect::<Vec<_>>()).ok()?;
             Some((json["seconds"].as_f64()?, read(&path, ReadOptions::default()).ok()?))
         };
         Some([render(2 * number + 1)?, render(2 * number + 2)?])
     }
 
     fn report(&self, cases: &[Case]) {
+        self.report_default(cases);
+        self.report_prices(cases);
+    }
+
+    /// The default beside the best.
+    fn report_default(&self, cases: &[Case]) {
         println!("| case | samples per pixel | best | default over it (95 %) | pairs |\n|---|---|---|---|---|");
         let mut ratios: HashMap<u32, Vec<f64>> = HashMap::new();
         for case in cases {
@@ -326,6 +331,10 @@ impl Bench {
                 ratios.len()
             );
         }
+    }
+
+    /// What each technique is worth, by kind of scene.
+    fn report_prices(&self, cases: &[Case]) {
         println!(
             "\n| kind | left out | best without it over the best, {JUDGED} samples per pixel | of each case |\n|---|---|---|---|"
         );
@@ -355,15 +364,18 @@ impl Bench {
 
 impl Case {
     fn new(kind: &str, name: &str, args: Vec<String>) -> Self {
-        // A density of the map is refused where there is none.
-        let mut tried = vec!["render".to_owned()];
-        tried.extend(args.iter().cloned());
+        Self { name: name.to_owned(), kind: kind.to_owned(), args, has_map: false }
+    }
+
+    /// Finds out whether the scene has a map: a density of it is refused where there is none.
+    fn find_map(&mut self) {
+        let mut args = vec!["render".to_owned()];
+        args.extend(self.args.iter().cloned());
         let folder = tempfile::tempdir().expect("a folder for the image");
         let path = folder.path().join("image.pfm").display().to_string();
         let options = ["-r", "1", "1", "-s", "1", "--light-density", "cdf", "--json", "--quiet", "-o", &path];
-        tried.extend(options.map(str::to_owned));
-        let has_map = run(env!("CARGO_BIN_EXE_etalon"), &tried).is_some();
-        Self { name: name.to_owned(), kind: kind.to_owned(), args, has_map }
+        args.extend(options.map(str::to_owned));
+        self.has_map = run(ETALON, &args).is_ok();
     }
 
     /// The group in which the price of a technique is averaged: `frosted-panes` of `frosted-panes-1`, or the folder.
@@ -380,20 +392,4 @@ fn has(name: &str, technique: &str) -> bool {
 
 fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-}
-
-/// The files of a folder with one of the extensions, by name.
-fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    let suits = |path: &PathBuf| path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension));
-    paths.retain(suits);
-    paths.sort();
-    paths
-}
-
-/// Runs a program and returns what it prints; `None` if it fails.
-fn run(program: &str, args: &[String]) -> Option<serde_json::Value> {
-    let output = Command::new(program).args(args).output().expect("the program runs");
-    output.status.success().then(|| serde_json::from_slice(&output.stdout).expect("the program writes JSON"))
 }

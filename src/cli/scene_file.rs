@@ -78,6 +78,16 @@ fn is_collada(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"))
 }
 
+/// Says so if an image of this size crops the view of a COLLADA scene.
+fn note_crop([width, height]: [usize; 2], console: &Console) {
+    let [all_width, all_height] = collada::WINDOW;
+    if width < all_width || height < all_height {
+        console.note(&format!(
+            "{width}x{height} pixels show the middle of a view of {all_width}x{all_height}, as in the course's renderer; with --fit, all of it"
+        ));
+    }
+}
+
 impl SceneArgs {
     /// A built-in scene as it is, under its own map or another.
     pub fn built_in(scene: OsString, envmap: Option<OsString>, map_options: MapOptions) -> Self {
@@ -162,16 +172,12 @@ impl SceneArgs {
         };
         let imported = import::read_scene(path, &options)?;
         imported.warnings.iter().for_each(|warning| console.warn(warning));
-        let (mut scene, mut request) = (imported.scene, imported.request);
-        if let Some(size) = resolution.filter(|_| self.fit) {
-            (scene, request) = scene.resized(request, size);
-        } else if let Some([width, height]) = resolution.filter(|_| is_collada && self.camera.is_none()) {
-            let [all_width, all_height] = collada::WINDOW;
-            if width < all_width || height < all_height {
-                console.note(&format!(
-                    "{width}x{height} pixels show the middle of a view of {all_width}x{all_height}, as in the course's renderer; with --fit, all of it"
-                ));
-            }
+        let (scene, request) = match resolution {
+            Some(size) if self.fit => imported.scene.resized(imported.request, size),
+            _ => (imported.scene, imported.request),
+        };
+        if is_collada && !self.fit && self.camera.is_none() {
+            note_crop([request.width, request.height], console);
         }
         Ok(Loaded { scene, request, map: imported.map })
     }

@@ -23,12 +23,12 @@ mod settings;
 mod transform;
 mod walk;
 
+pub use camera::WINDOW;
+
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Place, Result};
 use crate::files::{read_bounded, without_bom};
 use crate::scene::{Environment, Request, Scene};
-pub use camera::WINDOW;
-
 use document::Document;
 use std::path::Path;
 

@@ -120,7 +120,8 @@ pub fn light_general(
 }
 
 /// The length of the shadow ray and the density of a light sample, whose distance and density from the viewer's side of a surface are
-/// `sampled`, for the ray that leaves its other side; `None` if the light cannot be seen from there. A BSDF sample on that ray is weighted by the same density.
+/// `sampled`, for the ray that leaves its other side; `None` if the light cannot be seen from there. A BSDF sample on that ray is
+/// weighted by the same density.
 fn from_other_side(scene: &PreparedScene, light: u32, ray: [Vec3; 2], sampled: [f32; 2]) -> Option<[f32; 2]> {
     let [distance, density] = sampled;
     let distance = scene.lights.all[light as usize].ahead(ray, distance)?;
