@@ -13,7 +13,7 @@ The last column says which is the best other one, and how many times as efficien
 import argparse, json, os, random, struct, subprocess, tempfile
 
 DEFAULT = "mis-cosine-compensated"
-OTHERS = ["mis-cosine", "mis-compensated", "mis", "bsdf", "strata-16"]
+OTHERS = ["mis-cosine", "mis", "bsdf", "strata-16"]
 BUILT_IN = ["nave", "sun"]
 
 

@@ -23,7 +23,7 @@ fn sphere_env(c: &mut Criterion) {
         ("radiance x cosine, general kernel", Sampling::Mis, MapSampling::COSINE, true),
         ("map", Sampling::Light, MapSampling::MAP, false),
         ("map, general kernel", Sampling::Light, MapSampling::MAP, true),
-        ("MIS, compensated map", Sampling::Mis, MapSampling::COMPENSATED, false),
+        ("MIS, compensated map x cosine", Sampling::Mis, MapSampling::COSINE_COMPENSATED, false),
         ("BSDF", Sampling::Bsdf, MapSampling::MAP, false),
     ] {
         let settings = Settings { sampling, density: Some(density), general, ..Settings::default() };

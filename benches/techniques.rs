@@ -46,11 +46,11 @@ const TECHNIQUES: [(&str, &[&str]); 5] = [
     ("light", &["cdf", "cosine"]),
     ("bsdf", &["cdf"]),
     ("hemisphere", &["cdf"]),
-    ("mis", &["cdf", "compensated", "cosine", "cosine-compensated"]),
-    ("mis+lt", &["cdf", "compensated", "cosine", "cosine-compensated"]),
+    ("mis", &["cdf", "cosine", "cosine-compensated"]),
+    ("mis+lt", &["cdf", "cosine", "cosine-compensated"]),
 ];
 /// What the price is asked of: a part of the name of the combinations that have it.
-const JUDGED_TECHNIQUES: [&str; 6] = ["+lt", "+adaptive", "cosine", "compensated", "cosine-compensated", "light"];
+const JUDGED_TECHNIQUES: [&str; 5] = ["+lt", "+adaptive", "cosine", "cosine-compensated", "light"];
 
 fn main() {
     let bench = Bench::from_arguments();

@@ -166,7 +166,7 @@ mod tests {
                 "out/x-H-model-lambda-pi+inverse-distance-paths-4",
             ),
             ("render a.pbrt --envmap maps/sky.v2.exr --flip --ldr -c b/view.txt", "out/x-envmap-sky.v2-flip-c-view"),
-            ("envmap sample nave -n 64,256,1024 --compensated", "out/x-compensated"),
+            ("envmap sample nave -n 64,256,1024 --sampler cosine", "out/x-sampler-cosine"),
             ("envmap sample nave -n 64 --exposure -2.5", "out/x-n64-exposure--2.5"),
             ("validate warp bsdf/ggx --samples 1000 --junit a.xml --markdown a.md", "out/x-warp+bsdf-ggx-samples-1000"),
             ("merge a/p1.exr b/p2.exr", "out/x-p1+p2"),

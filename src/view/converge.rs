@@ -157,7 +157,7 @@ pub fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A strategy's name in words, for legends: "mis-compensated+lt" is "MIS, compensated map, light paths". Others keep their names.
+/// A strategy's name in words, for legends: "mis-cosine+lt" is "MIS, map × cosine, light paths". Others keep their names.
 pub fn label(strategy: &str) -> String {
     let mut parts = strategy.split('+');
     let base = parts.next().unwrap_or_default();
@@ -166,7 +166,6 @@ pub fn label(strategy: &str) -> String {
     let of_map = match map {
         "" => String::new(),
         "cosine" => ", map × cosine".into(),
-        "compensated" => ", compensated map".into(),
         "cosine-compensated" => ", compensated map × cosine".into(),
         other => format!(", {other}"),
     };

@@ -220,7 +220,7 @@ fn envmap_sample() {
         assert!((0.0..64.0).contains(&r[0]) && (0.0..32.0).contains(&r[1]), "{r:?}");
         assert!((r[2].hypot(r[3]).hypot(r[4]) - 1.0).abs() < 1e-6 && (r[5] * 4.0 * PI - 1.0).abs() < 1e-6, "{r:?}");
     }
-    let args = ["envmap", "sample", "onehot", "-n", "9", "--compensated", "-o", "f/any.svg"];
+    let args = ["envmap", "sample", "onehot", "-n", "9", "--sampler", "alias", "-o", "f/any.svg"];
     let files = assert_files(dir.path(), &json(dir.path(), &args)["results"][0]);
     assert!(files.contains("f/any-9.svg") && files.contains("f/any-only-9.png"), "{files:?}");
 }
@@ -321,7 +321,7 @@ fn render_writes_the_same_bits_however_it_is_run() {
         &["--sampling", "light", "--light-density", "map"],
         &["--sampling", "bsdf"],
         &["--sampling", "hemisphere"],
-        &["--light-density", "compensated"],
+        &["--light-density", "map"],
     ]
     .into_iter()
     .enumerate()

@@ -35,9 +35,6 @@ pub struct Sample {
     /// Normal of the illuminated surface (y up), for samplers that use it
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", value_parser = direction, allow_hyphen_values = true)]
     normal: DVec3,
-    /// The same as --sampler compensated
-    #[arg(long, conflicts_with_all = ["sampler", "model"])]
-    compensated: bool,
     /// Sample correctly, or as the first report did
     ///
     /// `report`: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel corners, an error of half a texel.
@@ -81,9 +78,8 @@ impl Sample {
             MapSampling::MAP.request(map)?;
             return Ok((Box::new(ErrataSampler::new(map.clone(), self.model)), true));
         }
-        let sampling = if self.compensated { MapSampling::COMPENSATED } else { self.sampler };
-        let complete = sampling.entry().complete && !sampling.needs_normal();
-        Ok((sampling.sampler(map.clone())?, complete))
+        let complete = self.sampler.entry().complete && !self.sampler.needs_normal();
+        Ok((self.sampler.sampler(map.clone())?, complete))
     }
 
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {

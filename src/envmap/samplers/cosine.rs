@@ -10,10 +10,11 @@
 //! by (1 − |m|²)/2 along each tangent; the normals of a cell likewise.
 //!
 //! Its variant for MIS takes what exceeds the map's mean in place of the radiance. Light samples then all go to bright light,
-//! and none to light that BSDF samples find well.
+//! and none to light that BSDF samples find well. The pdf is 0 where the map is dimmer than its mean, so that it must be combined
+//! with another strategy.
 //!
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (products of the map and the cosine by
-//! normal). Compensation: Karlík et al., "MIS Compensation", 2019.
+//! normal). Compensation: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
 
 use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
@@ -142,7 +143,7 @@ impl CosineSampler {
         Self::above(map, 0.0)
     }
 
-    /// By the radiance above the map's mean, × cosine: MIS compensation, as in `compensated.rs`. A constant map has no
+    /// By the radiance above the map's mean, × cosine: MIS compensation. A constant map has no
     /// samples: those of the BSDF are all that it needs.
     #[must_use]
     pub fn compensated(map: Arc<EnvMap>) -> Self {

@@ -3,7 +3,6 @@
 //! The command line, `validate`, `converge` and the benchmarks take their lists from [`ALL`]. A new sampler is a file with an
 //! [`Entry`], and its lines here.
 
-pub mod compensated;
 mod contract;
 pub mod cosine;
 pub mod cut_lights;
@@ -29,7 +28,6 @@ use std::sync::Arc;
 pub const ALL: &[&Entry] = &[
     texels::CDF,
     texels::ALIAS,
-    compensated::ENTRY,
     cosine::ENTRY,
     cosine::COMPENSATED,
     strata::ENTRY,
@@ -52,8 +50,6 @@ impl MapSampling {
     pub const COSINE: Self = Self::new(cosine::ENTRY);
     /// Radiance minus its mean, times the cosine at the surface.
     pub const COSINE_COMPENSATED: Self = Self::new(cosine::COMPENSATED);
-    /// Radiance minus its mean.
-    pub const COMPENSATED: Self = Self::new(compensated::ENTRY);
 
     /// A sampler that takes no number of regions (or, if it does, cannot be built).
     #[must_use]

@@ -53,11 +53,6 @@ impl TexelSampler {
     pub fn by_inversion(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
         let table = Table2::new(g.width(), g.height(), |x, y| map.energy(x, y));
-        Self::by_rows(map, table)
-    }
-
-    /// By the weights of a table of the map's texels.
-    pub(super) fn by_rows(map: Arc<EnvMap>, table: Table2) -> Self {
         Self { map, table: Table::Rows(table) }
     }
 

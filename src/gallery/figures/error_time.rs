@@ -12,7 +12,7 @@ use crate::view::converge_images::sheet;
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
 pub const LIMIT: f64 = 120.0;
 /// Strategies whose Sobol' points must converge faster than independent random numbers.
-const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-compensated", "light-cosine"];
+const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-cosine-compensated", "light-cosine"];
 
 /// A plan of so many samples per pixel and replicates.
 pub fn plan(inputs: &Inputs, max_spp: u32, replicates: u32) -> Plan {

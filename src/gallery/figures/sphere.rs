@@ -66,7 +66,7 @@ pub fn figures() -> Vec<Figure> {
             title: "Error of the sphere against samples and time",
             report: Report::First,
             reproduces: "Figures 12 to 15, measured",
-            shows: "Error of five strategies that choose directions towards the light, over samples per pixel and over time.",
+            shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
             matters: "Four times as many independent samples halve the error; a better strategy or a better point set gains more than that for the same time.",
             papers: &[papers::VEACH, papers::BURLEY_OWEN],
             ..Figure::by(errors)

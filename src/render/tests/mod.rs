@@ -54,7 +54,7 @@ fn threads_and_specialised_kernels_change_no_bit() {
 fn a_white_sphere_in_a_white_furnace_is_invisible() {
     let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
     for sampling in [Sampling::Bsdf, Sampling::Mis] {
-        for density in [MapSampling::COSINE, MapSampling::MAP, MapSampling::COMPENSATED] {
+        for density in [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED] {
             let settings = Settings { sampling, density: Some(density), ..Settings::default() };
             let image = render(&scene, &request, &settings, &Silent).unwrap().image;
             let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
@@ -93,7 +93,8 @@ fn impossible_requests_are_refused() {
     ] {
         assert!(render(&scene, &bad, &Settings::default(), &Silent).is_err(), "{bad:?}");
     }
-    let alone = Settings { density: Some(MapSampling::COMPENSATED), sampling: Sampling::Light, ..Settings::default() };
+    let density = Some(MapSampling::COSINE_COMPENSATED);
+    let alone = Settings { density, sampling: Sampling::Light, ..Settings::default() };
     assert!(render(&scene, &request, &alone, &Silent).is_err());
 }
 

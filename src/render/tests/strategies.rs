@@ -26,7 +26,7 @@ fn frosted() -> Scene {
 
 /// The strategies: techniques, each with every density of the map that may be used with it.
 fn strategies(scene: &Scene) -> Vec<Settings> {
-    let densities = [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED, MapSampling::COMPENSATED];
+    let densities = [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED];
     let by = |sampling: Sampling| {
         let by_map = scene.environment.is_some() && sampling.by_light();
         let allowed = move |density: &MapSampling| sampling.is_mis() || density.entry().complete;

@@ -141,7 +141,7 @@ impl Strategy {
     pub fn usual(scene: &Scene) -> Vec<Self> {
         let (names, texels) = match &scene.environment {
             Some(environment) => (
-                "hemisphere+independent light+independent light mis mis-compensated light-cosine \
+                "hemisphere+independent light+independent light mis mis-cosine-compensated light-cosine \
                  mis-cosine-compensated+lt+adaptive strata-64 median-cut-64",
                 environment.map.geometry().width() * environment.map.geometry().height(),
             ),
@@ -211,7 +211,7 @@ mod tests {
             }
         }
         let wrong =
-            "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-compensated mis-median-cut-4";
+            "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-cosine-compensated mis-median-cut-4";
         for wrong in wrong.split(' ').chain([""]) {
             assert!(wrong.parse::<Strategy>().is_err(), "{wrong}");
         }

@@ -113,14 +113,5 @@ pub fn faults() -> Vec<PlantedFault> {
         .mistake(
             "a table of blocks of eight columns, by whole division: what is left over on the right is never sampled",
         ),
-        planted("maps/compensated-for-plain", |scheme| {
-            scheme.weight = |map, x, y| {
-                let g = map.geometry();
-                let row = |y: usize| (0..g.width()).map(|x| map.energy(x, y)).sum::<f64>();
-                let mean = (0..g.height()).map(row).sum::<f64>() / (4.0 * PI);
-                (map.energy(x, y) - mean * g.solid_angle(y)).max(0.0)
-            };
-        })
-        .mistake("samples of the compensated pdf, which MIS may use, divided by the plain one"),
     ]
 }

@@ -341,7 +341,6 @@ pub fn cases() -> Vec<Case> {
         ("cosine", Sampling::Light, MapSampling::COSINE),
         ("map", Sampling::Light, MapSampling::MAP),
         ("mis", Sampling::Mis, MapSampling::MAP),
-        ("compensated", Sampling::Mis, MapSampling::COMPENSATED),
         ("cosine-compensated", Sampling::Mis, MapSampling::COSINE_COMPENSATED),
     ] {
         tests.push((format!("sphere/{name}"), lit_sphere(by(sampling, density))));
