@@ -38,7 +38,7 @@ impl Needs {
     /// Names of the parts, and of the techniques of the default, that are left out.
     #[must_use]
     pub fn left_out(&self, scene: &Scene, settings: &Settings) -> Vec<&'static str> {
-        let techniques = |settings: &Settings| (settings.sampling, settings.density, settings.adaptive);
+        let techniques = |settings: &Settings| (settings.sampling, settings.density);
         let usual = Settings::usual(scene);
         let light_alone = usual.sampling == Sampling::Light && techniques(&usual) == techniques(settings);
         let parts = [
@@ -48,22 +48,22 @@ impl Needs {
             (self.occlusion, "further bounces"),
             (!light_alone, "BSDF sampling"),
             (!light_alone, "light tracing"),
-            (!light_alone, "adaptive sampling"),
         ];
         parts.into_iter().filter(|(needed, _)| !needed).map(|(_, name)| name).collect()
     }
 }
 
 impl Settings {
-    /// The settings by default for a scene: light and BSDF sampling combined with light tracing, and adaptive sampling; but
-    /// light sampling alone, in proportion to radiance times cosine, for a lone convex diffuse object under a map. There that is the
-    /// integrand but for a constant: light that BSDF samples find adds noise, there are no caustics, and all pixels are alike.
+    /// The settings by default for a scene: adaptive sampling, and light and BSDF sampling combined with light tracing; but light
+    /// sampling alone, in proportion to radiance times cosine, for a lone convex diffuse object under a map. There that is the
+    /// integrand but for a constant: light that BSDF samples find adds noise, and there are no caustics.
     #[must_use]
     pub fn usual(scene: &Scene) -> Self {
+        let plain = Self { adaptive: true, ..Self::default() };
         if scene.environment.is_some() && lone_convex_from_outside(scene) {
-            Self { sampling: Sampling::Light, density: Some(MapSampling::COSINE), ..Self::default() }
+            Self { sampling: Sampling::Light, density: Some(MapSampling::COSINE), ..plain }
         } else {
-            Self { adaptive: true, ..Self::default() }
+            plain
         }
     }
 }
@@ -90,6 +90,20 @@ mod tests {
     use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;
+
+    #[test]
+    fn a_lone_sphere_under_a_map_takes_light_samples_alone() {
+        let map = Arc::new(EnvMap::new(Image::new(2, 1)));
+        let (scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
+        let usual = Settings::usual(&scene);
+        assert_eq!((usual.sampling, usual.density, usual.adaptive), (Sampling::Light, Some(MapSampling::COSINE), true));
+        let left_out = |settings: &Settings| Needs::of(&scene, &request, settings).left_out(&scene, settings);
+        let techniques = ["BSDF sampling", "light tracing"];
+        assert!(techniques.iter().all(|name| left_out(&usual).contains(name)));
+        assert_eq!(left_out(&Settings { adaptive: false, ..usual }), left_out(&usual), "that is another choice");
+        let other = Settings { adaptive: true, ..Settings::default() };
+        assert!(techniques.iter().all(|name| !left_out(&other).contains(name)), "the user asked for them");
+    }
 
     #[test]
     fn only_a_lone_sphere_seen_from_outside_goes_without_occlusion() {

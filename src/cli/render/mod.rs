@@ -251,7 +251,7 @@ impl Render {
     fn settings(&self, usual: Settings) -> Settings {
         let asked = if self.hemisphere { Some(Sampling::Hemisphere) } else { self.sampling };
         let (stream, paths, general, kernel) = (self.stream, self.paths, self.general, self.kernel);
-        let plain = Settings { stream, paths, general, kernel, ..usual };
+        let plain = Settings { stream, paths, general, kernel, adaptive: !self.uniform, ..usual };
         if asked.is_none() && self.light_density.is_none() && usual.sampling == Sampling::Light {
             return plain;
         }
@@ -259,7 +259,7 @@ impl Render {
             Kernel::Lanes => Sampling::default(),
             Kernel::Reference => Sampling::Mis,
         });
-        Settings { sampling, density: self.light_density, adaptive: !self.uniform, ..plain }
+        Settings { sampling, density: self.light_density, ..plain }
     }
 
     fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {
