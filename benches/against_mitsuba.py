@@ -59,8 +59,7 @@ def measure(label, options):
     """One row of the results."""
     path, runs = (os.path.join(options.work, name) for name in (f"{label}.pbrt", f"{label}-runs"))
     render_by_mitsuba(path, os.path.join(runs, "mitsuba"), options)
-    has_map = "mapname" in pbrt_to_mitsuba.source(path)
-    strategy = "mis-cosine-compensated+lt+adaptive" if has_map else "mis+lt+adaptive"
+    strategy = "default"
     results = os.path.join(options.work, f"{label}.csv")
     done = subprocess.run(
         [options.program, "converge", path, "-r", *map(str, options.resolution), "-t", str(options.threads), "--runs", runs,

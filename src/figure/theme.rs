@@ -90,7 +90,7 @@ const STRATEGIES: [(&str, Colour); 8] = [
     ("light", GREEN),
     ("light-cosine", ORANGE),
     ("mis", BLACK),
-    ("mis-cosine-compensated", PURPLE),
+    ("default", PURPLE),
     ("strata-64", SKY_BLUE),
 ];
 

@@ -69,8 +69,9 @@ fn bad_input_is_refused_with_what_and_why() {
     let folder = tempfile::tempdir().unwrap();
     for (args, says) in [
         (&["cornell-box"][..], "built-in scenes: "),
-        (&["cornell-spheres", "--strategies", "ligth"], "strategies: light, "),
+        (&["cornell-spheres", "--strategies", "ligth"], "strategies: default, light, "),
         (&["cornell-spheres", "--strategies", "light+sobol"], "+independent"),
+        (&["cornell-spheres", "--strategies", "default+adaptive"], "default has no suffix"),
         (&["cornell-spheres", "--strategies", "median-cut-16"], "needs an environment map"),
         (&["sphere-env", "--strategies", "strata-0", "-r", "8", "8"], "0 regions"),
         (&["sphere-env", "--strategies", "median-cut-4294967295", "-r", "8", "8"], "regions out of"),

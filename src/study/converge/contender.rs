@@ -86,6 +86,11 @@ impl Contender {
         !matches!(self, Self::Strategy(_))
     }
 
+    /// Whether it is the strategy of `etalon render`.
+    pub fn is_default(&self) -> bool {
+        matches!(self, Self::Strategy(strategy) if strategy.is_default())
+    }
+
     /// Whether our random numbers are independent.
     pub fn is_independent(&self) -> bool {
         matches!(self, Self::Strategy(strategy) if strategy.is_independent())
@@ -107,7 +112,7 @@ impl Contender {
         let size = [request.width, request.height];
         let source = match self {
             Self::Strategy(strategy) => {
-                return Replicate::ours(scene, request, &strategy.settings(seed)).map(Some);
+                return Replicate::ours(scene, request, &strategy.settings(scene, seed)).map(Some);
             }
             Self::Renderer(renderer) => Source::Renderer { renderer, size },
             Self::Recorded(recorded) => {

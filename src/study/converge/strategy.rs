@@ -6,21 +6,22 @@ use crate::error::{Error, Result};
 use crate::render::{Sampling, Settings};
 use crate::sampling::stream::StreamKind;
 use crate::scene::Scene;
+use crate::scene::scattering::ScatterModel;
 use serde::Serialize;
 use std::str::FromStr;
 
-/// A sampling strategy, named by one of [`methods`], then any of [`SUFFIXES`].
+/// A sampling strategy, named by [`DEFAULT`], or by another one of [`methods`] and then any of [`SUFFIXES`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(into = "String")]
 pub struct Strategy {
     /// The name from which it was parsed.
     pub name: String,
-    sampling: Sampling,
-    density: MapSampling,
-    stream: StreamKind,
-    normals: NormalSampling,
-    adaptive: bool,
+    /// The settings of every scene; those of the default follow from the scene.
+    settings: Option<Settings>,
 }
+
+/// The name of the strategy by which `etalon render` renders a scene.
+pub const DEFAULT: &str = "default";
 
 impl From<Strategy> for String {
     fn from(strategy: Strategy) -> Self {
@@ -41,7 +42,10 @@ const METHODS: [(&str, &str, Sampling); 4] = [
 /// The list follows from the registry of environment-map samplers: `light` and `mis` use the first one; `light-NAME` and
 /// `mis-NAME` another; the name of a sampler of regions alone means light sampling by it.
 pub fn methods() -> Vec<(String, String)> {
-    let mut names: Vec<(String, String)> = METHODS.map(|(name, doc, _)| (name.into(), doc.into())).into();
+    let default = (DEFAULT, "what `etalon render` does with the scene");
+    let named = METHODS.map(|(name, doc, _)| (name, doc));
+    let mut names: Vec<(String, String)> =
+        [default].into_iter().chain(named).map(|(name, doc)| (name.into(), doc.into())).collect();
     for entry in samplers::ALL.iter().skip(1) {
         let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
@@ -60,23 +64,23 @@ pub fn methods() -> Vec<(String, String)> {
     names
 }
 
-/// What a name may end in, after a plus sign; what that does, in words and to the strategy, of which it makes `None` if it
+/// What a name may end in, after a plus sign; what that does, in words and to the settings, of which it makes `None` if it
 /// cannot be added.
-pub type Suffix = (&'static str, &'static str, fn(Strategy) -> Option<Strategy>);
+pub type Suffix = (&'static str, &'static str, fn(Settings) -> Option<Settings>);
 
 /// All suffixes.
 pub const SUFFIXES: [Suffix; 4] = [
-    ("lt", "light tracing as a third technique of mis", |strategy| {
-        (strategy.sampling == Sampling::Mis).then_some(Strategy { sampling: Sampling::MisLt, ..strategy })
+    ("lt", "light tracing as a third technique of mis", |settings| {
+        (settings.sampling == Sampling::Mis).then_some(Settings { sampling: Sampling::MisLt, ..settings })
     }),
-    ("adaptive", "more camera paths in pixels with more noise", |strategy| {
-        Some(Strategy { adaptive: true, ..strategy })
+    ("adaptive", "more camera paths in pixels with more noise", |settings| {
+        Some(Settings { adaptive: true, ..settings })
     }),
-    ("independent", "independent random numbers in place of Sobol's", |strategy| {
-        Some(Strategy { stream: StreamKind::Independent, ..strategy })
+    ("independent", "independent random numbers in place of Sobol's", |settings| {
+        Some(Settings { stream: StreamKind::Independent, ..settings })
     }),
-    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones", |strategy| {
-        Some(Strategy { normals: NormalSampling::Ndf, ..strategy })
+    ("all-normals", "rough metal samples the distribution of all normals in place of the visible ones", |settings| {
+        Some(Settings { model: ScatterModel { normals: NormalSampling::Ndf, ..settings.model }, ..settings })
     }),
 ];
 
@@ -85,7 +89,15 @@ impl FromStr for Strategy {
 
     fn from_str(name: &str) -> Result<Self> {
         let mut parts = name.split('+');
-        let (sampling, density) = directions(parts.next().unwrap_or_default()).ok_or_else(|| {
+        let method = parts.next().unwrap_or_default();
+        if method == DEFAULT {
+            return match parts.next() {
+                None => Ok(Self { name: name.to_owned(), settings: None }),
+                Some(_) => Err(Error::parameter("strategies", format!("{DEFAULT} has no suffix, and \"{name}\" does"))
+                    .with_hint("a suffix changes a strategy that is named, such as mis+lt")),
+            };
+        }
+        let (sampling, density) = directions(method).ok_or_else(|| {
             let known: Vec<String> = methods().into_iter().map(|(name, _)| name).collect();
             Error::parameter("strategies", format!("there is no strategy \"{name}\"")).with_hint(format!(
                 "strategies: {}; then {}",
@@ -93,26 +105,19 @@ impl FromStr for Strategy {
                 SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(", ")
             ))
         })?;
-        let mut strategy = Self {
-            name: name.to_owned(),
-            sampling,
-            density,
-            stream: StreamKind::Sobol,
-            normals: NormalSampling::Vndf,
-            adaptive: false,
-        };
+        let mut settings = Settings { sampling, density: Some(density), ..Settings::default() };
         for part in parts {
             let (.., apply) = SUFFIXES.iter().find(|(suffix, ..)| *suffix == part).ok_or_else(|| {
                 let known = SUFFIXES.map(|(suffix, ..)| format!("+{suffix}")).join(" and in ");
                 Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
                     .with_hint(format!("a strategy may end in {known}"))
             })?;
-            strategy = apply(strategy).ok_or_else(|| {
+            settings = apply(settings).ok_or_else(|| {
                 Error::parameter("strategies", format!("\"{name}\" ends in \"+{part}\""))
                     .with_hint("light tracing is added to mis")
             })?;
         }
-        Ok(strategy)
+        Ok(Self { name: name.to_owned(), settings: Some(settings) })
     }
 }
 
@@ -136,40 +141,43 @@ fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
 }
 
 impl Strategy {
-    /// The strategies that are compared by default. That of `etalon render` is among them. A map of few texels does not allow
-    /// all of them.
+    /// The strategies that are compared by default, that of `etalon render` among them. A map of few texels does not allow all of
+    /// them.
     pub fn usual(scene: &Scene) -> Vec<Self> {
         let (names, texels) = match &scene.environment {
             Some(environment) => (
                 "hemisphere+independent light+independent light mis mis-cosine-compensated light-cosine \
-                 mis-cosine-compensated+lt+adaptive strata-64 median-cut-64",
+                 light-cosine+adaptive default strata-64 median-cut-64",
                 environment.map.geometry().width() * environment.map.geometry().height(),
             ),
-            None => (
-                "hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt mis+lt+adaptive",
-                0,
-            ),
+            None => {
+                ("hemisphere+independent hemisphere bsdf light+independent light mis+independent mis mis+lt default", 0)
+            }
         };
         let strategies = names.split_whitespace().filter_map(|name| name.parse().ok());
-        strategies.filter(|strategy: &Self| strategy.density.regions() as usize <= texels).collect()
+        strategies
+            .filter(|strategy: &Self| strategy.settings(scene, 0).map_sampling().regions() as usize <= texels)
+            .collect()
     }
 
-    /// The settings of a render by this strategy.
-    pub fn settings(&self, seed: u64) -> Settings {
-        let Self { sampling, density, stream, normals, adaptive, .. } = *self;
-        let mut settings = Settings { sampling, density: Some(density), stream, seed, adaptive, ..Settings::default() };
-        settings.model.normals = normals;
-        settings
+    /// The settings of a render of a scene by this strategy.
+    pub fn settings(&self, scene: &Scene, seed: u64) -> Settings {
+        Settings { seed, ..self.settings.unwrap_or_else(|| Settings::usual(scene)) }
     }
 
-    /// Whether its random numbers are independent.
+    /// Whether it is that of `etalon render`.
+    pub fn is_default(&self) -> bool {
+        self.settings.is_none()
+    }
+
+    /// Whether its random numbers are independent, which those of the default are not.
     pub fn is_independent(&self) -> bool {
-        self.stream == StreamKind::Independent
+        self.settings.is_some_and(|settings| settings.stream == StreamKind::Independent)
     }
 
-    /// Whether fixed lights stand for the environment.
+    /// Whether fixed lights stand for the environment, which the default never has.
     pub fn has_fixed_lights(&self) -> bool {
-        self.density.has_fixed_lights()
+        self.settings.is_some_and(|settings| settings.map_sampling().has_fixed_lights())
     }
 
     /// Checks that the scene has an environment map if the strategy needs one.
@@ -177,7 +185,8 @@ impl Strategy {
     /// # Errors
     /// [`Error::Parameter`] if it has none.
     pub fn check(&self, scene: &Scene) -> Result<()> {
-        if scene.environment.is_some() || self.density == MapSampling::MAP {
+        let needs_map = self.settings.is_some_and(|settings| settings.map_sampling() != MapSampling::MAP);
+        if scene.environment.is_some() || !needs_map {
             return Ok(());
         }
         let message = format!("{} needs an environment map, and the scene {} has none", self.name, scene.name);
@@ -195,7 +204,8 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        for (name, _) in methods() {
+        let (scene, _) = builtin::furnace();
+        for (name, _) in methods().into_iter().filter(|(name, _)| name != DEFAULT) {
             for suffix in ["", "+independent", "+all-normals", "+lt+adaptive+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
                 if suffix.contains("lt") && !name.starts_with("mis") {
@@ -205,13 +215,13 @@ mod tests {
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
-                assert_eq!(strategy.settings(1).adaptive, suffix.contains("adaptive"), "{name}");
-                let normals = strategy.settings(1).model.normals;
-                assert_eq!(normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
+                let settings = strategy.settings(&scene, 1);
+                assert_eq!(settings.adaptive, suffix.contains("adaptive"), "{name}");
+                assert_eq!(settings.model.normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
         }
-        let wrong =
-            "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-cosine-compensated mis-median-cut-4";
+        let wrong = "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-cosine-compensated \
+             mis-median-cut-4 default+adaptive default-4";
         for wrong in wrong.split(' ').chain([""]) {
             assert!(wrong.parse::<Strategy>().is_err(), "{wrong}");
         }
@@ -225,25 +235,21 @@ mod tests {
         assert!(check("mis", &cornell) && !check("strata-16", &cornell) && check("strata-16", &furnace));
         assert!(Strategy::usual(&cornell).iter().all(|s| s.check(&cornell).is_ok()));
         // The furnace has a map of 4 x 2 texels.
-        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (9, 7));
+        assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (9, 8));
     }
 
     #[test]
-    fn what_renders_by_default_is_compared_by_default() {
-        let (cornell, _) = builtin::cornell_lambert();
-        let (furnace, _) = builtin::furnace();
+    fn the_default_is_that_of_the_scene() {
+        let default: Strategy = DEFAULT.parse().unwrap();
+        assert!(default.is_default() && !default.is_independent() && !default.has_fixed_lights());
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let (sphere, _) = builtin::sphere_env(Environment::upright(map, "sun", 1.0));
-        let same = |scene: &Scene| {
-            let render = Settings::usual(scene);
-            let settings = |strategy: &Strategy| strategy.settings(1);
-            let key = |s: &Settings| (s.sampling, s.adaptive, s.stream, s.map_sampling().density());
-            let has_map = scene.environment.is_some();
-            Strategy::usual(scene).iter().map(settings).any(|s| {
-                let (a, b) = (key(&s), key(&render));
-                if has_map { a == b } else { (a.0, a.1, a.2) == (b.0, b.1, b.2) }
-            })
-        };
-        assert!(same(&cornell) && same(&furnace) && same(&sphere));
+        for scene in [builtin::cornell_lambert().0, builtin::furnace().0, sphere] {
+            assert_eq!(default.settings(&scene, 7), Settings { seed: 7, ..Settings::usual(&scene) });
+            assert!(default.check(&scene).is_ok() && Strategy::usual(&scene).contains(&default));
+            assert!(!default.settings(&scene, 7).map_sampling().has_fixed_lights());
+        }
+        let error = "default+lt".parse::<Strategy>().unwrap_err().to_string();
+        assert!(error.contains("default has no suffix"), "{error}");
     }
 }
