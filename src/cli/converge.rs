@@ -170,7 +170,7 @@ impl Converge {
         files.push(table);
         files.extend(converge_images::images(&result).write(&images)?);
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
-        let output = Output { answer: Answer::of(&result), result: &result, common_cpu_seconds, common_rmse };
+        let output = Output { answer: Answer::of(&result, 0.95), result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));
         Ok(match result.has_verdict() {
             _ if result.interrupted => Verdict::Inconclusive,
@@ -232,7 +232,7 @@ enum Chosen {
 
 fn text(output: &Output<'_>) -> String {
     let Output { answer, result, common_cpu_seconds, common_rmse } = output;
-    let mut text = wrapped(&view::sentence(answer.as_ref()), "", 100);
+    let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", 100)).collect();
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),

@@ -1,9 +1,11 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words.
 
+use super::text::rounded;
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::study::converge::Convergence;
-use crate::study::converge::answer::{Answer, Ratio};
+use crate::study::converge::answer::{Answer, Ratio, Rival};
 use crate::study::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
+use crate::study::converge::strategy::DEFAULT;
 use serde::Serialize;
 
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
@@ -115,9 +117,29 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// "best at 0.20 s: mis, 1.3 times the efficiency of light (95 %: 1.2 to 1.5), 22 times that of bsdf (18 to 27)".
-pub fn sentence(answer: Option<&Answer>) -> String {
+/// The answer in words: a line on the strategy by default, if it is compared; then the best and the others.
+pub fn sentences(answer: Option<&Answer>) -> String {
     let Some(answer) = answer else { return "no answer: no method without bias has a known efficiency\n".to_owned() };
+    let default = answer.default.as_ref().map(|rival| of_default(&answer.best, rival)).unwrap_or_default();
+    default + &of_best(answer)
+}
+
+/// "light-cosine is 1.21 times (95 %: 1.12 to 1.31) as efficient as the default", "the default is the best", or that nothing
+/// is known to be better.
+fn of_default(best: &str, rival: &Rival) -> String {
+    let Rival { rival, ratio, low, high } = rival;
+    if *low > 1.0 {
+        let [ratio, low, high] = [ratio, low, high].map(|value| rounded(*value, 3));
+        format!("{rival} is {ratio} times (95 %: {low} to {high}) as efficient as the default\n")
+    } else if best == DEFAULT {
+        "the default is the best\n".to_owned()
+    } else {
+        "nothing is better than the default beyond chance\n".to_owned()
+    }
+}
+
+/// "best at 0.20 s: mis, 1.3 times the efficiency of light (95 %: 1.2 to 1.5), 22 times that of bsdf (18 to 27)".
+fn of_best(answer: &Answer) -> String {
     let [next, others @ ..] = answer.ratios.as_slice() else {
         return format!("{} alone has no known bias\n", answer.best);
     };

@@ -50,12 +50,22 @@ impl Estimate {
         Self::new(f(&all), (squares * (n as f64 - 1.0) / n as f64).sqrt(), n as f64 - 1.0)
     }
 
+    /// The same value with the interval of another confidence than 95 %, by Student's t of so many replicates.
+    #[must_use]
+    pub fn at_confidence(self, confidence: f64, replicates: usize) -> Self {
+        Self::within(self.value, self.standard_error, replicates as f64 - 1.0, confidence)
+    }
+
     fn new(value: f64, standard_error: f64, freedom: f64) -> Self {
+        Self::within(value, standard_error, freedom, 0.95)
+    }
+
+    fn within(value: f64, standard_error: f64, freedom: f64, confidence: f64) -> Self {
         let Ok(t) = StudentsT::new(0.0, 1.0, freedom) else {
             let unknown = if value.is_nan() { f64::NAN } else { f64::INFINITY };
             return Self { value, half_width: unknown, standard_error: unknown };
         };
-        Self { value, half_width: t.inverse_cdf(0.975) * standard_error, standard_error }
+        Self { value, half_width: t.inverse_cdf(0.5 + 0.5 * confidence) * standard_error, standard_error }
     }
 
     /// The lower end of the interval.
@@ -88,6 +98,9 @@ mod tests {
         // Mean 2, s = 1, t of 2 degrees of freedom 4.302653.
         let e = Estimate::mean(&[1.0, 2.0, 3.0]);
         assert!((e.value - 2.0).abs() < 1e-15 && (e.half_width - 4.302_653 / 3.0_f64.sqrt()).abs() < 1e-5, "{e:?}");
+        // Of 99 %, 9.924843.
+        let wide = e.at_confidence(0.99, 3);
+        assert!((wide.half_width - 9.924_843 / 3.0_f64.sqrt()).abs() < 1e-5 && wide.value == e.value, "{wide:?}");
         assert_eq!(Estimate::mean(&[5.0]).half_width, f64::INFINITY);
         assert!(Estimate::mean(&[]).value.is_nan());
         let [low, high] = Estimate { value: 2.0, half_width: 4.0, standard_error: 1.0 }.positive();
