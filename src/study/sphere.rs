@@ -1,11 +1,11 @@
 //! The first report's sphere under an environment map: renders of it against its exact image, by sampling strategy.
 
 use crate::envmap::irradiance::IrradianceTree;
-use crate::envmap::samplers::MapSampling;
 use crate::envmap::{EnvMap, NamedMap};
 use crate::error::Result;
-use crate::render::{Rendered, Sampling, Settings, Silent, render};
+use crate::render::{Rendered, Settings, Silent, render};
 use crate::scene::{Environment, Request, Scene, builtin};
+use crate::study::converge::strategy::{DEFAULT, Strategy};
 use crate::study::fit;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
@@ -54,8 +54,10 @@ pub(super) fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 pub struct SphereRow {
     /// Samples per pixel.
     pub spp: u32,
-    /// Light samples per camera sample.
+    /// Light samples at the hit of a camera path.
     pub light_samples: u32,
+    /// Mean number of camera paths of a sample; above 1 by adaptive sampling.
+    pub camera_paths_per_sample: f64,
     /// Wall-clock time of the render.
     pub seconds: f64,
     /// √ mean (I − I*)² / mean I*.
@@ -64,6 +66,13 @@ pub struct SphereRow {
     pub rmse_of_ratio: f64,
     /// mean (I − I*) / mean I*.
     pub rel_bias: f64,
+}
+
+impl SphereRow {
+    /// Mean number of camera paths of a pixel.
+    pub fn camera_paths(&self) -> f64 {
+        f64::from(self.spp) * self.camera_paths_per_sample
+    }
 }
 
 /// A render with its errors.
@@ -116,6 +125,7 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
     let row = SphereRow {
         spp,
         light_samples: request.light_samples,
+        camera_paths_per_sample: rendered.part.camera_paths_per_sample().unwrap_or(f64::NAN),
         seconds: rendered.seconds,
         rel_rmse: (sum2 / count).sqrt() / (truth / count),
         rmse_of_ratio: (ratio2 / count).sqrt(),
@@ -137,34 +147,30 @@ pub struct Series {
     pub label: Label,
     /// In the order of the numbers of samples.
     pub rows: Vec<SphereRow>,
-    /// p of RMSE ∝ sppᵖ, its error from disjoint sets of pixels.
+    /// p of RMSE ∝ nᵖ over the camera paths n of a pixel, its error from disjoint sets of pixels. Adaptive sampling has more paths in
+    /// each sample after the first ones: over the samples the error would fall faster for that alone.
     pub slope: Estimate,
 }
 
-/// The strategies that are compared: name as in the registry of strategies, sampling, pdf of light samples.
-const STRATEGIES: [(&str, Sampling, MapSampling); 4] = [
-    ("light-cosine", Sampling::Light, MapSampling::COSINE),
-    ("mis-cosine", Sampling::Mis, MapSampling::COSINE),
-    ("mis", Sampling::Mis, MapSampling::MAP),
-    ("light", Sampling::Light, MapSampling::MAP),
-];
+/// The strategies that are compared, by their names in the registry; the last one is the report's.
+const STRATEGIES: [&str; 5] = [DEFAULT, "light-cosine", "mis-cosine", "mis", "light"];
 
 /// Renders the sphere by every strategy at each number of samples per pixel.
-pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, settings: &Settings) -> Result<Vec<Series>> {
-    let series = |(strategy, sampling, density)| {
-        let settings = Settings { sampling, density: Some(density), ..*settings };
+pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, seed: u64) -> Result<Vec<Series>> {
+    let series = |strategy: &'static str| {
+        let settings = strategy.parse::<Strategy>()?.settings(&scene(map).0, seed);
         let shots = spp.iter().map(|&spp| render_sphere(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
-        let errors: Vec<_> = shots.iter().map(|shot| (shot.row.spp, shot.group_errors)).collect();
+        let errors: Vec<_> = shots.iter().map(|shot| (shot.row.camera_paths(), shot.group_errors)).collect();
         let rows = shots.iter().map(|shot| shot.row).collect();
         Ok(Series { label: Label { strategy }, rows, slope: slope(&errors) })
     };
     STRATEGIES.into_iter().map(series).collect()
 }
 
-/// The slope of √Σ (I − I*)² over the samples per pixel: one line for each set of pixels, and their mean.
-fn slope(errors: &[(u32, [f64; GROUPS])]) -> Estimate {
+/// The slope of √Σ (I − I*)² over the camera paths of a pixel: one line for each set of pixels, and their mean.
+fn slope(errors: &[(f64, [f64; GROUPS])]) -> Estimate {
     let of_group = |group: usize| {
-        let points = errors.iter().map(|(spp, errors)| [f64::from(*spp), errors[group].sqrt()]);
+        let points = errors.iter().map(|(paths, errors)| [*paths, errors[group].sqrt()]);
         fit::log_log_slope(&points.collect::<Vec<_>>())
     };
     Estimate::mean(&(0..GROUPS).map(of_group).collect::<Vec<_>>())
@@ -247,9 +253,9 @@ mod tests {
 
     #[test]
     fn the_slope_of_a_power_law_is_its_exponent() {
-        let errors = |noise: f64| -> Vec<(u32, [f64; GROUPS])> {
-            let at = |spp: u32| std::array::from_fn(|i| f64::from(spp).powf(-1.4 + noise * (i % 2) as f64));
-            [8, 16, 32].map(|spp| (spp, at(spp))).into()
+        let errors = |noise: f64| -> Vec<(f64, [f64; GROUPS])> {
+            let at = |paths: f64| std::array::from_fn(|i| paths.powf(-1.4 + noise * (i % 2) as f64));
+            [8.0, 16.0, 32.0].map(|paths| (paths, at(paths))).into()
         };
         let exact = slope(&errors(0.0));
         assert!((exact.value + 0.7).abs() < 1e-12 && exact.standard_error < 1e-12, "{exact:?}");

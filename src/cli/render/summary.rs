@@ -63,14 +63,13 @@ impl<'a> Summary<'a> {
             let light = self::mean(&layer, |v| v);
             PathClass { class, mean_rgb: light.to_array(), share: luminance(light) / luminance(mean) }
         });
-        let paths: u64 = film.pixels().iter().map(|pixel| u64::from(pixel.camera_paths())).sum();
         Self {
             scene,
             width: film.width(),
             height: film.height(),
             spp: request.spp,
             samples: film.pixels().iter().map(|pixel| pixel.samples()).min().unwrap_or(0),
-            camera_paths_per_sample: (part.count() > 0).then(|| paths as f64 / part.count() as f64),
+            camera_paths_per_sample: part.camera_paths_per_sample(),
             light_samples: request.light_samples,
             max_depth: request.max_depth,
             seconds,

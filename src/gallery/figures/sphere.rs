@@ -23,9 +23,10 @@ pub fn figures() -> Vec<Figure> {
         title,
         report: Report::First,
         reproduces,
-        shows: "A white diffuse sphere under the map, and the error of each pixel against the exact integral (grey: not compared), on \
-                one scale for 8, 16, 32 and 64 samples: noise, which decreases with their number. Grey are the rim, whose pixels the sphere covers \
-                in part, and the middle, where the camera touches it: they are not compared.",
+        shows: "A white diffuse sphere under the map, rendered by the default: light sampling in proportion to radiance times cosine, \
+                adaptive. Beside it the error of each pixel against the exact integral, on one scale for 8, 16, 32 and 64 samples: noise, which \
+                decreases with their number. The first 8 samples of a pixel have one camera path each, later ones more where there is more noise. \
+                Grey are the rim, whose pixels the sphere covers in part, and the middle, where the camera touches it: they are not compared.",
         matters: "The exact radiance is known here, so that noise and bias can be distinguished, which the look of a render alone does not allow.",
         papers: &[papers::PBRT],
         beside: Some(beside),
@@ -63,10 +64,11 @@ pub fn figures() -> Vec<Figure> {
         ),
         Figure {
             id: "sphere-error",
-            title: "Error of the sphere against samples and time",
+            title: "Error of the sphere against camera paths and time",
             report: Report::First,
             reproduces: "Figures 12 to 15, measured",
-            shows: "Error of four strategies that choose directions towards the light, over samples per pixel and over time.",
+            shows: "Error of the default (light-cosine with adaptive sampling) and of four other strategies, over camera paths per pixel and over \
+                    time, for 8, 16, 32 and 64 samples per pixel. A sample has one camera path, by adaptive sampling more where there is more noise.",
             matters: "Four times as many independent samples halve the error; a better strategy or a better point set gains more than that for the same time.",
             papers: &[papers::VEACH, papers::BURLEY_OWEN],
             ..Figure::by(errors)
@@ -112,7 +114,7 @@ pub fn small(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Exact>> {
 /// Renders by each strategy; the last one is the report's.
 pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Vec<Series>>> {
     let exact = small(inputs, studies)?;
-    studies.get("sphere", || study::compare(&inputs.map, &SPP, &exact, &inputs.settings()))
+    studies.get("sphere", || study::compare(&inputs.map, &SPP, &exact, inputs.seed))
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
@@ -124,9 +126,9 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     Content::new(view::errors(&series, other_map.is_none()), &view::rows(&series), checks)
 }
 
-/// Independent random numbers have a slope of −1/2; scrambled Sobol' points must not be worse.
+/// Independent random numbers have a slope of −1/2 over the camera paths; scrambled Sobol' points must not be worse.
 fn slope(series: &Series) -> Check {
-    let name = format!("slope of the error (−1/2 + 3 standard errors), {}", series.label.strategy);
+    let name = format!("slope of the error over camera paths (−1/2 + 3 standard errors), {}", series.label.strategy);
     Check::at_most(name, series.slope.value, -0.5 + 3.0 * series.slope.standard_error)
 }
 

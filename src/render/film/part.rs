@@ -109,6 +109,14 @@ impl Part {
         self.film.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
     }
 
+    /// The mean number of camera paths of a sample; above 1 by adaptive sampling, `None` without a sample.
+    #[must_use]
+    pub fn camera_paths_per_sample(&self) -> Option<f64> {
+        let paths: u64 = self.film.pixels.iter().map(|pixel| u64::from(pixel.camera_paths())).sum();
+        let samples = self.count();
+        (samples > 0).then(|| paths as f64 / samples as f64)
+    }
+
     /// Whether the image has all its samples.
     #[must_use]
     pub fn is_complete(&self) -> bool {
