@@ -2,6 +2,7 @@
 
 use crate::gallery::prelude::*;
 use crate::scene::{Environment, Request, Scene, builtin};
+use crate::study::converge::answer::Answer;
 use crate::study::converge::contender::Contender;
 use crate::study::converge::curve::{Curve, SIGMAS};
 use crate::study::converge::strategy::Strategy;
@@ -52,7 +53,8 @@ pub fn sphere() -> Vec<Figure> {
         report: Report::First,
         reproduces: "Figures 12 to 15, at equal time",
         shows: "Error over processor time and over samples per pixel; efficiency at equal time and slope of each strategy, \
-                with 95 % intervals and biased methods apart; images at equal time above their relative errors.",
+                with 95 % intervals and biased methods apart; images at equal time above their relative errors. The default is here \
+                light sampling in proportion to radiance times cosine, adaptive, so that the curves of both are one.",
         matters: "Error at equal time is the measure that counts when strategies cost differently; biased methods look best first and stop improving.",
         papers: &[papers::VEACH, papers::KARLIK],
         ..Figure::by(sphere_content)
@@ -76,7 +78,7 @@ pub fn cornell() -> Vec<Figure> {
 
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = sphere_curves(inputs, studies)?;
-    let mut checks = vec![stopped(&result)];
+    let mut checks = vec![stopped(&result), default_against_best(&result)];
     for curve in &result.curves {
         let name = curve.strategy.as_str();
         if curve.contender.has_fixed_lights() {
@@ -103,7 +105,7 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
     let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([112, 84], [48, 36]));
     let plan = plan(inputs, inputs.effort.of(32, 16), inputs.effort.of(5, 4));
     let result = measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None)?;
-    let mut checks = vec![stopped(&result)];
+    let mut checks = vec![stopped(&result), default_against_best(&result)];
     for curve in &result.curves {
         checks.push(unbiased(curve));
         checks.push(if curve.contender.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
@@ -120,6 +122,20 @@ fn cornell_content(inputs: &Inputs) -> Result<Content> {
 /// Nothing was left out for lack of time.
 pub fn stopped(result: &Convergence) -> Check {
     Check::equal("strategies stopped by the time limit", 0.0, result.cut.len() as f64)
+}
+
+/// The default is at most so many times less efficient than the best strategy without bias.
+const WORSE: f64 = 1.15;
+
+/// What renders by default is as efficient as the best strategy, but for [`WORSE`] and chance.
+fn default_against_best(result: &Convergence) -> Check {
+    let default = Answer::of(result, 0.99).and_then(|answer| answer.default);
+    let upper = default.map_or(f64::NAN, |rival| 1.0 / rival.low);
+    Check::at_least(
+        "efficiency of the default over the best other strategy's, upper end of the 99 % interval",
+        upper,
+        1.0 / WORSE,
+    )
 }
 
 /// The squared bias in units of its standard error.
