@@ -15,7 +15,7 @@ pub fn shot(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
     let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
     let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
     let title = format!(
-        "{} samples per pixel, {:.2} camera paths in each on average, {} light samples for each path",
+        "{} samples per pixel, {:.2} camera paths in each, {} light samples",
         row.spp, row.camera_paths_per_sample, row.light_samples
     );
     let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
