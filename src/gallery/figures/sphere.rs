@@ -25,8 +25,8 @@ pub fn figures() -> Vec<Figure> {
         reproduces,
         shows: "A white diffuse sphere under the map, rendered by the default: light sampling in proportion to radiance times cosine, \
                 adaptive. Beside it the error of each pixel against the exact integral, on one scale for 8, 16, 32 and 64 samples: noise, which \
-                decreases with their number. The first 8 samples of a pixel have one camera path each, later ones more where there is more noise: the title has the mean number. \
-                Grey are the rim, whose pixels the sphere covers in part, and the middle, where the camera touches it: they are not compared.",
+                decreases with their number. The first 8 samples of a pixel have one camera path each, later ones more where there is more noise: \
+                the title has the mean number. Grey are the rim, whose pixels the sphere covers in part, and the middle, where the camera touches it: they are not compared.",
         matters: "The exact radiance is known here, so that noise and bias can be distinguished, which the look of a render alone does not allow.",
         papers: &[papers::PBRT],
         beside: Some(beside),
