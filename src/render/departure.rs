@@ -1,6 +1,6 @@
 //! How a camera path left its last vertex, and the MIS weight of the light that its ray finds.
 
-use super::mis::power_heuristic;
+use super::mis::balance_heuristic;
 use super::prepared::PreparedScene;
 use super::settings::Sampling;
 use super::shaders::Kind;
@@ -117,7 +117,7 @@ impl PreparedScene<'_> {
             (Some(tracing), Some(light)) => tracing.density(&self.lights, light, hit.position, -direction, hit.cos),
             _ => 0.0,
         };
-        power_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
+        balance_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }
 
     /// The environment's light on a ray from `origin`, times its MIS weight.
@@ -136,6 +136,7 @@ impl PreparedScene<'_> {
         };
         let emission =
             || self.light_tracing.as_ref().map_or(0.0, |tracing| tracing.density_of_environment(origin, direction));
-        environment.radiance_in_texel(texel) * power_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
+        environment.radiance_in_texel(texel)
+            * balance_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }
 }

@@ -154,14 +154,14 @@ impl<'a> Reference<'a> {
                     1.0
                 }
             }
-            // The power heuristic
+            // The balance heuristic
             (Sampling::Mis | Sampling::MisLt, source) => {
                 let by_light = match source {
                     Source::Environment => self.scene.environment_density(wi, normal, kind),
                     Source::Surface(Some(light)) => self.scene.lights.density(light, origin, kind.one_sided(normal)),
                     Source::Surface(None) | Source::CameraOnly => 0.0,
                 };
-                power_heuristic(pdf, by_light)
+                balance_heuristic(pdf, by_light)
             }
         }
     }
@@ -196,7 +196,7 @@ impl<'a> Reference<'a> {
                 let Some(distance) = sampled.ahead([origin, sample.wi], sample.distance) else { continue };
                 let is_weighted = by_mis && sampled.object != NOTHING;
                 let density = || scene.lights.density(light, origin, kind.one_sided(normal));
-                let share = if is_weighted { power_heuristic(density(), pdf) } else { 1.0 };
+                let share = if is_weighted { balance_heuristic(density(), pdf) } else { 1.0 };
                 let value = f * sample.weight * (share / round.count as f32);
                 sum += self.unoccluded(vertex, light, sample.wi, distance, value);
             }
@@ -209,7 +209,7 @@ impl<'a> Reference<'a> {
             if let Some(sample) = scene.environment.as_ref().and_then(|map| map.sample(u, normal, kind)) {
                 let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
-                let share = if by_mis { power_heuristic(density, pdf) } else { 1.0 };
+                let share = if by_mis { balance_heuristic(density, pdf) } else { 1.0 };
                 let value = f * sample.radiance * (share / density);
                 sum += self.unoccluded(vertex, NOTHING, wi, f32::INFINITY, value);
             }
@@ -286,7 +286,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// The weight of a technique of density `a` beside one of density `b`, by the power heuristic.
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    if b == 0.0 { 1.0 } else { 1.0 / (1.0 + (b / a) * (b / a)) }
+/// The weight of a technique of density `a` beside one of density `b`, by the balance heuristic.
+fn balance_heuristic(a: f32, b: f32) -> f32 {
+    if b == 0.0 { 1.0 } else { 1.0 / (1.0 + b / a) }
 }

@@ -10,7 +10,7 @@ use crate::render::geometry::Surface;
 use crate::render::lanes::{LANES, Lane, Lane3, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
 use crate::render::light_tracing::projected;
-use crate::render::mis::power_heuristic;
+use crate::render::mis::balance_heuristic;
 use crate::render::shaders::Kind;
 use crate::render::wide::{Wide, wide};
 use glam::Vec3;
@@ -66,7 +66,7 @@ impl Wide for Values<'_> {
             // What the shading normal would let through the surface is black.
             let cos = if at(&points.geometric, i).dot(wi) > 0.0 { cos } else { 0.0 };
             let by_bsdf = cos * FRAC_1_PI;
-            let share = power_heuristic(count * samples.pdf[i], [by_bsdf, 0.0]);
+            let share = balance_heuristic(count * samples.pdf[i], [by_bsdf, 0.0]);
             let value = at(&points.weight, i) * at(&samples.weight, i) * (by_bsdf * share / count);
             set(&mut out, i, value);
             lengths[i] = if value == Rgb::ZERO { 0.0 } else { samples.limit[i] };

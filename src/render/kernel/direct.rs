@@ -7,7 +7,7 @@ use super::step::Step;
 use super::{diffuse, general};
 use crate::render::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
-use crate::render::mis::power_heuristic;
+use crate::render::mis::balance_heuristic;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};
 use crate::scene::EmitterVisibility;
@@ -111,7 +111,7 @@ pub fn light_general(
                     false => Some([samples.limit[i], density]),
                 };
                 let Some([limit, density]) = seen else { continue };
-                let share = power_heuristic(density, [pdf, by_light_tracing]);
+                let share = balance_heuristic(density, [pdf, by_light_tracing]);
                 shadows.push(ray, limit, value * share, vertex.slot, vertex.path_class.then(false));
             }
             add_light(step.scene, source, shadows, hits, radiance);

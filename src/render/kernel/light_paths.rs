@@ -36,7 +36,7 @@ struct LightPath {
 enum LastVertex {
     /// It has just left a light (`None`: the environment), with this density.
     Light { light: Option<u32>, density: f32 },
-    /// Σ (density of another technique / density of light tracing)², without the factors of the vertices to come.
+    /// Σ density of another technique / density of light tracing, without the factors of the vertices to come.
     Scattering { others: f32 },
 }
 
@@ -193,19 +193,19 @@ impl Vertex {
         normals[0].dot(wi) * self.frame.z.dot(wi) > 0.0 && is_sound(normals, wi)
     }
 
-    /// The densities of the techniques of camera paths over that of light tracing, squared and summed, at a vertex that
+    /// The densities of the techniques of camera paths, summed, over that of light tracing, at a vertex that
     /// continues in direction `wi` with this pdf; `reverse_pdf` is that of a camera path's direction to the last vertex.
     fn others(&self, scene: &PreparedScene, kind: Kind, wi: Vec3, pdf: f32, reverse_pdf: f32) -> f32 {
         let ratio = self.projected(self.wo, 1.0) / self.projected(wi, pdf);
         match self.path.last {
-            LastVertex::Scattering { others } => others * (ratio * reverse_pdf).powi(2),
+            LastVertex::Scattering { others } => others * ratio * reverse_pdf,
             LastVertex::Light { light, density } => {
                 let normal = self.frame.z;
                 let by_light = match light {
                     Some(light) => scene.lights.density(light, self.surface.position, kind.one_sided(normal)),
                     None => scene.environment_density(self.wo, normal, kind),
                 };
-                (ratio / density).powi(2) * (reverse_pdf * reverse_pdf + by_light * by_light)
+                ratio / density * (reverse_pdf + by_light)
             }
         }
     }
@@ -240,7 +240,7 @@ fn connect(
         // Weight the path by MIS.
         let (vertex, wi) = (&vertices[number], view.direction);
         let area = lens.area_at(vertex.surface.position);
-        let others = vertex.others(scene, shader.kind, wi, 1.0, reverse_pdf) / LightTracing::from_camera(area).powi(2);
+        let others = vertex.others(scene, shader.kind, wi, 1.0, reverse_pdf) / LightTracing::from_camera(area);
         let factor = adjoint_factor(&vertex.surface, vertex.wo, wi) * at(wo, i).z.abs() / area;
         let path_class = vertex.path.path_class.then(false).reversed();
         connections.push(
@@ -292,10 +292,10 @@ fn scatter(
             continue;
         }
         let others = if sample.is_delta() {
-            let ratio = delta_ratio(bsdf, &sample).powi(2);
+            let ratio = delta_ratio(bsdf, &sample);
             match vertex.path.last {
                 LastVertex::Scattering { others } => others * ratio,
-                LastVertex::Light { density, .. } => ratio / (density * density),
+                LastVertex::Light { density, .. } => ratio / density,
             }
         } else {
             let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, at(wo, i)) };
