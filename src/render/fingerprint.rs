@@ -41,10 +41,14 @@ pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
 struct Hash(u64);
 
 impl Hash {
+    /// Words go to several hashes in turn, so that one step need not wait for the last; they are then hashed together.
     fn words(&mut self, words: impl IntoIterator<Item = u32>) {
-        for word in words {
-            self.0 = mix64(self.0 ^ u64::from(word)).wrapping_add(1);
+        let mut turns = [self.0; 8];
+        for (i, word) in words.into_iter().enumerate() {
+            let hash = &mut turns[i % 8];
+            *hash = mix64(*hash ^ u64::from(word)).wrapping_add(1);
         }
+        self.0 = turns.into_iter().fold(self.0, |sum, hash| mix64(sum ^ hash).wrapping_add(1));
     }
 
     fn text(&mut self, text: &str) {

@@ -9,9 +9,11 @@
 //! first moments: the light of flux F = ∫ I dω and first moment M = ∫ I ω dω has the mean direction m = M / F, and deviates from it
 //! by (1 − |m|²)/2 along each tangent; the normals of a cell likewise.
 //!
-//! Its variant for MIS takes what exceeds the map's mean in place of the radiance. Light samples then all go to bright light,
-//! and none to light that BSDF samples find well. The pdf is 0 where the map is dimmer than its mean, so that it must be combined
-//! with another strategy.
+//! Its variants for MIS take what exceeds the map's mean, or half of it, in place of the radiance. Light samples then all go to bright
+//! light, and none to light that BSDF samples find well. The pdf is 0 where the map is dimmer, so that it must be combined with another
+//! strategy. Half the mean is right where a diffuse surface sees all of a map whose light comes from everywhere: one half of the samples
+//! by max(0, 2 L/L̄ − 1) cos θ and the other by cos θ are together in proportion to L cos θ where L exceeds half the mean L̄. Where bright
+//! light is occluded, the mean of what remains is lower, and BSDF samples find it well: the whole mean is better.
 //!
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (products of the map and the cosine by
 //! normal). Compensation: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
@@ -23,7 +25,7 @@ use crate::sampling::prefetch::prefetch;
 use crate::sampling::table::{CellSample, ShortTables};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Its entry in the registry.
@@ -44,8 +46,17 @@ pub const COMPENSATED: &Entry = &Entry {
     density: "cosine-compensated",
     doc: "radiance minus its mean, times the cosine at the surface (0 where the map is dimmer: for MIS only)",
     complete: false,
-    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map)))),
+    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map, 1.0)))),
     ..*ENTRY
+};
+
+/// The entry in the registry of its variant for MIS at surfaces that see most of the map.
+pub const HALF_COMPENSATED: &Entry = &Entry {
+    name: "cosine-half-compensated",
+    density: "cosine-half-compensated",
+    doc: "radiance minus half its mean, times the cosine at the surface (0 where the map is dimmer: for MIS only)",
+    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map, 0.5)))),
+    ..*COMPENSATED
 };
 
 /// Most columns and rows of blocks.
@@ -70,33 +81,80 @@ pub struct CosineSampler {
 }
 
 /// What is known of the light of a block, or of the normals of a cell.
+#[derive(Clone, Copy)]
 struct Spread {
     /// First moment over flux.
     mean: DVec3,
     /// Mean of the squared deviation from it along a tangent.
     variance: f64,
-    /// The middle of all directions, light or not, and the largest angle to it.
-    cone: (DVec3, f64),
+    /// The middle of all directions, light or not.
+    axis: DVec3,
+    /// Cosine and sine of the largest angle to it.
+    reach: [f64; 2],
 }
 
 impl Spread {
-    fn new(cone: (DVec3, f64), moment: DVec3, flux: f64) -> Self {
+    fn new((axis, angle): (DVec3, f64), moment: DVec3, flux: f64) -> Self {
         let mean = moment / flux.max(f64::MIN_POSITIVE);
-        Self { mean, variance: 0.5 * (1.0 - mean.length_squared()).max(0.0), cone }
+        Self { mean, variance: 0.5 * (1.0 - mean.length_squared()).max(0.0), axis, reach: [angle.cos(), angle.sin()] }
     }
+}
 
-    /// The root of the mean squared clamped cosine between light and normals, at least [`FLOOR`] where any cosine may be
-    /// positive.
-    fn rms_cosine(&self, normals: &Self) -> f64 {
-        let angle = self.cone.1 + normals.cone.1;
-        if angle < FRAC_PI_2 && self.cone.0.dot(normals.cone.0) < -angle.sin() - 1e-9 {
-            return 0.0;
+/// The light of all blocks, component by component.
+struct Lights {
+    /// Of [`Spread::mean`] and [`Spread::axis`], x, y and z.
+    mean: [Vec<f64>; 3],
+    axis: [Vec<f64>; 3],
+    variance: Vec<f64>,
+    /// Cosine and sine.
+    reach: [Vec<f64>; 2],
+    flux: Vec<f64>,
+}
+
+impl Lights {
+    fn new(lights: &[(Spread, f64)]) -> Self {
+        let of = |component: &dyn Fn(&Spread) -> f64| lights.iter().map(|(spread, _)| component(spread)).collect();
+        Self {
+            mean: [0, 1, 2].map(|i| of(&|spread| spread.mean[i])),
+            axis: [0, 1, 2].map(|i| of(&|spread| spread.axis[i])),
+            variance: of(&|spread| spread.variance),
+            reach: [0, 1].map(|i| of(&|spread| spread.reach[i])),
+            flux: lights.iter().map(|(_, flux)| *flux).collect(),
         }
-        // Uniform over mean ± half, where deviations from the mean direction count by the sine.
-        let mean = self.mean.dot(normals.mean);
-        let half = (3.0 * (1.0 - mean * mean) * (self.variance + normals.variance)).sqrt().max(1e-6);
-        let [low, high] = [mean - half, mean + half].map(|cos| cos.max(0.0));
-        ((high.powi(3) - low.powi(3)) / (6.0 * half)).sqrt().max(FLOOR)
+    }
+}
+
+/// The weights of a row of blocks for the normals of a cell: flux times the root of the mean squared clamped cosine, at least
+/// [`FLOOR`] where any cosine may be positive.
+struct Weights<'a> {
+    lights: &'a Lights,
+    blocks: Range<usize>,
+    normals: &'a Spread,
+    out: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Weights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
+        let Self { lights, blocks, normals: n, out } = self;
+        let [mx, my, mz] = lights.mean.each_ref().map(|values| &values[blocks.clone()]);
+        let [ax, ay, az] = lights.axis.each_ref().map(|values| &values[blocks.clone()]);
+        let [cos, sin] = lights.reach.each_ref().map(|values| &values[blocks.clone()]);
+        let [variance, flux] = [&lights.variance, &lights.flux].map(|values| &values[blocks.clone()]);
+        for i in 0..out.len() {
+            // No cosine is positive where the axes are farther apart than a quarter turn and both angles.
+            let apart = -(sin[i] * n.reach[0] + cos[i] * n.reach[1]) - 1e-9;
+            let below = (cos[i] * n.reach[0] > sin[i] * n.reach[1])
+                & (ax[i] * n.axis.x + ay[i] * n.axis.y + az[i] * n.axis.z < apart);
+            // Uniform over mean ± half, where deviations from the mean direction count by the sine.
+            let mean = mx[i] * n.mean.x + my[i] * n.mean.y + mz[i] * n.mean.z;
+            let half = (3.0 * (1.0 - mean * mean) * (variance[i] + n.variance)).sqrt().max(1e-6);
+            let [low, high] = [(mean - half).max(0.0), (mean + half).max(0.0)];
+            let mean_square = (high * high * high - low * low * low) / (6.0 * half);
+            out[i] = if below { 0.0 } else { flux[i] * mean_square.sqrt().max(FLOOR) };
+        }
     }
 }
 
@@ -110,11 +168,13 @@ struct Grids {
 }
 
 impl Grids {
-    /// From `weight([x, y], grid)`.
-    fn new(size: [usize; 2], count: usize, weight: impl Fn([usize; 2], usize) -> f64 + Sync) -> Self {
+    /// From weights by row, written by `weights(y, grid, row)`.
+    fn new(size: [usize; 2], count: usize, weights: impl Fn(usize, usize, &mut [f64]) + Sync) -> Self {
         let [width, height] = size;
-        let (columns, sums) = ShortTables::new(width, height * count, |x, row| weight([x, row % height], row / height));
-        let (rows, _) = ShortTables::new(height, count, |y, grid| sums[grid * height + y]);
+        let of_row = |row: usize, out: &mut [f64]| weights(row % height, row / height, out);
+        let (columns, sums) = ShortTables::new(width, height * count, of_row);
+        let (rows, _) =
+            ShortTables::new(height, count, |grid, out| out.copy_from_slice(&sums[grid * height..][..height]));
         Self { size, rows, columns }
     }
 
@@ -143,12 +203,12 @@ impl CosineSampler {
         Self::above(map, 0.0)
     }
 
-    /// By the radiance above the map's mean, × cosine: MIS compensation. A constant map has no
+    /// By the radiance above this share of the map's mean, × cosine: MIS compensation. A map that is nowhere brighter has no
     /// samples: those of the BSDF are all that it needs.
     #[must_use]
-    pub fn compensated(map: Arc<EnvMap>) -> Self {
+    pub fn compensated(map: Arc<EnvMap>, share: f64) -> Self {
         // In a constant map rounding leaves texels slightly above the mean; they do not count.
-        let threshold = map.mean() * (1.0 + 1e-6);
+        let threshold = map.mean() * share * (1.0 + 1e-6);
         Self::above(map, threshold)
     }
 
@@ -179,19 +239,25 @@ impl CosineSampler {
             }
             (Spread::new(g.cone(block), moment, flux), flux)
         };
-        let lights: Vec<(Spread, f64)> = (0..columns * rows).into_par_iter().map(light).collect();
+        let blocks: Vec<(Spread, f64)> = (0..columns * rows).into_par_iter().map(light).collect();
+        let lights = Lights::new(&blocks);
         // The table of each cell's blocks, and of each block's texels.
         let normals: Vec<Spread> = (0..CELLS * CELLS).map(normals_of_cell).collect();
-        let blocks = Grids::new([columns, rows], normals.len(), |[x, y], cell| {
-            let (light, flux) = &lights[y * columns + x];
-            if *flux > 0.0 { flux * light.rms_cosine(&normals[cell]) } else { 0.0 }
+        let arch = pulp::Arch::new();
+        let of_row = |y: usize, cell: usize, out: &mut [f64]| {
+            let blocks = y * columns..(y + 1) * columns;
+            arch.dispatch(Weights { lights: &lights, blocks, normals: &normals[cell], out });
+        };
+        let of_cells = Grids::new([columns, rows], normals.len(), of_row);
+        let texels = Grids::new(side, blocks.len(), |row, block, out| {
+            let (x, y) = (block % columns * side[0], block / columns * side[1] + row);
+            out.fill(0.0);
+            if y < height {
+                out.iter_mut().zip(x..width).for_each(|(weight, x)| *weight = excess(x, y) * g.solid_angle(y));
+            }
         });
-        let texels = Grids::new(side, lights.len(), |[x, y], block| {
-            let (x, y) = (block % columns * side[0] + x, block / columns * side[1] + y);
-            if x < width && y < height { excess(x, y) * g.solid_angle(y) } else { 0.0 }
-        });
-        let has_light = lights.iter().any(|(_, flux)| *flux > 0.0);
-        Self { map, blocks, texels, has_light }
+        let has_light = lights.flux.iter().any(|flux| *flux > 0.0);
+        Self { map, blocks: of_cells, texels, has_light }
     }
 
     /// The number of a block in its column and row.
@@ -237,8 +303,8 @@ fn normals_of_cell(cell: usize) -> Spread {
     let normals: Vec<DVec3> = steps.map(|(i, j)| normal_at(place(cell % CELLS, i), place(cell / CELLS, j))).collect();
     let moment: DVec3 = normals.iter().sum();
     let axis = moment.normalize();
-    let radius = normals.iter().map(|n| n.angle_between(axis)).fold(0.0, f64::max);
-    Spread::new((axis, radius + 1e-3), moment, normals.len() as f64)
+    let least_cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f64::min);
+    Spread::new((axis, least_cos.acos() + 1e-3), moment, normals.len() as f64)
 }
 
 impl SurfaceSampler for CosineSampler {

@@ -22,17 +22,17 @@ impl ShortTables {
     /// Memory for each cell, if tables are not of a few cells only.
     pub const BYTES: usize = size_of::<f32>();
 
-    /// `count` tables from weights (finite, ≥ 0) of their cells, given through `weight(cell, table)`; and the sums of their
+    /// `count` tables from weights (finite, ≥ 0) of their cells, written by `weights(table, cells)`; and the sums of their
     /// weights.
     #[must_use]
-    pub fn new(cells: usize, count: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> (Self, Vec<f64>) {
+    pub fn new(cells: usize, count: usize, weights: impl Fn(usize, &mut [f64]) + Sync) -> (Self, Vec<f64>) {
         let stride = cells.next_multiple_of(LANES);
         let mut ends = vec![f32::INFINITY; stride * count];
-        let one = |(table, ends): (usize, &mut [f32])| {
-            let weights: Vec<f64> = (0..cells).map(|cell| weight(cell, table)).collect();
-            fill(&weights, &mut ends[..cells])
+        let one = |buffer: &mut Vec<f64>, (table, ends): (usize, &mut [f32])| {
+            weights(table, buffer);
+            fill(buffer, &mut ends[..cells])
         };
-        let sums = ends.par_chunks_mut(stride).enumerate().map(one).collect();
+        let sums = ends.par_chunks_mut(stride).enumerate().map_init(|| vec![0.0; cells], one).collect();
         (Self { cells, stride, ends }, sums)
     }
 
@@ -82,10 +82,10 @@ fn fill(weights: &[f64], ends: &mut [f32]) -> f64 {
         ends.fill(0.0);
         return 0.0;
     };
-    let (mut sum, mut start) = (0.0, 0.0f32);
+    let (mut sum, mut start, scale) = (0.0, 0.0f32, 1.0 / total);
     for (end, &w) in ends.iter_mut().zip(weights) {
         sum += w;
-        *end = if w > 0.0 { ((sum / total) as f32).max(start.next_up()) } else { start };
+        *end = if w > 0.0 { ((sum * scale) as f32).max(start.next_up()) } else { start };
         start = *end;
     }
     // Let the table end at 1 exactly, and restore increasing values from the right where rounding left no gap.
@@ -111,7 +111,8 @@ mod tests {
         for w in weights().into_iter().chain([black]).filter(|w| w.len() <= 1000) {
             let (n, zeros) = (w.len(), vec![0.0; w.len()]);
             // The table between others.
-            let (tables, sums) = ShortTables::new(n, 3, |cell, table| if table == 1 { w[cell] } else { zeros[cell] });
+            let weights = |table, cells: &mut [f64]| cells.copy_from_slice(if table == 1 { &w } else { &zeros });
+            let (tables, sums) = ShortTables::new(n, 3, weights);
             let total = w.iter().sum::<f64>();
             assert_eq!(sums, [0.0, total, 0.0]);
             for (i, &wi) in w.iter().enumerate() {
