@@ -1,80 +1,47 @@
 //! Adaptive sampling: how many camera paths each sample of a pixel has.
 //!
-//! A pilot render estimates the variance σ² of every pixel. The image does not contain its paths: the number of paths in a pixel
-//! does not depend on what these find, so that every pixel is unbiased.
+//! The first samples of all pixels have one path each and estimate the variance σ² of every pixel. Pixels are coloured like a
+//! chessboard: the number of paths in a pixel follows from the variances of the other colour alone. It does not depend on what
+//! the paths of the pixel find, so that every pixel is unbiased.
 //!
 //! With n paths in a pixel, the mean squared error of the image is in proportion to the mean of σ²/n, and its time to the mean of n. The
 //! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The iteration computes λ from the
 //! numbers that it has, and then new numbers, rounded to powers of two. It starts from n = 1.
 //!
-//! Variances from few paths are noisy. Therefore each half of the pilot render tests the numbers that follow from the other half, and the iteration
-//! ends with the step that does not make their product smaller by 5 %.
+//! Variances from few paths are noisy. Therefore each half of the neighbours tests the numbers that follow from the other half, and the
+//! iteration ends with the step that does not make their product smaller.
 
-use super::film::{Pixel, Row};
+use super::film::Pixel;
 use rayon::prelude::*;
 
-/// The first samples of every pixel have one path each in every render: one of so few samples gains less than the pilot render takes, and a
-/// render of more samples may continue it.
+/// The first samples of every pixel, which have one path each in every render: a render of more samples may continue one of fewer.
 pub const UNIFORM: u32 = 8;
-/// The samples of each half of the pilot render.
-pub const PILOT: u32 = 4;
 /// The largest number of paths in a sample.
 pub const MOST_PATHS: u32 = 64;
-/// The iteration goes on while a step reduces the product below this share of its last value.
-const WORTH: f64 = 0.95;
-
-/// The pilot render: two halves with independent random numbers, of each the variances of the pixels in the rows that are done.
-#[derive(Debug, Default)]
-pub struct Pilot([Vec<Option<Vec<f32>>>; 2]);
-
-impl Pilot {
-    /// Renders what is missing of an image: `samples` adds the first [`PILOT`] samples of a half to all pixels of a row, or says
-    /// that it was stopped.
-    pub fn render(&mut self, (width, height): (usize, usize), samples: impl Fn(u64, &mut Row) -> bool + Sync) {
-        for (half, number) in self.0.iter_mut().zip(0..) {
-            half.resize(height, None);
-            half.par_iter_mut().enumerate().filter(|(_, variances)| variances.is_none()).for_each(|(y, variances)| {
-                let mut pixels = vec![Pixel::default(); width];
-                if samples(number, &mut Row::new(y, &mut pixels, &mut [])) {
-                    *variances = Some(pixels.iter().map(variance).collect());
-                }
-            });
-        }
-    }
-
-    /// The numbers of paths that follow; `None` while rows are missing.
-    pub fn path_counts(&self) -> Option<PathCounts> {
-        let [a, b] = &self.0;
-        let whole = |half: &[Option<Vec<f32>>]| half.iter().cloned().collect::<Option<Vec<_>>>();
-        Some(PathCounts::new(&whole(a)?, &whole(b)?))
-    }
-}
+/// Neighbours of the other colour, by column and row, in two halves that mirror each other: an edge through a pixel passes both.
+/// The variance of a neighbour counts by the inverse of its squared distance.
+const NEIGHBOURS: [[[isize; 2]; 6]; 2] =
+    [[[-1, 0], [0, -1], [-1, -2], [1, -2], [-2, -1], [-2, 1]], [[1, 0], [0, 1], [1, 2], [-1, 2], [2, 1], [2, -1]]];
 
 /// How many paths the samples of each pixel have.
 #[derive(Debug, PartialEq, Eq)]
 pub struct PathCounts(Vec<u8>);
 
 impl PathCounts {
-    /// Memory for each pixel while they are computed: variances of the halves twice, their averages, and numbers of paths.
-    pub const BYTES: usize = (4 + 3) * size_of::<f32>() + 5;
+    /// Memory for each pixel while they are computed: variances, their averages over the neighbours, and numbers of paths.
+    pub const BYTES: usize = 4 * size_of::<f32>() + 5;
 
-    /// From the variances of the two halves of a pilot render, row by row.
-    fn new(a: &[Vec<f32>], b: &[Vec<f32>]) -> Self {
-        let [a, b] = [a, b].map(smooth);
-        let both: Vec<f32> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
-        let uniform = || vec![1; both.len()];
-        let (mut accepted, mut candidate, mut halves, mut least) =
-            (uniform(), uniform(), [uniform(), uniform()], f64::INFINITY);
-        loop {
-            let crossed = product(&a, &halves[1]) + product(&b, &halves[0]);
-            if crossed == 0.0 || crossed > WORTH * least {
-                return Self(accepted);
-            }
-            least = crossed;
-            accepted = candidate;
-            candidate = next(&both, &accepted);
-            halves = [next(&a, &halves[0]), next(&b, &halves[1])];
+    /// From the variances of the pixels of an image, row by row.
+    pub fn new(variances: &[f32], width: usize) -> Self {
+        let mut counts = vec![1; variances.len()];
+        for colour in 0..2 {
+            let is_of_colour = |pixel: &usize| (pixel % width + pixel / width) % 2 == colour;
+            let pixels: Vec<usize> = (0..variances.len()).filter(is_of_colour).collect();
+            let halves = pixels.par_iter().map(|&pixel| neighbours(variances, width, pixel));
+            let (a, b): (Vec<f32>, Vec<f32>) = halves.unzip();
+            pixels.iter().zip(allocate(&a, &b)).for_each(|(&pixel, count)| counts[pixel] = count);
         }
+        Self(counts)
     }
 
     /// How many paths a sample of a pixel has, and the number of the first of them among the paths of the pixel.
@@ -83,6 +50,48 @@ impl PathCounts {
         let later = sample.saturating_sub(UNIFORM);
         let count = if sample < UNIFORM { 1 } else { u32::from(self.0[pixel]) };
         (count, sample + later * (count - 1))
+    }
+}
+
+/// The averages of the variances around a pixel, one for each half of the neighbours; where an image has only one half of them, twice
+/// the same.
+fn neighbours(variances: &[f32], width: usize, pixel: usize) -> (f32, f32) {
+    let height = variances.len() / width;
+    let [a, b] = NEIGHBOURS.map(|offsets| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for [dx, dy] in offsets {
+            let (x, y) = ((pixel % width).wrapping_add_signed(dx), (pixel / width).wrapping_add_signed(dy));
+            if x < width && y < height {
+                let weight = 1.0 / (dx * dx + dy * dy) as f64;
+                sum += weight * f64::from(variances[y * width + x]);
+                count += weight;
+            }
+        }
+        (sum / count) as f32
+    });
+    match (a.is_nan(), b.is_nan()) {
+        (true, true) => (0.0, 0.0),
+        (true, false) => (b, b),
+        (false, true) => (a, a),
+        (false, false) => (a, b),
+    }
+}
+
+/// The numbers of paths for pixels whose variances two halves estimate.
+fn allocate(a: &[f32], b: &[f32]) -> Vec<u8> {
+    let both: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
+    let uniform = || vec![1; both.len()];
+    let (mut accepted, mut candidate, mut halves, mut least) =
+        (uniform(), uniform(), [uniform(), uniform()], f64::INFINITY);
+    loop {
+        let crossed = product(a, &halves[1]) + product(b, &halves[0]);
+        if crossed >= least {
+            return accepted;
+        }
+        least = crossed;
+        accepted = candidate;
+        candidate = next(&both, &accepted);
+        halves = [next(a, &halves[0]), next(b, &halves[1])];
     }
 }
 
@@ -114,44 +123,38 @@ fn best(ratio: f64) -> u8 {
     count as u8
 }
 
-/// Averages over 3 × 3 pixels: few samples may miss what is rare.
-fn smooth(rows: &[Vec<f32>]) -> Vec<f32> {
-    let around = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
-    let mean = |y: usize, x: usize| {
-        let (rows, columns) = (&rows[around(y, rows.len())], around(x, rows[y].len()));
-        let count = rows.len() * columns.len();
-        let sum: f64 = rows.iter().flat_map(|row| &row[columns.clone()]).map(|&v| f64::from(v)).sum();
-        (sum / count as f64) as f32
-    };
-    let row = |y: usize| (0..rows[y].len()).map(|x| mean(y, x)).collect::<Vec<_>>();
-    (0..rows.len()).into_par_iter().flat_map_iter(row).collect()
-}
-
 /// The variance of a pixel's mean, all channels together; the largest number where its sums have left their range.
-fn variance(pixel: &Pixel) -> f32 {
+pub fn variance(pixel: &Pixel) -> f32 {
     pixel.standard_error().length_squared().min(f32::MAX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Rgb;
     use crate::sampling::stream::{Independent, Stream};
 
     /// The numbers of paths for 12 × 12 pixels with these standard deviations.
-    fn counts(deviation: impl Fn(usize) -> f32 + Sync) -> Vec<u8> {
-        let mut pilot = Pilot::default();
-        let samples = |half: u64, row: &mut Row| {
-            for (x, s) in (0..12).flat_map(|x| (0..PILOT).map(move |s| (x, s))) {
-                let [u, _] = Independent::new(half, (12 * row.y() + x) as u64, s).pair(0);
-                row.add(x, Rgb::splat(1.0 + deviation(x) * (u as f32 - 0.5)), &[]);
-            }
-            true
+    fn counts(deviation: impl Fn(usize) -> f32) -> Vec<u8> {
+        let variance = |pixel: usize| {
+            let numbers = (0..UNIFORM).map(|s| Independent::new(0, pixel as u64, s).pair(0)[0] as f32);
+            let values: Vec<f32> = numbers.map(|u| deviation(pixel % 12) * (u - 0.5)).collect();
+            let mean = values.iter().sum::<f32>() / UNIFORM as f32;
+            values.iter().map(|v| (v - mean).powi(2)).sum()
         };
-        pilot.render((12, 12), |half, row| row.y() < 5 && samples(half, row));
-        assert_eq!(pilot.path_counts(), None, "stopped");
-        pilot.render((12, 12), samples);
-        pilot.path_counts().unwrap().0
+        PathCounts::new(&(0..144).map(variance).collect::<Vec<_>>(), 12).0
+    }
+
+    #[test]
+    fn paths_of_a_pixel_do_not_depend_on_what_its_colour_finds() {
+        let variances: Vec<f32> = (0..144).map(|i| if i % 12 == 5 { 1.0 } else { 1e-4 }).collect();
+        let is_of_first = |i: &usize| (i % 12 + i / 12).is_multiple_of(2);
+        let changed: Vec<f32> = (0..144).map(|i| if is_of_first(&i) { 1e6 } else { variances[i] }).collect();
+        let [before, after] = [variances, changed].map(|variances| PathCounts::new(&variances, 12).0);
+        assert!((0..144).filter(is_of_first).all(|i| before[i] == after[i]));
+        assert_ne!(before, after);
+        for (width, height) in [(1, 1), (1, 5), (5, 1), (2, 2)] {
+            assert_eq!(PathCounts::new(&vec![1.0; width * height], width).0, vec![1; width * height]);
+        }
     }
 
     #[test]
@@ -159,10 +162,16 @@ mod tests {
         let counts = counts(|x| if x == 5 { 1.0 } else { 0.01 });
         for (x, &count) in (0..12).cycle().zip(&counts) {
             // The neighbours are averaged.
-            assert!(if (4..=6).contains(&x) { count > 1 } else { count == 1 }, "column {x}: {count}");
+            let is_right = match x {
+                4..=6 => count > 1,
+                3 | 7 => true,
+                _ => count == 1,
+            };
+            assert!(is_right, "column {x}: {count}");
         }
         let variances: Vec<f32> = (0..144).map(|i| if i % 12 == 5 { 1.0 } else { 1e-4 }).collect();
-        assert!(product(&variances, &counts) < 0.5 * product(&variances, &[1; 144]));
+        let ratio = product(&variances, &counts) / product(&variances, &[1; 144]);
+        assert!(ratio < 0.7, "{ratio}");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
-use super::adaptive::{MOST_PATHS, PILOT, PathCounts, Pilot, UNIFORM};
-use super::film::{Dropped, Film, Part, PathClasses, Row, Splat};
+use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
+use super::environment::EnvironmentSampling;
+use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
 use super::fingerprint;
 use super::kernel::{Buffers, LightPathBuffers, Radiance, trace, trace_light_paths};
 use super::lanes::{LANES, at};
@@ -18,8 +19,9 @@ use crate::memory;
 use crate::raster::{Image, Metadata};
 use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene};
+use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Follows a render and may stop it.
@@ -50,14 +52,17 @@ pub struct Job<'a> {
     pub(super) scene: PreparedScene<'a>,
     pub(super) settings: Settings,
     pub(super) lens: Lens,
-    /// How many paths the samples of each pixel have, after the pilot render.
+    /// How many paths the samples of each pixel have, after the first samples.
     counts: OnceLock<PathCounts>,
-    pilot: Mutex<Pilot>,
     start: Instant,
 }
 
 /// Most samples times light samples of a pixel of [`MOST_PATHS`]: the random sequences repeat after 2^32.
 const MOST_DRAWS: u64 = (1 << 32) / MOST_PATHS as u64;
+
+/// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
+const TRIAL_GRID: [usize; 2] = [28, 21];
+const TRIAL: u32 = 4;
 
 /// Samples per pixel in each pass over the image, so that a stopped render leaves a whole image.
 const ROUND: u32 = 64;
@@ -80,7 +85,53 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let prepared = PreparedScene::new(scene, request, settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
-        Ok(Self { scene: prepared, settings: *settings, lens, counts: OnceLock::new(), pilot: Mutex::default(), start })
+        let mut job = Self { scene: prepared, settings: *settings, lens, counts: OnceLock::new(), start };
+        job.choose_density()?;
+        Ok(job)
+    }
+
+    /// The settings of the render, with the density of the environment map that was chosen for this scene.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Chooses among the densities of the environment map that suit the scene's sampling: the one with the least variance in a few
+    /// pixels. The image does not contain their paths, so that it is unbiased.
+    fn choose_density(&mut self) -> Result<()> {
+        let densities = self.settings.densities();
+        if self.settings.density.is_some() || self.scene.environment.is_none() || densities.len() < 2 {
+            return Ok(());
+        }
+        // The prepared scene has the first.
+        let mut best = (self.variance_of_trial(), densities[0]);
+        for &density in &densities[1..] {
+            let settings = Settings { density: Some(density), ..self.settings };
+            let sampling = EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?;
+            let before = std::mem::replace(&mut self.scene.environment, sampling);
+            let variance = self.variance_of_trial();
+            if variance < best.0 {
+                best = (variance, density);
+            } else {
+                self.scene.environment = before;
+            }
+        }
+        self.settings.density = Some(best.1);
+        Ok(())
+    }
+
+    /// The sum of the variances of pixels on a grid over the image, from a few samples each.
+    fn variance_of_trial(&self) -> f64 {
+        let Request { width, height, .. } = self.scene.request;
+        let [column, row] = [width.div_ceil(TRIAL_GRID[0]), height.div_ceil(TRIAL_GRID[1])];
+        let of_row = |y: usize| {
+            let mut pixels = vec![Pixel::default(); width];
+            let left = |x: usize, n: u32| if x % column == column / 2 { n..TRIAL } else { 0..0 };
+            self.row(&mut Row::new(y, &mut pixels, &mut []), &left, Pass::Trial, &Silent);
+            pixels.iter().skip(column / 2).step_by(column).map(|pixel| f64::from(variance(pixel))).sum::<f64>()
+        };
+        let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
+        rows.into_par_iter().map(of_row).collect::<Vec<_>>().into_iter().sum()
     }
 
     /// An empty film for this render.
@@ -97,9 +148,9 @@ impl<'a> Job<'a> {
         let (classes, splats) =
             (classes.map_or(0, PathClasses::count), usize::from(self.scene.light_tracing.is_some()));
         let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
-        let pilot = if self.settings.adaptive { PathCounts::BYTES } else { 0 };
-        memory::request(width * height * (pilot + sums + (2 + classes) * size_of::<Rgb>()), || {
-            format!("the pilot render and the files of a film of {width}x{height} pixels")
+        let counts = if self.settings.adaptive { PathCounts::BYTES } else { 0 };
+        memory::request(width * height * (counts + sums + (2 + classes) * size_of::<Rgb>()), || {
+            format!("the numbers of paths and the files of a film of {width}x{height} pixels")
         })?;
         Ok(Part::new(film, spp, self.fingerprint(), metadata))
     }
@@ -127,19 +178,19 @@ impl<'a> Job<'a> {
     pub fn run(&self, part: &mut Part, samples: Range<u32>, control: &dyn Control) {
         let mut start = samples.start;
         while start < samples.end && !control.stop() {
-            // The first samples need no pilot render, so that they leave an image soon.
+            // The first samples say how many paths the others have.
             let end = if self.settings.adaptive && start < UNIFORM { UNIFORM } else { start.saturating_add(ROUND) };
             let round = start..end.min(samples.end);
             start = round.end;
             while let Some(task) = part.next(round.clone()) {
                 let counts = if self.settings.adaptive && task.range().end > UNIFORM {
-                    let Some(counts) = self.path_counts(control) else { return };
+                    let Some(counts) = self.path_counts(part, control) else { return };
                     Some(counts)
                 } else {
                     None
                 };
                 part.film
-                    .accumulate(|row| control.done(self.row(row, &|n| task.left(n), Pass::Image(counts), control)));
+                    .accumulate(|row| control.done(self.row(row, &|_, n| task.left(n), Pass::Image(counts), control)));
                 if control.stop() {
                     return;
                 }
@@ -147,33 +198,39 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// How many paths the samples of each pixel have, from the pilot render, which `control` may stop.
-    fn path_counts(&self, control: &dyn Control) -> Option<&PathCounts> {
+    /// How many paths the samples of each pixel have, from the first samples: those of `part` if it has no others, or else rendered for
+    /// this alone, which `control` may stop.
+    fn path_counts(&self, part: &Part, control: &dyn Control) -> Option<&PathCounts> {
         if self.counts.get().is_none() {
             let Request { width, height, .. } = self.scene.request;
-            // No thread waits for the lock while others render.
-            let kept = || self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut pilot = std::mem::take(&mut *kept());
-            pilot.render((width, height), |half, row| {
-                self.row(row, &|n| n..PILOT, Pass::Pilot(half), control);
-                !control.stop()
-            });
-            let Some(counts) = pilot.path_counts() else {
-                *kept() = pilot;
-                return None;
+            let pixels = part.film.pixels();
+            let is_first = |range: &Range<u32>| *range == (0..UNIFORM);
+            let has_first = part.ranges().done().iter().all(is_first) && pixels.iter().all(|p| p.samples() == UNIFORM);
+            let variances: Vec<f32> = if has_first {
+                pixels.par_iter().map(variance).collect()
+            } else {
+                let row = |y: usize| {
+                    let mut pixels = vec![Pixel::default(); width];
+                    self.row(&mut Row::new(y, &mut pixels, &mut []), &|_, n| n..UNIFORM, Pass::Variance, control);
+                    pixels.iter().map(variance).collect::<Vec<_>>()
+                };
+                (0..height).into_par_iter().flat_map_iter(row).collect()
             };
-            self.counts.get_or_init(|| counts);
+            if control.stop() {
+                return None;
+            }
+            self.counts.get_or_init(|| PathCounts::new(&variances, width));
         }
         self.counts.get()
     }
 
     /// Renders the samples that the pixels of a row still need, and returns their number; 0 where `control` stops it.
-    fn row(&self, row: &mut Row, left: &dyn Fn(u32) -> Range<u32>, pass: Pass, control: &dyn Control) -> u64 {
+    fn row(&self, row: &mut Row, left: &dyn Fn(usize, u32) -> Range<u32>, pass: Pass, control: &dyn Control) -> u64 {
         let mut batch = Batch::new(self, pass);
         let mut done = 0;
         for x in 0..self.scene.request.width {
             let pixel = self.pixel(row, x);
-            for sample in left(row.samples(x)) {
+            for sample in left(x, row.samples(x)) {
                 let (count, first) = pass.paths(pixel as usize, sample);
                 if batch.count + count as usize > LANES {
                     if control.stop() {
@@ -201,8 +258,10 @@ impl<'a> Job<'a> {
 enum Pass<'a> {
     /// For the image, with so many paths or one each.
     Image(Option<&'a PathCounts>),
-    /// For one half of the pilot render: with random numbers of its own, and without light paths.
-    Pilot(u64),
+    /// For the variance of pixels, the first samples again: without light paths.
+    Variance,
+    /// To choose among techniques: with random numbers of its own, and without light paths.
+    Trial,
 }
 
 impl Pass<'_> {
@@ -210,7 +269,7 @@ impl Pass<'_> {
     fn paths(self, pixel: usize, sample: u32) -> (u32, u32) {
         match self {
             Self::Image(Some(counts)) => counts.of(pixel, sample),
-            Self::Image(None) | Self::Pilot(_) => (1, sample),
+            Self::Image(None) | Self::Variance | Self::Trial => (1, sample),
         }
     }
 }
@@ -253,10 +312,8 @@ enum Tracer<'a> {
 impl<'a> Batch<'a> {
     fn new(job: &'a Job<'a>, pass: Pass) -> Self {
         let Settings { stream, seed, .. } = job.settings;
-        let (seed, light_tracing) = match pass {
-            Pass::Image(_) => (seed, job.scene.light_tracing.is_some()),
-            Pass::Pilot(half) => (mix64(mix64(!seed) ^ half), false),
-        };
+        let light_tracing = matches!(pass, Pass::Image(_)) && job.scene.light_tracing.is_some();
+        let seed = if matches!(pass, Pass::Trial) { mix64(!seed) } else { seed };
         Self {
             samples: Vec::with_capacity(LANES),
             numbers: SampleLanes::new(stream, seed),

@@ -1,5 +1,6 @@
 //! What can be chosen about a render: sampling, random numbers, conventions; and what is checked of a request.
 
+use super::film::MAX_PIXELS;
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::sampling::stream::StreamKind;
@@ -13,7 +14,7 @@ pub enum Sampling {
     Light,
     /// BSDF sampling.
     Bsdf,
-    /// Light and BSDF sampling, combined by multiple importance sampling with the power heuristic.
+    /// Light and BSDF sampling, combined by multiple importance sampling with the balance heuristic.
     Mis,
     /// [`Sampling::Mis`], and light tracing as a third technique of the combination: paths that start at lights and are
     /// connected to the camera.
@@ -83,7 +84,7 @@ pub struct Settings {
     pub stream: StreamKind,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How the environment map is sampled; by default [`Settings::map_sampling`].
+    /// How the environment map is sampled; by default the better one of the densities that suit `sampling`.
     pub density: Option<MapSampling>,
     /// Models of scattering, and conventions.
     pub model: ScatterModel,
@@ -98,12 +99,19 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// How the environment map is sampled. Where BSDF samples are combined with light samples, these leave to them what is
-    /// dimmer than the mean.
+    /// How the environment map is sampled: the density that is asked for, or the first of [`Settings::densities`].
     #[must_use]
     pub fn map_sampling(&self) -> MapSampling {
-        let usual = if self.sampling.is_mis() { MapSampling::COSINE_COMPENSATED } else { MapSampling::COSINE };
-        self.density.unwrap_or(usual)
+        self.density.unwrap_or(self.densities()[0])
+    }
+
+    /// The densities of the environment map among which a render chooses, if none is asked for. Where BSDF samples are combined with light
+    /// samples, these leave to them what is dimmer than the mean, or than half of it.
+    pub(super) fn densities(&self) -> &'static [MapSampling] {
+        match self.sampling.is_mis() {
+            true => &[MapSampling::COSINE_COMPENSATED, MapSampling::COSINE_HALF_COMPENSATED],
+            false => &[MapSampling::COSINE],
+        }
     }
 }
 
@@ -116,9 +124,9 @@ const MOST: u32 = 1 << 16;
 /// [`Error::Parameter`] with the name of the field.
 pub fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, max_depth } = *request;
-    if width == 0 || height == 0 {
+    if width == 0 || height == 0 || width.saturating_mul(height) > MAX_PIXELS {
         return Err(Error::parameter("width", format!("cannot render {width}x{height} pixels"))
-            .with_hint("at least 1x1 pixels"));
+            .with_hint("at least 1x1 and at most 2^28 pixels"));
     }
     if spp == 0 || light_samples == 0 {
         return Err(Error::parameter(if spp == 0 { "spp" } else { "light_samples" }, "must be at least 1"));

@@ -110,7 +110,7 @@ pub struct Render {
 }
 
 fn density_help() -> String {
-    let usual = "default: cosine-compensated with mis and mis+lt, otherwise cosine";
+    let usual = "default: with mis and mis+lt the one of cosine-compensated and cosine-half-compensated that has less variance in a few pixels of the scene, otherwise cosine";
     format!("How directions towards the environment are sampled ({usual}). {}", map_samplers(|_| true))
 }
 
@@ -161,7 +161,7 @@ impl Render {
         let samples = self.samples(request.spp, held.as_ref())?;
         // Prepare the render and check the files, before any sample
         let job = Job::new(&scene, &request, &settings)?;
-        let metadata = self.metadata(&scene, &request, &settings);
+        let metadata = self.metadata(&scene, &request, job.settings());
         let fresh = job.part(metadata.clone())?;
         let mut part = match (held, state) {
             (Some(held), Some(path)) => resume::continued(held, path, &fresh)?,

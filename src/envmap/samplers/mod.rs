@@ -30,6 +30,7 @@ pub const ALL: &[&Entry] = &[
     texels::ALIAS,
     cosine::ENTRY,
     cosine::COMPENSATED,
+    cosine::HALF_COMPENSATED,
     strata::ENTRY,
     cut_lights::MEDIAN_CUT,
     cut_lights::VARIANCE_CUT,
@@ -50,6 +51,8 @@ impl MapSampling {
     pub const COSINE: Self = Self::new(cosine::ENTRY);
     /// Radiance minus its mean, times the cosine at the surface.
     pub const COSINE_COMPENSATED: Self = Self::new(cosine::COMPENSATED);
+    /// Radiance minus half its mean, times the cosine at the surface.
+    pub const COSINE_HALF_COMPENSATED: Self = Self::new(cosine::HALF_COMPENSATED);
 
     /// A sampler that takes no number of regions (or, if it does, cannot be built).
     #[must_use]

@@ -50,7 +50,7 @@ pub struct PixelEstimate {
 }
 
 /// A film of more pixels than this could not be read back from a file.
-const MAX_PIXELS: usize = 1 << 28;
+pub(in crate::render) const MAX_PIXELS: usize = 1 << 28;
 
 impl Film {
     /// Memory that a film takes for each pixel, and for each path class of a pixel.
