@@ -7,6 +7,7 @@ use crate::study::converge::answer::{Answer, Ratio, Rival};
 use crate::study::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use crate::study::converge::strategy::DEFAULT;
 use serde::Serialize;
+use std::rc::Rc;
 
 /// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -189,6 +190,7 @@ pub fn label(strategy: &str) -> String {
         "" => String::new(),
         "cosine" => ", map × cosine".into(),
         "cosine-compensated" => ", compensated map × cosine".into(),
+        "cosine-half-compensated" => ", half compensated map × cosine".into(),
         other => format!(", {other}"),
     };
     let regions = |prefix: &str| base.strip_prefix(prefix).filter(|count| count.parse::<u32>().is_ok());
@@ -280,7 +282,8 @@ fn efficiency(result: &Convergence) -> Panel {
         Some([a.min(b), level.efficiency, a.max(b)])
     };
     let title = format!("Efficiency after about {}", duration(seconds));
-    by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time).title(title)
+    let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time);
+    with_legend(panel.title(title), result)
 }
 
 /// The exponent of the error over the samples, of strategies without bias.
@@ -292,7 +295,7 @@ fn slopes(result: &Convergence) -> Panel {
     let count = result.curves.len() as f64;
     let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
     let panel = by_strategy(result, axis, false, &slope).title("Slope of the error");
-    panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]])
+    with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
 }
 
 /// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
@@ -317,11 +320,59 @@ fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve
     if !biased.is_empty() {
         panel = panel.horizontal(border, "");
     }
-    // The legend of the panels above
+    panel
+}
+
+/// A panel with the legend of the curves.
+fn with_legend(mut panel: Panel, result: &Convergence) -> Panel {
     for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
         panel = panel.line(label(&curve.strategy), stroke, Vec::new());
     }
     panel.line(GUIDE, theme::GUIDE, Vec::new())
+}
+
+/// The cost of a strategy on a scene. Field names are the CSV columns.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct CostRow {
+    scene: String,
+    strategy: String,
+    /// Time × MSE over that of the default, and its interval of 95 % (of the strategy alone).
+    cost: f64,
+    cost_low: f64,
+    cost_high: f64,
+}
+
+/// The cost of a strategy over that of the default, at the level nearest to the time that all have had: low, value, high.
+fn cost(result: &Convergence, curve: &Curve) -> Option<[f64; 3]> {
+    let level = |curve: &Curve| Some(curve.levels[curve.nearest(result.common_seconds())?].clone());
+    let (default, level) = (level(result.curve(DEFAULT)?)?.efficiency, level(curve)?);
+    let [a, b] = level.mse.positive().map(|mse| mse * level.cpu_seconds * default);
+    Some([a.min(b), default / level.efficiency, a.max(b)])
+}
+
+/// The costs of all strategies without bias, scene by scene.
+pub fn cost_rows(scenes: &[(&str, Rc<Convergence>)]) -> Vec<CostRow> {
+    let of_scene = |(scene, result): &(&str, Rc<Convergence>)| {
+        let row = |curve: &Curve| {
+            let [cost_low, cost, cost_high] = cost(result, curve)?;
+            Some(CostRow { scene: (*scene).to_owned(), strategy: curve.strategy.clone(), cost, cost_low, cost_high })
+        };
+        let unbiased = result.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
+        unbiased.filter_map(row).collect::<Vec<_>>()
+    };
+    scenes.iter().flat_map(of_scene).collect()
+}
+
+/// [`cost_rows`] as a panel for each scene.
+pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
+    let panel = |(title, result): &(&str, Rc<Convergence>)| {
+        let value = |curve: &Curve| cost(result, curve).filter(|_| curve.verdict != CurveVerdict::Biased);
+        let panel = by_strategy(result, Axis::log("time × MSE over that of the default"), true, &value).title(*title);
+        panel.line("", theme::GUIDE, [[1.0, 0.0], [1.0, result.curves.len() as f64]])
+    };
+    let panels: Vec<Panel> = scenes.iter().map(panel).collect();
+    let rows = panels.chunks(2).map(|row| (String::new(), row.to_vec()));
+    Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw()
 }
 
 /// "0.52 s", "0.095 s", "3.1 ms".

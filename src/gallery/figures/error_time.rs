@@ -72,7 +72,7 @@ pub fn cornell() -> Vec<Figure> {
                 images at equal time and their relative errors.",
         matters: "No strategy alone is good at both a diffuse wall and a caustic: multiple importance sampling is close to the better one everywhere.",
         papers: &[papers::VEACH, papers::GEORGIEV],
-        ..Figure::by(|inputs, _| cornell_content(inputs))
+        ..Figure::by(cornell_content)
     }]
 }
 
@@ -100,11 +100,15 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     Content::new(sheet(&result), &view::rows(&result), checks)
 }
 
-fn cornell_content(inputs: &Inputs) -> Result<Content> {
-    // Large enough to recognize in print what each strategy renders
+/// The curves of mirror and glass in the box, in images large enough to recognize in print what each strategy renders.
+pub fn cornell_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
     let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([112, 84], [48, 36]));
     let plan = plan(inputs, inputs.effort.of(32, 16), inputs.effort.of(5, 4));
-    let result = measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None)?;
+    studies.get("cornell", || measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None))
+}
+
+fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = cornell_curves(inputs, studies)?;
     let mut checks = vec![stopped(&result), default_against_best(&result)];
     for curve in &result.curves {
         checks.push(unbiased(curve));
@@ -128,7 +132,7 @@ pub fn stopped(result: &Convergence) -> Check {
 const WORSE: f64 = 1.15;
 
 /// What renders by default is as efficient as the best strategy, but for [`WORSE`] and chance.
-fn default_against_best(result: &Convergence) -> Check {
+pub fn default_against_best(result: &Convergence) -> Check {
     let default = Answer::of(result, 0.99).and_then(|answer| answer.default);
     let upper = default.map_or(f64::NAN, |rival| 1.0 / rival.low);
     Check::at_least(

@@ -4,6 +4,7 @@
 
 mod anisotropy;
 mod audit;
+mod choice;
 mod claims;
 mod depth;
 mod envmap_samples;
@@ -77,7 +78,10 @@ pub fn registry() -> Vec<Figure> {
                 (Spheres, claims::places()),
             ],
         ),
-        ("Numerical errors and cost", vec![(Nothing, stability::figures()), (Nothing, scaling::figures())]),
+        (
+            "Numerical errors and cost",
+            vec![(Nothing, stability::figures()), (Map, choice::figures()), (Nothing, scaling::figures())],
+        ),
     ];
     let titled = |(section, groups): (&'static str, Vec<(Shown, Vec<Figure>)>)| {
         let of_input = move |(input, figures): (Shown, Vec<Figure>)| {
