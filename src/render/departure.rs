@@ -120,6 +120,12 @@ impl PreparedScene<'_> {
         balance_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }
 
+    /// What the environment contributes to the density of light tracing at a point, in direction `wi`.
+    pub fn density_of_light_paths(&self, point: Vec3, wi: Vec3) -> f32 {
+        let tracing = self.light_tracing.as_ref();
+        tracing.map_or(0.0, |tracing| tracing.density_of_environment(self.environment.as_ref(), point, wi))
+    }
+
     /// The environment's light on a ray from `origin`, times its MIS weight.
     #[inline]
     pub fn environment_light(&self, departure: &Departure, origin: Vec3, direction: Vec3) -> Rgb {
@@ -134,8 +140,7 @@ impl PreparedScene<'_> {
             }
             _ => 0.0,
         };
-        let emission =
-            || self.light_tracing.as_ref().map_or(0.0, |tracing| tracing.density_of_environment(origin, direction));
+        let emission = || self.density_of_light_paths(origin, direction);
         environment.radiance_in_texel(texel)
             * balance_heuristic(1.0, [by_light, departure.light_tracing_ratio(emission)])
     }

@@ -12,6 +12,7 @@ use super::prepared::PreparedScene;
 use super::reference::Reference;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Kernel, Sampling, Settings, check};
+use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
@@ -83,40 +84,49 @@ impl<'a> Job<'a> {
             return Err(Error::parameter("spp", message).with_hint("render with `uniform`"));
         }
         let start = Instant::now();
-        let prepared = PreparedScene::new(scene, request, settings)?;
+        let candidates = if settings.choose { Settings::candidates(scene) } else { &[] };
+        let mut settings = Settings { choose: false, ..*settings };
+        if let Some(&first) = candidates.first() {
+            settings.take(first);
+        }
+        let prepared = PreparedScene::new(scene, request, &settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
-        let mut job = Self { scene: prepared, settings: *settings, lens, counts: OnceLock::new(), start };
-        job.choose_density()?;
+        let mut job = Self { scene: prepared, settings, lens, counts: OnceLock::new(), start };
+        job.choose(candidates)?;
         Ok(job)
     }
 
-    /// The settings of the render, with the density of the environment map that was chosen for this scene.
+    /// The settings of the render, with what was chosen for this scene.
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Chooses among the densities of the environment map that suit the scene's sampling: the one with the least variance in a few
-    /// pixels. The image does not contain their paths, so that it is unbiased.
-    fn choose_density(&mut self) -> Result<()> {
-        let densities = self.settings.densities();
-        if self.settings.density.is_some() || self.scene.environment.is_none() || densities.len() < 2 {
+    /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
+    /// their paths, so that it is unbiased.
+    fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
+        let Some((&first, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
             return Ok(());
-        }
-        // The prepared scene has the first.
-        let mut best = (self.variance_of_trial(), densities[0]);
-        for &density in &densities[1..] {
-            let settings = Settings { density: Some(density), ..self.settings };
-            let sampling = EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?;
-            let before = std::mem::replace(&mut self.scene.environment, sampling);
+        };
+        let mut best = (self.variance_of_trial(), first);
+        for &(sampling, density) in others {
+            let settings = Settings { sampling, density: Some(density), ..self.settings };
+            let other = match density == best.1.1 {
+                true => None,
+                false => EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?,
+            };
+            let has_other = other.is_some();
+            let before = if has_other { std::mem::replace(&mut self.scene.environment, other) } else { None };
+            self.scene.sampling = sampling;
             let variance = self.variance_of_trial();
             if variance < best.0 {
-                best = (variance, density);
-            } else {
+                best = (variance, (sampling, density));
+            } else if has_other {
                 self.scene.environment = before;
             }
         }
-        self.settings.density = Some(best.1);
+        self.settings.take(best.1);
+        self.scene.sampling = self.settings.sampling;
         Ok(())
     }
 

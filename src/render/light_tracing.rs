@@ -30,14 +30,10 @@
 use super::environment::EnvironmentSampling;
 use super::geometry::Geometry;
 use super::light_selection::Lights;
-use super::needs::Needs;
-use super::settings::Settings;
 use super::shaders::{Kind, SurfaceShader};
 use super::shading_normal;
 use super::solids;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
-use crate::envmap::samplers::MapSampling;
-use crate::error::Result;
 use crate::math::Rgb;
 use crate::math::circular::Circular;
 use crate::sampling::alias::AliasTable;
@@ -46,6 +42,9 @@ use crate::scene::{Request, Scene, Shape, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
+/// No normal: light paths come from all directions of the environment.
+const ANY: Vec3 = Vec3::ZERO;
+
 /// Camera samples of a pixel for each light path.
 pub const SAMPLES_PER_LIGHT_PATH: u32 = 8;
 
@@ -53,12 +52,11 @@ pub const SAMPLES_PER_LIGHT_PATH: u32 = 8;
 const MOST_TARGETS: usize = 8;
 
 /// Where light paths start.
-pub struct LightTracing<'a> {
+pub struct LightTracing {
     /// Chooses a light by its power; the environment comes last.
     table: AliasTable,
     /// Number of the lights, which the environment follows.
     lights: usize,
-    environment: Option<EnvironmentSampling<'a>>,
     /// Bounding spheres of the objects that are not diffuse.
     targets: Vec<Sphere>,
     /// Sum of the areas of their discs.
@@ -97,35 +95,26 @@ pub struct Start {
     pub light: Option<u32>,
 }
 
-impl<'a> LightTracing<'a> {
-    /// Prepares light tracing; `None` where the scene has no caustics.
-    ///
-    /// # Errors
-    /// Those of the environment's sampler.
+impl LightTracing {
+    /// Prepares light tracing; `None` where the scene has no caustics. Light paths start from the environment if it is sampled.
     pub fn new(
-        scene: &'a Scene,
+        scene: &Scene,
         request: &Request,
-        settings: &Settings,
         shaders: &[SurfaceShader],
         lights: &Lights,
+        environment: Option<&EnvironmentSampling>,
         geometry: &Geometry<'_>,
-    ) -> Result<Option<Self>> {
+    ) -> Option<Self> {
         let connects = |shader: &SurfaceShader| !matches!(shader.kind, Kind::Black | Kind::Delta);
         let starts_at =
             |shader: &SurfaceShader| !matches!(shader.kind, Kind::Black | Kind::Diffuse) && shader.bsdf.is_reciprocal();
         let objects = scene.objects.iter().zip(shaders);
         let targets = targets(objects.filter(|(_, shader)| starts_at(shader)).map(|(object, _)| &object.shape));
         if request.max_depth < 2 || targets.is_empty() || !shaders.iter().any(connects) {
-            return Ok(None);
+            return None;
         }
-        // The sampler for camera paths may want the normal of a surface. Light paths have none yet.
-        let by_map = Settings { density: Some(MapSampling::MAP), ..*settings };
-        let environment = match settings.map_sampling().has_fixed_lights() {
-            true => None,
-            false => EnvironmentSampling::new(scene, &by_map, &Needs::everything(scene))?,
-        };
         let discs = targets.iter().map(|target| PI * target.radius * target.radius).sum();
-        let of_environment = match (&environment, &scene.environment) {
+        let of_environment = match (environment, &scene.environment) {
             (Some(_), Some(environment)) => {
                 4.0 * PI * environment.map.mean() as f32 * environment.scale.element_sum() * discs
             }
@@ -137,14 +126,7 @@ impl<'a> LightTracing<'a> {
         };
         let table = AliasTable::from_fn(lights.all.len() + 1, |i| f64::from(power(i)));
         let extent = geometry.extent();
-        Ok((table.total() > 0.0).then_some(Self {
-            table,
-            lights: lights.all.len(),
-            environment,
-            targets,
-            discs,
-            extent,
-        }))
+        (table.total() > 0.0).then_some(Self { table, lights: lights.all.len(), targets, discs, extent })
     }
 
     /// The number of the light path that is traced with a sample of a pixel, if one is. The first comes with a random one of
@@ -163,19 +145,23 @@ impl<'a> LightTracing<'a> {
 
     /// Starts a light path: `u` chooses the light and the target, the place on the light (or on the target's disc), and the direction.
     #[inline]
-    pub fn start(&self, lights: &Lights, [choice, place, within]: [[f64; 2]; 3]) -> Option<Start> {
+    pub fn start(
+        &self,
+        lights: &Lights,
+        environment: Option<&EnvironmentSampling>,
+        [choice, place, within]: [[f64; 2]; 3],
+    ) -> Option<Start> {
         let number = self.table.sample(choice[0])?.cell;
         let short = |u: [f64; 2]| u.map(|u| u as f32);
         if number == self.lights {
-            let environment = self.environment.as_ref()?;
-            let sample = environment.sample(within, Vec3::Y, Kind::Reflecting)?;
+            let sample = environment?.sample(within, ANY, Kind::Reflecting)?;
             let wi = sample.wi.as_vec3();
             let target = self.target_by_disc(choice[1] as f32);
             let (x, y) = wi.any_orthonormal_pair();
             let (sin_phi, cos_phi) = f32::sin_cos_turns(short(place)[1]);
             let r = target.radius * short(place)[0].sqrt();
             let origin = target.centre + (x * cos_phi + y * sin_phi) * r + wi * (self.extent + target.radius);
-            let density = self.density_of_environment(origin, wi);
+            let density = self.density_of_environment(environment, origin, wi);
             let power = sample.radiance / density;
             return (density > 0.0).then_some(Start {
                 origin,
@@ -217,8 +203,8 @@ impl<'a> LightTracing<'a> {
     /// The same of the environment: the density of light paths that arrive at a point from direction `wi`, per solid angle
     /// and per area perpendicular to it.
     #[inline]
-    pub fn density_of_environment(&self, point: Vec3, wi: Vec3) -> f32 {
-        let Some(environment) = &self.environment else { return 0.0 };
+    pub fn density_of_environment(&self, environment: Option<&EnvironmentSampling>, point: Vec3, wi: Vec3) -> f32 {
+        let Some(environment) = environment else { return 0.0 };
         let is_inside = |target: &&Sphere| {
             let to = target.centre - point;
             (to - wi * wi.dot(to)).length_squared() <= target.radius * target.radius
@@ -227,7 +213,7 @@ impl<'a> LightTracing<'a> {
         if containing == 0 {
             return 0.0;
         }
-        let pdf = environment.pdf(wi, Vec3::Y, Kind::Reflecting) as f32 * containing as f32 / self.discs;
+        let pdf = environment.pdf(wi, ANY, Kind::Reflecting) as f32 * containing as f32 / self.discs;
         self.table.probability(self.lights) as f32 * pdf
     }
 

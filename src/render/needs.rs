@@ -38,9 +38,9 @@ impl Needs {
     /// Names of the parts, and of the techniques of the default, that are left out.
     #[must_use]
     pub fn left_out(&self, scene: &Scene, settings: &Settings) -> Vec<&'static str> {
-        let techniques = |settings: &Settings| (settings.sampling, settings.density);
-        let usual = Settings::usual(scene);
-        let light_alone = usual.sampling == Sampling::Light && techniques(&usual) == techniques(settings);
+        let light_alone = scene.environment.is_some()
+            && lone_convex_from_outside(scene)
+            && (settings.sampling, settings.density) == (Sampling::Light, Some(MapSampling::COSINE));
         let parts = [
             (self.environment_table || scene.environment.is_none(), "environment sampling table"),
             (self.tree, "BVH"),
@@ -54,16 +54,35 @@ impl Needs {
 }
 
 impl Settings {
-    /// The settings by default for a scene: adaptive sampling, and light and BSDF sampling combined with light tracing; but light
-    /// sampling alone, in proportion to radiance times cosine, for a lone convex diffuse object under a map. There that is the
-    /// integrand but for a constant: light that BSDF samples find adds noise, and there are no caustics.
+    /// The settings by default: adaptive sampling, and the best of the [candidates](Self::candidates).
     #[must_use]
-    pub fn usual(scene: &Scene) -> Self {
-        let plain = Self { adaptive: true, ..Self::default() };
-        if scene.environment.is_some() && lone_convex_from_outside(scene) {
-            Self { sampling: Sampling::Light, density: Some(MapSampling::COSINE), ..plain }
-        } else {
-            plain
+    pub fn usual() -> Self {
+        Self { adaptive: true, choose: true, ..Self::default() }
+    }
+
+    /// Takes a candidate.
+    pub(super) fn take(&mut self, (sampling, density): (Sampling, MapSampling)) {
+        (self.sampling, self.density) = (sampling, Some(density));
+    }
+
+    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map, where the default is
+    /// light and BSDF sampling combined with light tracing.
+    ///
+    /// A lone convex diffuse object under a map has no caustics, and radiance times cosine is the integrand: a density in proportion to it
+    /// needs no BSDF samples, unless cosines that vary within a block or a cell matter more than what BSDF samples add in noise. On other
+    /// scenes BSDF samples find light that light samples miss: light samples leave to them what is dimmer than the mean of the map, or than
+    /// half of it where most of the map is visible.
+    #[must_use]
+    pub fn candidates(scene: &Scene) -> &'static [(Sampling, MapSampling)] {
+        match &scene.environment {
+            None => &[],
+            Some(_) if lone_convex_from_outside(scene) => {
+                &[(Sampling::Light, MapSampling::COSINE), (Sampling::Mis, MapSampling::COSINE)]
+            }
+            Some(_) => &[
+                (Sampling::MisLt, MapSampling::COSINE_COMPENSATED),
+                (Sampling::MisLt, MapSampling::COSINE_HALF_COMPENSATED),
+            ],
         }
     }
 }
@@ -95,8 +114,8 @@ mod tests {
     fn a_lone_sphere_under_a_map_takes_light_samples_alone() {
         let map = Arc::new(EnvMap::new(Image::new(2, 1)));
         let (scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
-        let usual = Settings::usual(&scene);
-        assert_eq!((usual.sampling, usual.density, usual.adaptive), (Sampling::Light, Some(MapSampling::COSINE), true));
+        let mut usual = Settings::usual();
+        usual.take(Settings::candidates(&scene)[0]);
         let left_out = |settings: &Settings| Needs::of(&scene, &request, settings).left_out(&scene, settings);
         let techniques = ["BSDF sampling", "light tracing"];
         assert!(techniques.iter().all(|name| left_out(&usual).contains(name)));

@@ -44,7 +44,7 @@ pub struct PreparedScene<'a> {
     /// Light samples of the environment, if they are taken.
     pub environment: Option<EnvironmentSampling<'a>>,
     /// Light tracing, if it is one of the techniques.
-    pub light_tracing: Option<LightTracing<'a>>,
+    pub light_tracing: Option<LightTracing>,
     /// Which techniques find the light.
     pub sampling: Sampling,
     /// Whether no ray that leaves a surface can meet another.
@@ -79,7 +79,7 @@ impl<'a> PreparedScene<'a> {
         let shaders = SurfaceShader::all(scene, settings, &lights.all);
         let environment = EnvironmentSampling::new(scene, settings, &needs)?;
         let light_tracing = match settings.sampling {
-            Sampling::MisLt => LightTracing::new(scene, request, settings, &shaders, &lights, &geometry)?,
+            Sampling::MisLt => LightTracing::new(scene, request, &shaders, &lights, environment.as_ref(), &geometry),
             _ => None,
         };
         Ok(Self {

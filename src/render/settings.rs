@@ -84,10 +84,12 @@ pub struct Settings {
     pub stream: StreamKind,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How the environment map is sampled; by default the better one of the densities that suit `sampling`.
+    /// How the environment map is sampled; by default [`Settings::map_sampling`].
     pub density: Option<MapSampling>,
     /// Models of scattering, and conventions.
     pub model: ScatterModel,
+    /// Choose `sampling` and `density` among the [candidates](Self::candidates) for the scene, by the variance of a few pixels.
+    pub choose: bool,
     /// Average several paths in the samples of pixels with more noise than most.
     pub adaptive: bool,
     /// Separate the light by path class, up to this many scatterings.
@@ -99,19 +101,12 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// How the environment map is sampled: the density that is asked for, or the first of [`Settings::densities`].
+    /// How the environment map is sampled. Where BSDF samples are combined with light samples, these leave to them what is
+    /// dimmer than the mean.
     #[must_use]
     pub fn map_sampling(&self) -> MapSampling {
-        self.density.unwrap_or(self.densities()[0])
-    }
-
-    /// The densities of the environment map among which a render chooses, if none is asked for. Where BSDF samples are combined with light
-    /// samples, these leave to them what is dimmer than the mean, or than half of it.
-    pub(super) fn densities(&self) -> &'static [MapSampling] {
-        match self.sampling.is_mis() {
-            true => &[MapSampling::COSINE_COMPENSATED, MapSampling::COSINE_HALF_COMPENSATED],
-            false => &[MapSampling::COSINE],
-        }
+        let usual = if self.sampling.is_mis() { MapSampling::COSINE_COMPENSATED } else { MapSampling::COSINE };
+        self.density.unwrap_or(usual)
     }
 }
 

@@ -96,8 +96,8 @@ fn scene(map: &NamedMap) -> (Scene, Request) {
 }
 
 /// The settings that render the sphere by default.
-pub fn usual(map: &NamedMap) -> Settings {
-    Settings::usual(&scene(map).0)
+pub fn usual() -> Settings {
+    Settings::usual()
 }
 
 /// Renders the sphere at `spp` samples per pixel and compares it with the exact image.
@@ -158,7 +158,7 @@ const STRATEGIES: [&str; 5] = [DEFAULT, "light-cosine", "mis-cosine", "mis", "li
 /// Renders the sphere by every strategy at each number of samples per pixel.
 pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, seed: u64) -> Result<Vec<Series>> {
     let series = |strategy: &'static str| {
-        let settings = strategy.parse::<Strategy>()?.settings(&scene(map).0, seed);
+        let settings = strategy.parse::<Strategy>()?.settings(seed);
         let shots = spp.iter().map(|&spp| render_sphere(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
         let errors: Vec<_> = shots.iter().map(|shot| (shot.row.camera_paths(), shot.group_errors)).collect();
         let rows = shots.iter().map(|shot| shot.row).collect();

@@ -110,7 +110,7 @@ pub struct Render {
 }
 
 fn density_help() -> String {
-    let usual = "default: with mis and mis+lt the one of cosine-compensated and cosine-half-compensated that has less variance in a few pixels of the scene, otherwise cosine";
+    let usual = "default: cosine-compensated with mis and mis+lt, otherwise cosine; without --sampling what has the least variance in a few pixels";
     format!("How directions towards the environment are sampled ({usual}). {}", map_samplers(|_| true))
 }
 
@@ -146,8 +146,7 @@ impl Render {
         let images = self.images(global)?;
         let Loaded { scene, request: asked, map } = self.scene.load(console)?;
         self.check_effect(&scene)?;
-        let usual = Settings::usual(&scene);
-        let settings = self.settings(Settings { seed: global.seed, model, ..usual });
+        let settings = self.settings(Settings { seed: global.seed, model, ..Settings::usual() });
         let images = images.protecting(map);
         // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
@@ -252,14 +251,14 @@ impl Render {
         let asked = if self.hemisphere { Some(Sampling::Hemisphere) } else { self.sampling };
         let (stream, paths, general, kernel) = (self.stream, self.paths, self.general, self.kernel);
         let plain = Settings { stream, paths, general, kernel, adaptive: !self.uniform, ..usual };
-        if asked.is_none() && self.light_density.is_none() && usual.sampling == Sampling::Light {
+        if asked.is_none() && self.light_density.is_none() && self.kernel == Kernel::Lanes {
             return plain;
         }
         let sampling = asked.unwrap_or(match self.kernel {
             Kernel::Lanes => Sampling::default(),
             Kernel::Reference => Sampling::Mis,
         });
-        Settings { sampling, density: self.light_density, ..plain }
+        Settings { sampling, density: self.light_density, choose: false, ..plain }
     }
 
     fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {

@@ -246,9 +246,12 @@ impl CosineSampler {
         let arch = pulp::Arch::new();
         let of_row = |y: usize, cell: usize, out: &mut [f64]| {
             let blocks = y * columns..(y + 1) * columns;
-            arch.dispatch(Weights { lights: &lights, blocks, normals: &normals[cell], out });
+            match normals.get(cell) {
+                Some(normals) => arch.dispatch(Weights { lights: &lights, blocks, normals, out }),
+                None => out.copy_from_slice(&lights.flux[blocks]),
+            }
         };
-        let of_cells = Grids::new([columns, rows], normals.len(), of_row);
+        let of_cells = Grids::new([columns, rows], normals.len() + 1, of_row);
         let texels = Grids::new(side, blocks.len(), |row, block, out| {
             let (x, y) = (block % columns * side[0], block / columns * side[1] + row);
             out.fill(0.0);
@@ -274,13 +277,17 @@ impl CosineSampler {
     }
 }
 
-/// The cell of a normal: that of its place in a square, to which the sphere is mapped by way of an octahedron.
+/// The cell of a normal; one more for no normal, the zero vector: the flux from all directions. The cell is that of its place in a square, to which the sphere is mapped by way of an octahedron.
 ///
 /// Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
 #[inline(always)]
 fn cell(normal: DVec3) -> usize {
     let n = normal.as_vec3();
-    let scale = 1.0 / (n.x.abs() + n.y.abs() + n.z.abs());
+    let length = n.x.abs() + n.y.abs() + n.z.abs();
+    if length == 0.0 {
+        return CELLS * CELLS;
+    }
+    let scale = 1.0 / length;
     let (x, z) = (n.x * scale, n.z * scale);
     // The lower half is folded outwards.
     let folded = |a: f32, b: f32| if n.y < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };

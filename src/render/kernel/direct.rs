@@ -135,7 +135,7 @@ fn emission_density(scene: &PreparedScene, vertex: &Vertex, samples: &LightSampl
     let Some(tracing) = &scene.light_tracing else { return 0.0 };
     let wi = at(&samples.wi, i);
     match samples.light[i] {
-        NOTHING => tracing.density_of_environment(vertex.surface.position, wi),
+        NOTHING => scene.density_of_light_paths(vertex.surface.position, wi),
         light => {
             let place = vertex.surface.position + wi * samples.distance[i];
             let cos = scene.lights.all[light as usize].cos_at(place, wi);

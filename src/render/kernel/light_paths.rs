@@ -137,7 +137,7 @@ fn start(
     for slot in 0..count as u32 {
         let pair = |dimension| numbers.pair(slot, dimension, (0, 1));
         let u = [dimensions.choice(), dimensions.bsdf_direct(), dimensions.bsdf()].map(pair);
-        let Some(start) = tracing.start(&scene.lights, u) else { continue };
+        let Some(start) = tracing.start(&scene.lights, scene.environment.as_ref(), u) else { continue };
         let offset = |light: u32| scene.lights.all[light as usize].offset(start.origin);
         let offset = start.light.map_or(0.0, offset).copysign(start.normal.dot(start.direction));
         set(&mut rays.origin, paths.len(), start.origin + start.normal * offset);

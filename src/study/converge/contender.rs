@@ -112,7 +112,7 @@ impl Contender {
         let size = [request.width, request.height];
         let source = match self {
             Self::Strategy(strategy) => {
-                return Replicate::ours(scene, request, &strategy.settings(scene, seed)).map(Some);
+                return Replicate::ours(scene, request, &strategy.settings(seed)).map(Some);
             }
             Self::Renderer(renderer) => Source::Renderer { renderer, size },
             Self::Recorded(recorded) => {

@@ -87,7 +87,7 @@ impl Reference {
     ) -> Result<Option<Self>> {
         let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
         let half = |i: u64| {
-            let settings = Settings { seed: seed.wrapping_add(SEED_OFFSET + i), ..Settings::usual(scene) };
+            let settings = Settings { seed: seed.wrapping_add(SEED_OFFSET + i), ..Settings::usual() };
             Replicate::ours(scene, &request, &settings)
         };
         Self::grown([half(0)?, half(1)?], max_spp, "our default strategy", deadline)

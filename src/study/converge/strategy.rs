@@ -155,14 +155,12 @@ impl Strategy {
             }
         };
         let strategies = names.split_whitespace().filter_map(|name| name.parse().ok());
-        strategies
-            .filter(|strategy: &Self| strategy.settings(scene, 0).map_sampling().regions() as usize <= texels)
-            .collect()
+        strategies.filter(|strategy: &Self| strategy.settings(0).map_sampling().regions() as usize <= texels).collect()
     }
 
     /// The settings of a render of a scene by this strategy.
-    pub fn settings(&self, scene: &Scene, seed: u64) -> Settings {
-        Settings { seed, ..self.settings.unwrap_or_else(|| Settings::usual(scene)) }
+    pub fn settings(&self, seed: u64) -> Settings {
+        Settings { seed, ..self.settings.unwrap_or_else(Settings::usual) }
     }
 
     /// Whether it is that of `etalon render`.
@@ -204,7 +202,6 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
-        let (scene, _) = builtin::furnace();
         for (name, _) in methods().into_iter().filter(|(name, _)| name != DEFAULT) {
             for suffix in ["", "+independent", "+all-normals", "+lt+adaptive+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
@@ -215,7 +212,7 @@ mod tests {
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
-                let settings = strategy.settings(&scene, 1);
+                let settings = strategy.settings(1);
                 assert_eq!(settings.adaptive, suffix.contains("adaptive"), "{name}");
                 assert_eq!(settings.model.normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
@@ -239,15 +236,15 @@ mod tests {
     }
 
     #[test]
-    fn the_default_is_that_of_the_scene() {
+    fn the_default_is_that_of_render() {
         let default: Strategy = DEFAULT.parse().unwrap();
         assert!(default.is_default() && !default.is_independent() && !default.has_fixed_lights());
         let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
         let (sphere, _) = builtin::sphere_env(Environment::upright(map, "sun", 1.0));
         for scene in [builtin::cornell_lambert().0, builtin::furnace().0, sphere] {
-            assert_eq!(default.settings(&scene, 7), Settings { seed: 7, ..Settings::usual(&scene) });
+            assert_eq!(default.settings(7), Settings { seed: 7, ..Settings::usual() });
             assert!(default.check(&scene).is_ok() && Strategy::usual(&scene).contains(&default));
-            assert!(!default.settings(&scene, 7).map_sampling().has_fixed_lights());
+            assert!(!default.settings(7).map_sampling().has_fixed_lights());
         }
         let error = "default+lt".parse::<Strategy>().unwrap_err().to_string();
         assert!(error.contains("default has no suffix"), "{error}");

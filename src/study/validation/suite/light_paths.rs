@@ -81,7 +81,7 @@ fn case(
 
 /// A light path from the first light, or from the environment.
 fn start(scene: &PreparedScene, u: [[f64; 2]; 3]) -> Option<Start> {
-    let start = scene.light_tracing.as_ref()?.start(&scene.lights, u)?;
+    let start = scene.light_tracing.as_ref()?.start(&scene.lights, scene.environment.as_ref(), u)?;
     start.light.is_none_or(|light| light == 0).then_some(start)
 }
 
@@ -198,12 +198,12 @@ fn environment_direction() -> Case {
     let scene = scene(None, TARGETS[1].1, Some(environment()));
     case("light-path/environment/direction".into(), scene, Settings::default(), |scene, protocol, round| {
         let environment = environment();
-        let map = MapSampling::MAP.sampler(environment.map.clone())?;
+        let map = Settings::default().map_sampling().sampler(environment.map.clone())?;
         let draw = |u: &[f64]| {
             let start = start(scene, [[u[0], u[1]], [u[2], u[3]], [u[4], u[5]]])?;
             Some(Sample::new(environment.to_map(-start.direction.as_dvec3()).to_array()))
         };
-        let density = direction_density(|w| map.pdf_for(w, DVec3::Y)).with_steps(environment.map.geometry().edges());
+        let density = direction_density(|w| map.pdf_for(w, DVec3::ZERO)).with_steps(environment.map.geometry().edges());
         Ok(examine(&Directions::sphere(Pole::Y), &sampler(6, draw), &density, protocol, round)?)
     })
 }
@@ -212,9 +212,9 @@ fn environment_direction() -> Case {
 fn environment_place(name: String, targets: [(Vec3, f32); 2]) -> Case {
     case(name, scene(None, targets, Some(environment())), Settings::default(), move |scene, protocol, round| {
         let environment = environment();
-        let map = MapSampling::MAP.sampler(environment.map.clone())?;
+        let map = Settings::default().map_sampling().sampler(environment.map.clone())?;
         let within = PLACE;
-        let (Some(tracing), Some(first)) = (&scene.light_tracing, start(scene, [[0.0; 2], [0.5; 2], within])) else {
+        let (true, Some(first)) = (scene.light_tracing.is_some(), start(scene, [[0.0; 2], [0.5; 2], within])) else {
             return Ok(Outcome::open(0));
         };
         let (wi, axes) = (-first.direction, first.direction.any_orthonormal_pair());
@@ -235,11 +235,11 @@ fn environment_place(name: String, targets: [(Vec3, f32); 2]) -> Case {
             Some(Sample::new([axes.0, axes.1].map(|axis| f64::from(0.5 + 0.5 * to.dot(axis) / HALF))))
         };
         // The pdf of the direction is a factor of the density.
-        let of_direction = map.pdf_for(environment.to_map(wi.as_dvec3()), DVec3::Y);
+        let of_direction = map.pdf_for(environment.to_map(wi.as_dvec3()), DVec3::ZERO);
         let pdf = |place: [f64; 2]| {
             let [x, y] = place.map(|x| (2.0 * x - 1.0) as f32 * HALF);
             let point = centre + x * axes.0 + y * axes.1;
-            f64::from(tracing.density_of_environment(point, wi)) / of_direction * f64::from(4.0 * HALF * HALF)
+            f64::from(scene.density_of_light_paths(point, wi)) / of_direction * f64::from(4.0 * HALF * HALF)
         };
         Ok(examine(&Square, &sampler(4, draw), &density(pdf), protocol, round)?)
     })
