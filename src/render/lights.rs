@@ -20,7 +20,6 @@ pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
-    /// Shape and emission.
     pub kind: Kind,
     /// The object that emits, or [`super::lanes::NOTHING`].
     pub object: u32,

@@ -171,25 +171,24 @@ impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::stream::{Independent, Stream};
+    use crate::scene::bvh::tests::random_vec;
 
     #[test]
     fn upright_walls_are_met_where_tilted_ones_are() {
-        let number = |i: u32, d: u32| 4.0 * Independent::new(1, 2, i).pair(d)[0] as f32 - 2.0;
-        let vector = |i: u32, d: u32| Vec3::new(number(i, d), number(i, d + 1), number(i, d + 2));
         let mut met = 0;
         for (axis, [x, y]) in [[Vec3::Y, Vec3::Z], [Vec3::Z, Vec3::X], [Vec3::X, Vec3::Y]].into_iter().enumerate() {
             let rectangle = Rectangle::new(Vec3::new(0.2, -0.3, 0.4), 1.5 * x, -0.7 * y).unwrap();
             let tilted = TiltedPanel::new(&rectangle);
             let wall = Wall::new(&rectangle, 0);
-            let kinds = [
-                matches!(wall.panel, Panel::X(_)),
-                matches!(wall.panel, Panel::Y(_)),
-                matches!(wall.panel, Panel::Z(_)),
-            ];
-            assert!(kinds[axis], "{wall:?}");
+            let found = match wall.panel {
+                Panel::X(_) => Some(0),
+                Panel::Y(_) => Some(1),
+                Panel::Z(_) => Some(2),
+                Panel::Tilted(_) => None,
+            };
+            assert_eq!(found, Some(axis));
             for i in 0..10_000 {
-                let (origin, direction) = (vector(i, 0), vector(i, 3).normalize());
+                let (origin, direction) = (2.0 * random_vec(i, 0), random_vec(i, 1).normalize());
                 let upright = match &wall.panel {
                     Panel::X(p) => p.distance(origin, direction),
                     Panel::Y(p) => p.distance(origin, direction),

@@ -241,6 +241,12 @@ pub struct Emission {
 }
 
 impl Emission {
+    /// Emission of the front, which light samples find.
+    #[must_use]
+    pub const fn of_front(radiance: Rgb) -> Self {
+        Self { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }
+    }
+
     /// Whether a surface with this normal emits against the direction of a ray.
     #[inline]
     #[must_use]

@@ -214,16 +214,8 @@ fn usable(position: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::stream::{Independent, Stream};
+    use crate::scene::bvh::tests::{random, random_vec};
     use crate::scene::{Bvh, Plane, Ray, Shape};
-
-    fn random(i: u64, j: u64) -> f32 {
-        (2.0 * Independent::new(7, i, j as u32).pair(0)[0] - 1.0) as f32
-    }
-
-    fn random_vec(i: u64, j: u64) -> Vec3 {
-        Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
-    }
 
     fn triangle(corners: [Vec3; 3]) -> Mesh {
         Mesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap()

@@ -6,6 +6,8 @@
 //! Addition of integers is associative, addition of floats is not. With sums like these any split of the samples over
 //! threads, shards and resumed runs, merged in any order, gives the same bits.
 
+use crate::math::Rgb;
+
 /// A number from 0 to 2^64, in steps of 2^-64. Two words and not a `u128`, whose alignment would waste memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed {
@@ -77,6 +79,45 @@ impl std::ops::AddAssign for Fixed {
     #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = Self::from_bits(self.bits().saturating_add(other.bits()));
+    }
+}
+
+/// A sum for each channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FixedRgb(pub [Fixed; 3]);
+
+impl FixedRgb {
+    /// [`Fixed::of`] each channel.
+    #[inline]
+    #[must_use]
+    pub fn of(value: Rgb) -> Self {
+        Self(value.to_array().map(Fixed::of))
+    }
+
+    /// [`Fixed::square_of`] each channel.
+    #[inline]
+    #[must_use]
+    pub fn square_of(value: Rgb) -> Self {
+        Self(value.to_array().map(Fixed::square_of))
+    }
+
+    /// The mean of `n` values from their sum, rounded to f64 and then to f32; black without any.
+    #[must_use]
+    pub fn mean(self, n: f64) -> Rgb {
+        if n == 0.0 { Rgb::ZERO } else { Rgb::from_array(self.0.map(|sum| (sum.to_f64() / n) as f32)) }
+    }
+
+    /// The sum over the channels.
+    #[must_use]
+    pub fn total(self) -> f64 {
+        self.0.into_iter().map(Fixed::to_f64).sum()
+    }
+}
+
+impl std::ops::AddAssign for FixedRgb {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        (0..3).for_each(|c| self.0[c] += other.0[c]);
     }
 }
 

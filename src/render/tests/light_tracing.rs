@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::render::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH};
-use crate::scene::{Conductor, Dielectric, Distribution};
 use etalon_stats::estimate::Estimate;
 
 /// A camera above the middle of a diffuse floor of 4 by 4 with a wall behind it, and an area light to the left.
@@ -13,7 +12,7 @@ pub(super) fn box_with(objects: Vec<Object>, projection: Projection) -> Scene {
     let black = Material::Diffuse { albedo: Rgb::ZERO };
     let mut all = vec![
         Object::new(Shape::Rectangle(floor), Material::Diffuse { albedo: Rgb::splat(0.5) }),
-        Object { emission: Some(emission(10.0)), ..Object::new(Shape::Rectangle(light), black) },
+        Object { emission: Some(Emission::of_front(Rgb::splat(10.0))), ..Object::new(Shape::Rectangle(light), black) },
     ];
     let wall = Rectangle::new(Vec3::new(0.0, 2.0, -2.0), 2.0 * Vec3::X, 2.0 * Vec3::Y).unwrap();
     all.push(Object::new(Shape::Rectangle(wall), Material::Diffuse { albedo: Rgb::splat(0.8) }));
@@ -21,31 +20,22 @@ pub(super) fn box_with(objects: Vec<Object>, projection: Projection) -> Scene {
     Scene { name: "box".into(), camera, objects: all, lights: Vec::new(), environment: None }
 }
 
-fn emission(radiance: f32) -> Emission {
-    Emission { radiance: Rgb::splat(radiance), two_sided: false, visibility: EmitterVisibility::Sampled }
-}
-
 pub(super) const WIDE: Projection = Projection::Perspective { tan_half_width: 0.5, tan_half_height: 0.5 };
 
 pub(super) fn sphere(material: Material) -> Object {
-    Object::new(Shape::Sphere(Sphere { centre: Vec3::new(0.2, 0.6, 0.0), radius: 0.5 }), material)
+    Object::new(ball(Vec3::new(0.2, 0.6, 0.0), 0.5), material)
 }
 
 fn metal(alpha: f32) -> Material {
-    let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-    Material::Conductor(Conductor::new(eta, k, alpha, Distribution::Beckmann))
+    Material::Conductor(super::metal(alpha, Distribution::Beckmann))
 }
 
 fn brushed() -> Material {
-    let metal = Conductor::new(Rgb::splat(0.2), Rgb::splat(3.0), 0.0, Distribution::Ggx);
-    Material::Conductor(Conductor { alpha: [0.1, 0.5], ..metal })
+    Material::Conductor(Conductor { alpha: [0.1, 0.5], ..super::metal(0.0, Distribution::Ggx) })
 }
 
 fn two_sided(alpha: f32) -> Material {
-    match metal(alpha) {
-        Material::Conductor(conductor) => Material::Conductor(Conductor { two_sided: true, ..conductor }),
-        other => other,
-    }
+    Material::Conductor(Conductor { two_sided: true, ..super::metal(alpha, Distribution::Beckmann) })
 }
 
 /// [`rounded`] with its corners in the other order.
@@ -76,8 +66,7 @@ fn bias(scene: &Scene, spp: u32, max_depth: u32) -> f64 {
         .map(|round| {
             let mut mean = |sampling, seed| {
                 let settings = Settings { sampling, stream: StreamKind::Independent, seed, ..Settings::default() };
-                let image = render(scene, &request, &settings, &Silent).unwrap().image;
-                let mean = image.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>();
+                let (mean, _) = mean(scene, &request, &settings);
                 sum += mean;
                 mean
             };
@@ -101,8 +90,7 @@ fn mis_has_the_same_mean_without_light_tracing() {
     let white = Material::Diffuse { albedo: Rgb::splat(0.8) };
     let rough = Material::Dielectric(Dielectric::rough(1.5, 0.2, Distribution::Ggx));
     let coated = Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 };
-    let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-    let multiple = Conductor { multiple_scattering: true, ..Conductor::new(eta, k, 0.8, Distribution::Ggx) };
+    let multiple = Conductor { multiple_scattering: true, ..super::metal(0.8, Distribution::Ggx) };
     let parts = [(0.5, glass.clone()), (0.4, white.clone())];
     let [_, textured_mirror, textured_coat, textured_metal, textured_glass, ..] = &textures::materials()[..] else {
         unreachable!()
@@ -139,24 +127,19 @@ fn mis_has_the_same_mean_without_light_tracing() {
 fn radiance_in_glass_scales_with_the_squared_index() {
     // The camera and the floor are inside the sphere, the light is outside.
     let inside = Material::Dielectric(Dielectric::clear(1.5));
-    let around = Object::new(Shape::Sphere(Sphere { centre: Vec3::Y, radius: 3.1 }), inside);
-    let mut scene = box_with(vec![around], WIDE);
-    let light = Sphere { centre: Vec3::new(0.0, 7.0, 0.0), radius: 2.0 };
-    scene.objects[1].shape = Shape::Sphere(light);
+    let mut scene = box_with(vec![Object::new(ball(Vec3::Y, 3.1), inside)], WIDE);
+    scene.objects[1].shape = ball(Vec3::new(0.0, 7.0, 0.0), 2.0);
     let z = bias(&scene, 1 << 13, 3);
     assert!(z.abs() < 5.0, "{z} standard errors");
 }
 
 #[test]
 fn many_lights_and_targets_share_the_paths() {
-    let small = |i: i32| {
-        let centre = Vec3::new(-1.5 + 0.3 * i as f32, 0.3, -0.5);
-        Object::new(Shape::Sphere(Sphere { centre, radius: 0.12 }), metal(0.3))
-    };
+    let small = |i: i32| Object::new(ball(Vec3::new(-1.5 + 0.3 * i as f32, 0.3, -0.5), 0.12), metal(0.3));
     for spheres in [3, 11] {
         let mut scene = box_with((0..spheres).map(small).collect(), WIDE);
-        let bulb = Shape::Sphere(Sphere { centre: Vec3::new(1.0, 1.5, -1.0), radius: 0.2 });
-        scene.objects.push(Object { emission: Some(emission(30.0)), ..Object::new(bulb, metal(0.5)) });
+        let (bulb, emission) = (ball(Vec3::new(1.0, 1.5, -1.0), 0.2), Some(Emission::of_front(Rgb::splat(30.0))));
+        scene.objects.push(Object { emission, ..Object::new(bulb, metal(0.5)) });
         let z = bias(&scene, 1 << 12, 3);
         assert!(z.abs() < 5.0, "{spheres} spheres: {z} standard errors");
     }

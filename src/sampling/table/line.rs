@@ -103,9 +103,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn weights_of_zero_give_no_sample() {
-        assert_eq!(Table1::new(&[0.0, 0.0]).sample(0.5), None);
-    }
 }
