@@ -186,24 +186,18 @@ mod tests {
     }
 
     #[test]
-    fn a_float_is_rounded_down_to_the_unit() {
+    fn a_float_and_its_square_are_rounded_down_to_the_unit() {
         for v in floats() {
             // Scaling by a power of two is exact in f64, and so is the floor.
             let expected = (f64::from(v) * TWO_64).floor();
             assert_eq!(Fixed::of(v).bits(), expected as u128, "{v:e}");
             assert_eq!(Fixed::of(-0.0 * v), Fixed::default());
-        }
-        assert_eq!(Fixed::of(LIMIT.next_down()).bits(), ((1 << 24) - 1) << 103);
-    }
-
-    #[test]
-    fn a_square_is_rounded_down_to_the_unit() {
-        for v in floats() {
             // 48 bits: exact in f64.
             let expected = (f64::from(v) * f64::from(v) * TWO_64).floor();
             let expected = if v >= 4_294_967_296.0 { u128::MAX } else { expected as u128 };
             assert_eq!(Fixed::square_of(v).bits(), expected, "{v:e}");
         }
+        assert_eq!(Fixed::of(LIMIT.next_down()).bits(), ((1 << 24) - 1) << 103);
     }
 
     #[test]

@@ -14,7 +14,8 @@ pub struct Row<'a> {
     pixels: &'a mut [Pixel],
     classes: usize,
     paths: &'a mut [FixedRgb],
-    dropped: Dropped,
+    /// The samples that were dropped so far.
+    pub(super) dropped: Dropped,
     /// Contributions that are not on the film yet, and the sums that they are for.
     splats: Vec<Splat>,
     film: Option<&'a Mutex<&'a mut Splats>>,
@@ -41,11 +42,6 @@ impl<'a> Row<'a> {
             film.lock().unwrap_or_else(PoisonError::into_inner).add(&self.splats, self.pixels.len());
         }
         self.splats.clear();
-    }
-
-    /// The samples that were dropped so far.
-    pub(super) fn dropped(&self) -> Dropped {
-        self.dropped
     }
 
     /// The row's number, from the top.

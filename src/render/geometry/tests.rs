@@ -9,6 +9,7 @@ use crate::render::settings::Settings;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Camera, Emission, Material, Mesh, Projection, Rectangle};
 use glam::DVec3;
+use std::collections::HashSet;
 
 fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(5, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -96,7 +97,8 @@ fn mixture() -> Vec<Shape> {
     let mut shapes = vec![Shape::from(crate::scene::statue::statue())];
     for i in 0..30 {
         let centre = 2.0 * random_vec(i, 0) + Vec3::new(0.0, 0.5, 0.0);
-        let (x, y) = [Vec3::Y, random_vec(i, 1).normalize()][i as usize % 2].any_orthonormal_pair();
+        let normal = [Vec3::X, Vec3::Y, Vec3::Z, random_vec(i, 1).normalize()][i as usize / 3 % 4];
+        let (x, y) = normal.any_orthonormal_pair();
         shapes.push(if i % 3 == 0 {
             Shape::Rectangle(Rectangle::new(centre, 0.5 * x, 0.3 * y).unwrap())
         } else {
@@ -111,6 +113,9 @@ fn the_tree_finds_what_one_by_one_is_found() {
     let scene = scene(mixture());
     let [few, many] = both(&scene);
     assert!(few.walls.len() == 10 && few.spheres.len() == 20 && many.walls.is_empty() && many.spheres.is_empty());
+    // Upright walls of all axes and tilted ones.
+    let kinds: HashSet<_> = few.walls.iter().map(|wall| std::mem::discriminant(&wall.panel)).collect();
+    assert_eq!(kinds.len(), 4);
     let (mut found, mut differing) = ([0; 3], 0);
     for batch in 0..40 {
         let mut rays = Rays::default();

@@ -21,7 +21,7 @@ use crate::scene::{
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-fn sphere(image: Image) -> (Scene, Request) {
+pub fn sphere(image: Image) -> (Scene, Request) {
     let (scene, request) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(image)), "test", 1.0));
     (scene, Request { width: 24, height: 24, spp: 4, ..request })
 }

@@ -4,7 +4,7 @@ mod build;
 mod lanes;
 mod query;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 mod traverse;
 mod tree;
 
@@ -37,19 +37,14 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// About the memory that building a tree takes for each triangle; a rectangle is two.
-    pub const BYTES_PER_TRIANGLE: usize = 256;
-
-    /// About the memory that building a tree takes for each sphere.
-    pub const BYTES_PER_SPHERE: usize = 128;
-
     /// About the memory that building a tree takes for a shape.
     #[must_use]
     pub fn bytes(shape: &Shape) -> usize {
+        const TRIANGLE: usize = 256;
         match shape {
-            Shape::Sphere(_) => Self::BYTES_PER_SPHERE,
-            Shape::Rectangle(_) => 2 * Self::BYTES_PER_TRIANGLE,
-            Shape::Mesh(mesh) => mesh.triangles.len() * Self::BYTES_PER_TRIANGLE,
+            Shape::Sphere(_) => 128,
+            Shape::Rectangle(_) => 2 * TRIANGLE,
+            Shape::Mesh(mesh) => mesh.triangles.len() * TRIANGLE,
         }
     }
 
@@ -119,9 +114,6 @@ impl Bvh {
 
     /// The surface at a [`Hit`] of a triangle, from its [`place`](Hit::place), `u` and `v`: the same as
     /// [`Mesh::surface`](super::Mesh::surface), faster.
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
@@ -133,9 +125,6 @@ impl Bvh {
 
     /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place), and its [error](Plane::error). On which side of the triangle
     /// a ray starts is certain if it starts [`Plane::offset`] away, and of its neighbours if also more than the error.
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn plane(&self, place: u32) -> (Plane, f32) {
@@ -144,9 +133,6 @@ impl Bvh {
     }
 
     /// [`Hit::triangle`] from the hit's [`place`](Hit::place).
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn triangle(&self, place: u32) -> u32 {

@@ -8,11 +8,11 @@ use std::f32::consts::TAU;
 use std::time::Instant;
 
 /// From −1 to 1.
-pub fn random(i: u64, j: u64) -> f32 {
+fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(11, i, j as u32).pair(0)[0] - 1.0) as f32
 }
 
-pub fn random_vec(i: u64, j: u64) -> Vec3 {
+fn random_vec(i: u64, j: u64) -> Vec3 {
     Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
 }
 
