@@ -263,28 +263,6 @@ fn delta_lights_and_the_hemisphere_have_their_closed_forms() {
     assert_radiance(&floor(Vec::new(), vec![sky]), 1.5);
 }
 
-#[test]
-fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
-    // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
-    let emission = Some(Emission { two_sided: true, ..Emission::of_front(Rgb::ONE) });
-    for albedo in [0.5f32, 0.9] {
-        let material = Material::Diffuse { albedo: Rgb::splat(albedo) };
-        let object = Object { emission, ..Object::new(ball(Vec3::ZERO, 1.0), material) };
-        let mut scene = floor(Vec::new(), Vec::new());
-        scene.objects = vec![object];
-        let series = |scatterings: i32| (1.0 - f64::from(albedo).powi(scatterings + 1)) / (1.0 - f64::from(albedo));
-        let request = Request { width: 4, height: 4, spp: 256, light_samples: 1, max_depth: 3 };
-        for (max_depth, tolerance) in [(0, 1e-6), (3, 1e-5), (1000, 0.02)] {
-            let request = Request { max_depth, ..request };
-            // The light is found by the paths themselves.
-            let settings = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
-            let (mean, _) = mean(&scene, &request, &settings);
-            let expected = series(max_depth.min(500) as i32);
-            assert!((mean / expected - 1.0).abs() < tolerance, "{albedo} {max_depth}: {mean} {expected}");
-        }
-    }
-}
-
 /// The mean of all pixels in red, and its standard error.
 fn mean(scene: &Scene, request: &Request, settings: &Settings) -> (f64, f64) {
     let film = render(scene, request, settings, &Silent).unwrap().part.film;

@@ -111,7 +111,7 @@ fn assert_hits(shapes: &[Shape], scale: f32, rays: impl Iterator<Item = (Ray, f3
 #[test]
 fn hits_are_those_of_brute_force_on_every_processor() {
     let mesh = heap(700);
-    let t_max = |i: usize| if i % 3 == 0 { 1.0 } else { f32::INFINITY };
+    let t_max = |i: usize| if i.is_multiple_of(3) { 1.0 } else { f32::INFINITY };
     let rays: Vec<_> = rays(&mesh, 4000).into_iter().enumerate().map(|(i, ray)| (ray, t_max(i))).collect();
     let [.., hits] = assert_hits(&[mesh.into()], 1.0, rays.into_iter());
     assert!((1000..3900).contains(&hits), "{hits}");
@@ -257,7 +257,7 @@ fn mixtures_are_hit_as_by_brute_force() {
                 }
                 _ => Ray { origin, direction: (target - origin).normalize() },
             };
-            (ray, if i % 5 == 0 { scale } else { f32::INFINITY })
+            (ray, if i.is_multiple_of(5) { scale } else { f32::INFINITY })
         };
         let hits = assert_hits(&shapes, scale, (0..4000).map(ray));
         assert!(count < 400 || hits.iter().all(|&hits| hits > 100), "{hits:?}");
