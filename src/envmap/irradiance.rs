@@ -221,10 +221,4 @@ mod tests {
             assert!((quick / slow - 1.0).abs() < 1e-5, "{n}: {quick} against {slow}");
         }
     }
-
-    #[test]
-    fn a_black_map_gives_nothing() {
-        let tree = IrradianceTree::new(&EnvMap::new(Image::new(3, 2)));
-        assert_eq!(tree.irradiance(DVec3::Y).value, DVec3::ZERO);
-    }
 }

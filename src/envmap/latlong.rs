@@ -320,12 +320,4 @@ mod tests {
             assert!(close(&columns, &around), "{w}x{h}: {columns:?} and {around:?}");
         }
     }
-
-    #[test]
-    fn the_seam_is_continuous() {
-        let g = LatLong::new(1024, 512);
-        let (left, right) = (g.direction(0.001, 200.0), g.direction(1023.999, 200.0));
-        assert!(left.distance(right) < 2e-5);
-        assert_eq!((g.texel(left).0, g.texel(right).0), (0, 1023));
-    }
 }

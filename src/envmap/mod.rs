@@ -7,12 +7,10 @@ pub mod info;
 pub mod irradiance;
 pub mod latlong;
 mod map;
-mod range;
 pub mod samplers;
 pub(crate) mod sat;
 pub mod synthetic;
 
 pub use grace::Grace;
 pub use latlong::{Block, LatLong};
-pub use map::{EnvMap, Found, NamedMap};
-pub use range::{MAX_RADIANCE, check_range};
+pub use map::{EnvMap, Found, MAX_RADIANCE, NamedMap, check_range};

@@ -27,25 +27,18 @@ pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::EnvMap;
     use crate::envmap::samplers::{MapSampling, cut_lights::MEDIAN_CUT, strata};
     use crate::envmap::synthetic::Synthetic;
+    use crate::render::tests::sphere;
     use crate::render::{Silent, render};
-    use crate::scene::{Environment, Request, builtin};
-    use std::sync::Arc;
-
-    fn sphere() -> (Scene, Request) {
-        let map = Arc::new(EnvMap::new(Synthetic::Sun.make()));
-        let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 1.0));
-        (scene, Request { width: 24, height: 24, spp: 16, light_samples: 1, ..request })
-    }
+    use crate::scene::Request;
 
     #[test]
     fn many_lights_are_the_map_and_few_are_not() {
-        let (scene, request) = sphere();
+        let (scene, request) = sphere(Synthetic::Sun.make());
         let image = |density, spp| {
             let settings = Settings { sampling: Sampling::Light, density: Some(density), ..Settings::default() };
-            render(&scene, &Request { spp, ..request }, &settings, &Silent).unwrap().image
+            render(&scene, &Request { spp, light_samples: 1, ..request }, &settings, &Silent).unwrap().image
         };
         let map = image(MapSampling::COSINE, 512);
         let off = |count| {
@@ -58,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_maps_light_is_not_brought_twice() {
-        let (scene, request) = sphere();
+        let (scene, request) = sphere(Synthetic::Sun.make());
         for sampling in [Sampling::Mis, Sampling::Bsdf] {
             let density = MapSampling::with_regions(MEDIAN_CUT, 16);
             let settings = Settings { sampling, density: Some(density), ..Settings::default() };

@@ -20,7 +20,6 @@ pub type Block = [f32; BLOCK];
 /// A vector or colour per path of a block.
 pub type Block3 = [Block; 3];
 
-/// Zeros.
 pub const ZERO_BLOCK3: Block3 = [[0.0; BLOCK]; 3];
 
 /// How many blocks `count` lanes fill.
@@ -53,9 +52,7 @@ pub const NOTHING: u32 = u32::MAX;
 /// Rays with unit directions.
 #[derive(Clone)]
 pub struct Rays {
-    /// Where they start.
     pub origin: Lane3,
-    /// Of unit length.
     pub direction: Lane3,
 }
 
@@ -73,7 +70,6 @@ pub struct Hits {
     pub v: Lane,
 }
 
-/// Zeros.
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
 
 impl Default for Rays {

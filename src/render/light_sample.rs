@@ -19,13 +19,11 @@ pub struct LightSample {
 }
 
 impl LightSample {
-    /// No light.
     pub const BLACK: Self = Self { wi: Vec3::Y, distance: f32::INFINITY, weight: Rgb::ZERO, pdf: f32::INFINITY };
 }
 
 /// Samples directions towards a light.
 pub trait SampleLight {
-    /// A direction towards the light from a point.
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
 
     /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
@@ -35,17 +33,13 @@ pub trait SampleLight {
     fn pdf(&self, point: Vec3) -> f32;
 }
 
-/// Directions towards a light from many points.
+/// [`LightSample`]s from many points.
 pub struct LightSampleLanes {
-    /// Unit directions towards the light.
     pub wi: Lane3,
-    /// To the light.
     pub distance: Lane,
-    /// As [`LightSample::weight`].
     pub weight: Lane3,
     /// Length of the shadow ray, which ends in front of the light.
     pub limit: Lane,
-    /// As [`LightSample::pdf`].
     pub pdf: Lane,
     /// Numbers of the lights, or [`super::lanes::NOTHING`].
     pub light: [u32; LANES],
@@ -72,7 +66,6 @@ impl Default for LightSampleLanes {
 /// A point of a light.
 #[derive(Debug, Clone, Copy)]
 pub struct LightPoint {
-    /// In the world.
     pub position: Vec3,
     /// Unit normal on the side that emits.
     pub normal: Vec3,

@@ -15,7 +15,6 @@ pub const MOST_EACH: usize = 2;
 
 /// The lights of a scene that are sampled.
 pub struct Lights {
-    /// All of them.
     pub all: Vec<Sampled>,
     rounds: Vec<Round>,
     tree: Option<Tree>,
@@ -61,7 +60,6 @@ impl Lights {
         Self { all, rounds, tree, samples }
     }
 
-    /// The rounds of samples at a hit.
     pub fn rounds(&self) -> &[Round] {
         &self.rounds
     }

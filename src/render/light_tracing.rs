@@ -125,8 +125,8 @@ impl LightTracing {
             None => of_environment,
         };
         let table = AliasTable::from_fn(lights.all.len() + 1, |i| f64::from(power(i)));
-        let extent = geometry.extent();
-        (table.total() > 0.0).then_some(Self { table, lights: lights.all.len(), targets, discs, extent })
+        let (lights, extent) = (lights.all.len(), geometry.extent());
+        (table.total() > 0.0).then_some(Self { table, lights, targets, discs, extent })
     }
 
     /// The number of the light path that is traced with a sample of a pixel, if one is. The first comes with a random one of
@@ -163,14 +163,8 @@ impl LightTracing {
             let origin = target.centre + (x * cos_phi + y * sin_phi) * r + wi * (self.extent + target.radius);
             let density = self.density_of_environment(environment, origin, wi);
             let power = sample.radiance / density;
-            return (density > 0.0).then_some(Start {
-                origin,
-                normal: wi,
-                direction: -wi,
-                power,
-                density,
-                light: None,
-            });
+            let (normal, direction) = (wi, -wi);
+            return (density > 0.0).then_some(Start { origin, normal, direction, power, density, light: None });
         }
         let point = lights.all[number].point(short(place))?;
         let direction = self.direction(point.position, choice[1] as f32, short(within))?;
@@ -255,10 +249,8 @@ impl LightTracing {
 /// The cone around a sphere: its axis, and 1 − cos of its half angle; 2, all directions, from inside.
 #[inline]
 fn cone(sphere: &Sphere, point: Vec3) -> (Vec3, f32) {
-    let to = sphere.centre - point;
-    let d2 = to.length_squared();
-    let one_minus_cos = solids::one_minus_cos_of_cone(sphere.radius * sphere.radius, d2);
-    (if one_minus_cos < 2.0 { to / d2.sqrt() } else { Vec3::Y }, one_minus_cos)
+    let (to, one_minus_cos) = (sphere.centre - point, solids::one_minus_cos_of_cone(sphere, point));
+    (if one_minus_cos < 2.0 { to / to.length() } else { Vec3::Y }, one_minus_cos)
 }
 
 /// Bounding spheres of shapes.

@@ -20,7 +20,6 @@ pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
-    /// Shape and emission.
     pub kind: Kind,
     /// The object that emits, or [`super::lanes::NOTHING`].
     pub object: u32,
@@ -124,19 +123,10 @@ impl SampleLight for RectangleLight {
     }
 }
 
-impl SphereLight {
-    /// 1 − cos of half the angle that the sphere fills, seen from outside; 2 (all directions) from inside.
-    #[inline(always)]
-    fn one_minus_cos_half_angle(&self, point: Vec3) -> f32 {
-        let d2 = (self.sphere.centre - point).length_squared();
-        solids::one_minus_cos_of_cone(self.sphere.radius * self.sphere.radius, d2)
-    }
-}
-
 impl SampleLight for SphereLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
-        let one_minus_cos_half_angle = self.one_minus_cos_half_angle(point);
+        let one_minus_cos_half_angle = solids::one_minus_cos_of_cone(&self.sphere, point);
         let to = self.sphere.centre - point;
         let axis = to.normalize_or(Vec3::Z);
         let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
@@ -162,7 +152,7 @@ impl SampleLight for SphereLight {
 
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
-        1.0 / (std::f32::consts::TAU * self.one_minus_cos_half_angle(point))
+        1.0 / (std::f32::consts::TAU * solids::one_minus_cos_of_cone(&self.sphere, point))
     }
 }
 

@@ -66,18 +66,8 @@ impl SampleLanes {
             last = Some((self.key[slot], prepared));
             (key[i], sample[i]) = (prepared, self.sample[slot]);
         }
-        wide(
-            arch,
-            Fill {
-                key: &key,
-                sample: &sample,
-                count: slots.len(),
-                dimension,
-                sub_sample,
-                out,
-                stream: PhantomData::<S>,
-            },
-        );
+        let (key, sample, count, stream) = (&key, &sample, slots.len(), PhantomData::<S>);
+        wide(arch, Fill { key, sample, count, dimension, sub_sample, out, stream });
     }
 
     /// The pair of a dimension for one slot.

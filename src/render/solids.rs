@@ -63,11 +63,10 @@ pub fn short_of(light: &impl Light, [offset, size]: [f32; 2], origin: Vec3, dire
     light.distance_within(origin, direction, margin, limit).min(limit)
 }
 
-/// 1 − cos of half the angle that a sphere fills, from the squares of its radius and of the distance of its centre; 2 (all
-/// directions) from inside.
+/// 1 − cos of half the angle that a sphere fills, seen from a point outside; 2 (all directions) from inside.
 #[inline(always)]
-pub fn one_minus_cos_of_cone(radius2: f32, distance2: f32) -> f32 {
-    let sin2 = radius2 / distance2;
+pub fn one_minus_cos_of_cone(sphere: &Sphere, point: Vec3) -> f32 {
+    let sin2 = sphere.radius * sphere.radius / (sphere.centre - point).length_squared();
     // 1 − √(1 − s²) without the cancellation.
     if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt()) } else { 2.0 }
 }
@@ -165,52 +164,5 @@ impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
             (self.low[i] <= at) & (at <= self.high[i])
         };
         if inside(0) & inside(1) { t } else { f32::INFINITY }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampling::stream::{Independent, Stream};
-
-    #[test]
-    fn upright_walls_are_met_where_tilted_ones_are() {
-        let number = |i: u32, d: u32| 4.0 * Independent::new(1, 2, i).pair(d)[0] as f32 - 2.0;
-        let vector = |i: u32, d: u32| Vec3::new(number(i, d), number(i, d + 1), number(i, d + 2));
-        let mut met = 0;
-        for (axis, [x, y]) in [[Vec3::Y, Vec3::Z], [Vec3::Z, Vec3::X], [Vec3::X, Vec3::Y]].into_iter().enumerate() {
-            let rectangle = Rectangle::new(Vec3::new(0.2, -0.3, 0.4), 1.5 * x, -0.7 * y).unwrap();
-            let tilted = TiltedPanel::new(&rectangle);
-            let wall = Wall::new(&rectangle, 0);
-            let kinds = [
-                matches!(wall.panel, Panel::X(_)),
-                matches!(wall.panel, Panel::Y(_)),
-                matches!(wall.panel, Panel::Z(_)),
-            ];
-            assert!(kinds[axis], "{wall:?}");
-            for i in 0..10_000 {
-                let (origin, direction) = (vector(i, 0), vector(i, 3).normalize());
-                let upright = match &wall.panel {
-                    Panel::X(p) => p.distance(origin, direction),
-                    Panel::Y(p) => p.distance(origin, direction),
-                    Panel::Z(p) => p.distance(origin, direction),
-                    Panel::Tilted(p) => p.distance(origin, direction),
-                };
-                let other = tilted.distance(origin, direction);
-                met += u32::from(upright.is_finite() && upright > 0.0);
-                // At the very edge rounding decides.
-                if upright.is_finite() && other.is_finite() {
-                    assert!((upright - other).abs() <= 1e-5 * upright.abs(), "{i}: {upright} {other}");
-                } else if upright.is_finite() != other.is_finite() {
-                    let t = if upright.is_finite() { upright } else { other };
-                    let place = origin + t * direction - rectangle.centre();
-                    let [a, b] = rectangle.half_sides().map(|half| place.dot(half) / half.length_squared());
-                    assert!((a.abs() - 1.0).abs().min((b.abs() - 1.0).abs()) < 1e-5, "{i}: {a} {b}");
-                }
-            }
-        }
-        assert!(met > 1000);
-        let slanted = Rectangle::new(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::Z).unwrap();
-        assert!(matches!(Wall::new(&slanted, 0).panel, Panel::Tilted(_)));
     }
 }

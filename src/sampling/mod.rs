@@ -2,7 +2,6 @@
 
 pub mod alias;
 pub mod batch;
-mod direction;
 pub mod filter;
 pub mod normals;
 pub(crate) mod prefetch;
@@ -11,5 +10,5 @@ pub mod spherical_triangle;
 pub mod table;
 pub mod warp;
 
-pub use direction::direction_density;
 pub use etalon_stats::{hash, stream};
+pub use warp::direction_density;

@@ -1,6 +1,7 @@
-//! Maps from the unit square to directions, each with its pdf and its inverse; the pole is +z.
+//! Maps from the unit square to directions, each with its pdf and its inverse; the pole is +z. Densities of directions, for tests.
 
 use crate::math::circular::{sin_cos_turns, turns};
+use etalon_stats::{DensityFn, density};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -60,6 +61,13 @@ pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
 #[must_use]
 pub fn invert_cosine_hemisphere(w: DVec3) -> [f64; 2] {
     [w.x * w.x + w.y * w.y, turns(w.y, w.x)]
+}
+
+/// The [`density`] of directions whose pdf per solid angle is `pdf`.
+pub fn direction_density<F: Fn(DVec3) -> f64 + Sync>(
+    pdf: F,
+) -> DensityFn<[f64; 3], impl Fn([f64; 3]) -> f64 + Sync + use<F>> {
+    density(move |w| pdf(DVec3::from_array(w)))
 }
 
 #[cfg(test)]

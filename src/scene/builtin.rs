@@ -2,8 +2,8 @@
 
 use super::statue::statue;
 use super::{
-    Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Mesh, Object,
-    PixelFilter, Projection, Rectangle, Request, Scene, Shape, Sphere,
+    Camera, Conductor, Dielectric, Distribution, Emission, Environment, Material, Mesh, Object, PixelFilter,
+    Projection, Rectangle, Request, Scene, Shape, Sphere,
 };
 use crate::envmap::EnvMap;
 use crate::error::{Error, Result};
@@ -52,11 +52,7 @@ fn cornell(name: &str, contents: Vec<Object>) -> (Scene, Request) {
         wall([-1.0, 0.75, 0.0], y, z, RED),
         wall([1.0, 0.75, 0.0], z, y, BLUE),
         Object {
-            emission: Some(Emission {
-                radiance: Rgb::splat(10.0),
-                two_sided: false,
-                visibility: EmitterVisibility::Sampled,
-            }),
+            emission: Some(Emission::of_front(Rgb::splat(10.0))),
             ..wall([0.0, 1.49, 0.0], 0.4 * x, 0.3 * z, Rgb::ZERO)
         },
     ];
@@ -148,11 +144,7 @@ pub fn brushed_metal(environment: Environment) -> (Scene, Request) {
         Shape::Rectangle(Rectangle::new(centre, x, y).expect("the sides are perpendicular"))
     };
     let light = |x: f32| Object {
-        emission: Some(Emission {
-            radiance: Rgb::splat(60.0),
-            two_sided: false,
-            visibility: EmitterVisibility::Sampled,
-        }),
+        emission: Some(Emission::of_front(Rgb::splat(60.0))),
         ..Object::new(
             rectangle(Vec3::new(x, 3.0, 3.0), 0.15 * Vec3::X, 0.15 * Vec3::Z),
             Material::Diffuse { albedo: Rgb::ZERO },

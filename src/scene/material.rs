@@ -58,51 +58,49 @@ impl Material {
         }
     }
 
+    /// Whether that holds of the material or, if it is a mixture, of any of its parts.
+    fn any(&self, holds: fn(&Self) -> bool) -> bool {
+        match self {
+            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.any(holds)),
+            single => holds(single),
+        }
+    }
+
     /// Whether light passes through the surface.
     pub(crate) fn is_transmitting(&self) -> bool {
-        match self {
+        self.any(|part| match part {
             Self::Refraction { .. } | Self::Dielectric(_) => true,
-            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_transmitting()),
             Self::Textured(textured) => textured.base.is_transmitting(),
             _ => false,
-        }
+        })
     }
 
     /// Whether its normals are distributed differently along x and y of the surface's frame, so that the frame needs the
     /// tangent of the surface.
     #[must_use]
     pub fn is_anisotropic(&self) -> bool {
-        match self {
+        self.any(|part| match part {
             Self::Dielectric(Dielectric { alpha, .. }) | Self::Conductor(Conductor { alpha, .. }) => {
                 alpha[0] != alpha[1]
             }
-            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_anisotropic()),
             Self::Textured(textured) => match &textured.alpha {
                 Some([x, y]) => x != y,
                 None => textured.base.is_anisotropic(),
             },
             _ => false,
-        }
+        })
     }
 
     /// Whether the width of a distribution of its normals varies over the surface.
     #[must_use]
     pub fn has_textured_alpha(&self) -> bool {
-        match self {
-            Self::Textured(textured) => textured.alpha.is_some(),
-            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.has_textured_alpha()),
-            _ => false,
-        }
+        self.any(|part| matches!(part, Self::Textured(textured) if textured.alpha.is_some()))
     }
 
     /// Whether it varies over the surface, so that it needs texture coordinates.
     #[must_use]
     pub fn is_textured(&self) -> bool {
-        match self {
-            Self::Textured(_) => true,
-            Self::Mixture(parts) => parts.iter().any(|(_, part)| part.is_textured()),
-            _ => false,
-        }
+        self.any(|part| matches!(part, Self::Textured(_)))
     }
 }
 
@@ -241,6 +239,12 @@ pub struct Emission {
 }
 
 impl Emission {
+    /// Emission of the front, which light samples find.
+    #[must_use]
+    pub const fn of_front(radiance: Rgb) -> Self {
+        Self { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }
+    }
+
     /// Whether a surface with this normal emits against the direction of a ray.
     #[inline]
     #[must_use]

@@ -97,15 +97,3 @@ impl SurfaceSampler for StrataSampler {
         self.strata[self.of_texel[y * self.map.geometry().width() + x] as usize].pdf
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_black_map_gives_no_samples_and_impossible_cuts_are_refused() {
-        let map = Arc::new(EnvMap::new(crate::raster::Image::new(4, 2)));
-        assert!(StrataSampler::new(map.clone(), 3).unwrap().sample_for([0.5; 2], DVec3::Y).is_none());
-        assert!(StrataSampler::new(map.clone(), 0).is_err() && StrataSampler::new(map, 9).is_err());
-    }
-}

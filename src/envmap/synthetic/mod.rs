@@ -139,15 +139,6 @@ mod tests {
         assert!((0.37..0.43).contains(&info.peak_share), "the sun holds {}", info.peak_share);
     }
 
-    #[test]
-    fn the_bits_do_not_depend_on_the_number_of_threads() {
-        let [one, two] = [1, 2].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
-            pool.install(|| Synthetic::Sun.make())
-        });
-        assert!(one == two);
-    }
-
     /// A hash of all bits, so that a machine that computes other bits is noticed.
     #[test]
     fn the_bits_do_not_depend_on_the_machine() {

@@ -2,7 +2,7 @@
 
 use super::classes::PathClasses;
 use super::dropped::Dropped;
-use super::fixed::Fixed;
+use super::fixed::{FixedRgb, UNIT};
 use super::pixel::Pixel;
 use super::row::Row;
 use super::splats::Splats;
@@ -37,7 +37,7 @@ pub(super) struct Paths {
     /// Their classes.
     pub classes: PathClasses,
     /// All classes of a pixel side by side.
-    pub sums: Vec<[Fixed; 3]>,
+    pub sums: Vec<FixedRgb>,
 }
 
 /// The estimate of a pixel: its mean, and the standard error of the mean.
@@ -56,7 +56,7 @@ impl Film {
     /// Memory that a film takes for each pixel, and for each path class of a pixel.
     pub const BYTES: usize = size_of::<Pixel>();
     /// Memory of one path class of a pixel.
-    pub const BYTES_PER_CLASS: usize = size_of::<[Fixed; 3]>();
+    pub const BYTES_PER_CLASS: usize = size_of::<FixedRgb>();
 
     /// A film without samples; with `classes`, it also keeps sums by path class.
     ///
@@ -146,7 +146,7 @@ impl Film {
         let dropped = rows.into_par_iter().map(|mut row| {
             fill(&mut row);
             row.flush();
-            row.dropped()
+            row.dropped
         });
         self.dropped = self.dropped.merge(dropped.reduce(Dropped::default, Dropped::merge));
     }
@@ -188,7 +188,22 @@ impl Film {
         let received = &splats.pixels[i];
         let variance = received.variance(paths, self.pixels.len() as f64);
         let error = std::array::from_fn(|c| f64::from(error[c]).powi(2) + variance[c]);
-        PixelEstimate { mean: mean + received.mean(paths), error: Rgb::from_array(error.map(|v| v.sqrt() as f32)) }
+        PixelEstimate { mean: mean + received.sum.mean(paths), error: Rgb::from_array(error.map(|v| v.sqrt() as f32)) }
+    }
+
+    /// An upper bound of the share of the light that rounding to the film's unit has taken: 2^-64 of each camera path and channel,
+    /// and of light that is too faint for it. 0 where all is black.
+    #[must_use]
+    pub fn lost_to_rounding(&self) -> f64 {
+        let paths: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.camera_paths)).sum();
+        let received = self.splats.iter().flat_map(|splats| &splats.pixels).map(|pixel| pixel.sum);
+        let light: f64 = self.pixels.iter().map(|pixel| pixel.sum).chain(received).map(FixedRgb::total).sum();
+        let lost = 3.0 * paths * f64::from(UNIT);
+        match () {
+            _ if light > 0.0 => (lost / light).min(1.0),
+            _ if self.dropped.faint > 0 => 1.0,
+            _ => 0.0,
+        }
     }
 
     /// Adds the samples of `other`; the result is the same as if one film had accumulated them all.
@@ -207,9 +222,7 @@ impl Film {
         }
         self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.merge(theirs));
         if let (Some(mine), Some(theirs)) = (&mut self.paths, &other.paths) {
-            mine.sums.par_iter_mut().zip(&theirs.sums).for_each(|(mine, theirs)| {
-                (0..3).for_each(|c| mine[c] += theirs[c]);
-            });
+            mine.sums.par_iter_mut().zip(&theirs.sums).for_each(|(mine, theirs)| *mine += *theirs);
         }
         self.dropped = self.dropped.merge(other.dropped);
         Ok(())
@@ -220,6 +233,7 @@ impl Film {
 mod tests {
     use super::*;
     use crate::render::film::Splat;
+    use crate::render::tests::on_threads;
     use crate::sampling::stream::{Independent, Stream};
 
     const SIZE: (usize, usize) = (7, 5);
@@ -289,10 +303,7 @@ mod tests {
 
     #[test]
     fn threads_change_no_bit() {
-        let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| film(|_, _, _| true))
-        };
+        let on = |threads| on_threads(threads, || film(|_, _, _| true));
         assert!(on(1) == on(3));
     }
 
@@ -338,14 +349,9 @@ mod tests {
 
     #[test]
     fn path_layers_leave_the_picture_alone() {
-        let mut with = without_splats();
+        let [mut with, mut without] = [without_splats(), Film::new(SIZE.0, SIZE.1, None).unwrap()];
         accumulate(&mut with, |_, _, _| true);
-        let mut without = Film::new(SIZE.0, SIZE.1, None).unwrap();
-        without.accumulate(|row| {
-            for (x, s) in (0..SIZE.0).flat_map(|x| (0..SPP).map(move |s| (x, s))) {
-                row.add(x, light(x, row.y(), s).iter().sum(), &[]);
-            }
-        });
+        accumulate(&mut without, |_, _, _| true);
         assert_eq!(with.image(), without.image());
         assert!(without.merge(&with).is_err());
     }

@@ -6,6 +6,8 @@
 //! Addition of integers is associative, addition of floats is not. With sums like these any split of the samples over
 //! threads, shards and resumed runs, merged in any order, gives the same bits.
 
+use crate::math::Rgb;
+
 /// A number from 0 to 2^64, in steps of 2^-64. Two words and not a `u128`, whose alignment would waste memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed {
@@ -80,6 +82,45 @@ impl std::ops::AddAssign for Fixed {
     }
 }
 
+/// A sum for each channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FixedRgb(pub [Fixed; 3]);
+
+impl FixedRgb {
+    /// [`Fixed::of`] each channel.
+    #[inline]
+    #[must_use]
+    pub fn of(value: Rgb) -> Self {
+        Self(value.to_array().map(Fixed::of))
+    }
+
+    /// [`Fixed::square_of`] each channel.
+    #[inline]
+    #[must_use]
+    pub fn square_of(value: Rgb) -> Self {
+        Self(value.to_array().map(Fixed::square_of))
+    }
+
+    /// The mean of `n` values from their sum, rounded to f64 and then to f32; black without any.
+    #[must_use]
+    pub fn mean(self, n: f64) -> Rgb {
+        if n == 0.0 { Rgb::ZERO } else { Rgb::from_array(self.0.map(|sum| (sum.to_f64() / n) as f32)) }
+    }
+
+    /// The sum over the channels.
+    #[must_use]
+    pub fn total(self) -> f64 {
+        self.0.into_iter().map(Fixed::to_f64).sum()
+    }
+}
+
+impl std::ops::AddAssign for FixedRgb {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        (0..3).for_each(|c| self.0[c] += other.0[c]);
+    }
+}
+
 /// Mantissa m < 2^24 and exponent e >= 1 of `v` = m · 2^(e - 150); the sign (of a negative zero) is dropped.
 #[inline]
 fn parts(v: f32) -> (u64, u32) {
@@ -145,24 +186,18 @@ mod tests {
     }
 
     #[test]
-    fn a_float_is_rounded_down_to_the_unit() {
+    fn a_float_and_its_square_are_rounded_down_to_the_unit() {
         for v in floats() {
             // Scaling by a power of two is exact in f64, and so is the floor.
             let expected = (f64::from(v) * TWO_64).floor();
             assert_eq!(Fixed::of(v).bits(), expected as u128, "{v:e}");
             assert_eq!(Fixed::of(-0.0 * v), Fixed::default());
-        }
-        assert_eq!(Fixed::of(LIMIT.next_down()).bits(), ((1 << 24) - 1) << 103);
-    }
-
-    #[test]
-    fn a_square_is_rounded_down_to_the_unit() {
-        for v in floats() {
             // 48 bits: exact in f64.
             let expected = (f64::from(v) * f64::from(v) * TWO_64).floor();
             let expected = if v >= 4_294_967_296.0 { u128::MAX } else { expected as u128 };
             assert_eq!(Fixed::square_of(v).bits(), expected, "{v:e}");
         }
+        assert_eq!(Fixed::of(LIMIT.next_down()).bits(), ((1 << 24) - 1) << 103);
     }
 
     #[test]

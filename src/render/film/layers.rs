@@ -1,8 +1,6 @@
 //! The image split by path class: layers whose sum is the image, to the last bit.
 
 use super::accumulate::Film;
-use super::pixel::mean;
-use super::splats;
 use crate::math::Rgb;
 use crate::raster::Image;
 use rayon::prelude::*;
@@ -28,11 +26,11 @@ impl Film {
                 .zip(sums.par_chunks_exact(count))
                 .enumerate()
                 .map(|(i, (pixel, sums))| {
-                    let mut column: Vec<Rgb> = sums.iter().map(|sum| mean(sum, pixel.camera_paths)).collect();
+                    let mut column: Vec<Rgb> = sums.iter().map(|sum| sum.mean(pixel.camera_paths.into())).collect();
                     let i = start + i;
                     if let Some(splats) = &self.splats {
                         let received = &splats.classes[i * count..][..count];
-                        column.iter_mut().zip(received).for_each(|(v, sum)| *v += splats::mean(sum, per_pixel));
+                        column.iter_mut().zip(received).for_each(|(v, sum)| *v += sum.mean(per_pixel));
                     }
                     let total = image.pixels()[i];
                     for c in 0..3 {

@@ -1,8 +1,7 @@
 //! Parts of a render put together.
 
 use super::part::Part;
-use super::ranges::Ranges;
-use super::ranges::list;
+use super::ranges::{Ranges, list};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::{BUILD_NAME, Metadata};

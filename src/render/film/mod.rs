@@ -13,7 +13,6 @@ mod merge;
 mod part;
 mod pixel;
 mod ranges;
-mod rounding;
 mod row;
 mod splats;
 mod sums;

@@ -1,7 +1,7 @@
 //! A row of the film while samples are added to it: light that is not finite or negative is dropped, counted and located.
 
 use super::dropped::Dropped;
-use super::fixed::{Fixed, LIMIT, UNIT};
+use super::fixed::{FixedRgb, LIMIT, UNIT};
 use super::pixel::Pixel;
 use super::splats::{Splat, Splats};
 use crate::math::Rgb;
@@ -13,8 +13,9 @@ pub struct Row<'a> {
     y: usize,
     pixels: &'a mut [Pixel],
     classes: usize,
-    paths: &'a mut [[Fixed; 3]],
-    dropped: Dropped,
+    paths: &'a mut [FixedRgb],
+    /// The samples that were dropped so far.
+    pub(super) dropped: Dropped,
     /// Contributions that are not on the film yet, and the sums that they are for.
     splats: Vec<Splat>,
     film: Option<&'a Mutex<&'a mut Splats>>,
@@ -25,7 +26,7 @@ const SPLATS: usize = 1 << 14;
 
 impl<'a> Row<'a> {
     /// A row of `pixels`, with as many sums for each as there are path classes.
-    pub(crate) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [[Fixed; 3]]) -> Self {
+    pub(crate) fn new(y: usize, pixels: &'a mut [Pixel], paths: &'a mut [FixedRgb]) -> Self {
         let (classes, splats) = (paths.len() / pixels.len(), Vec::new());
         Self { y, classes, pixels, paths, dropped: Dropped::default(), splats, film: None }
     }
@@ -41,11 +42,6 @@ impl<'a> Row<'a> {
             film.lock().unwrap_or_else(PoisonError::into_inner).add(&self.splats, self.pixels.len());
         }
         self.splats.clear();
-    }
-
-    /// The samples that were dropped so far.
-    pub(super) fn dropped(&self) -> Dropped {
-        self.dropped
     }
 
     /// The row's number, from the top.
@@ -89,7 +85,7 @@ impl<'a> Row<'a> {
             let sums = &mut self.paths[x * self.classes..][..self.classes];
             for (sum, &light) in sums.iter_mut().zip(by_class) {
                 if light != Rgb::ZERO && is_light(light) {
-                    light.to_array().into_iter().enumerate().for_each(|(c, v)| sum[c] += Fixed::of(v));
+                    *sum += FixedRgb::of(light);
                 }
             }
         }

@@ -3,7 +3,7 @@
 //! Light paths are traced with the samples of one pixel and contribute to any pixel. They are scaled so that the mean of a
 //! pixel is the sum of its contributions over the number of samples per pixel, whichever pixels the paths belong to.
 
-use super::fixed::Fixed;
+use super::fixed::{Fixed, FixedRgb};
 use crate::error::Result;
 use crate::math::Rgb;
 use crate::memory;
@@ -26,16 +26,16 @@ pub(super) struct Splats {
     /// Row by row from the top.
     pub pixels: Vec<Received>,
     /// The same by path class, all classes of a pixel side by side; empty without classes.
-    pub classes: Vec<[Fixed; 3]>,
+    pub classes: Vec<FixedRgb>,
 }
 
 /// The sums of contributions to a pixel and of their squares.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Received {
     /// Σ x per channel.
-    pub sum: [Fixed; 3],
+    pub sum: FixedRgb,
     /// Σ x² per channel.
-    pub square: [Fixed; 3],
+    pub square: FixedRgb,
 }
 
 /// How many contributions are prefetched at a time.
@@ -64,59 +64,38 @@ impl Splats {
             if let Some(later) = splats.get(k + AHEAD) {
                 let i = place(later);
                 prefetch(&self.pixels, i);
-                prefetch(&self.pixels[i].square, 2);
+                prefetch(&self.pixels[i].square.0, 2);
             }
             let i = place(splat);
             let to = &mut self.pixels[i];
-            for (c, v) in splat.value.to_array().into_iter().enumerate() {
-                to.sum[c] += Fixed::of(v);
-                to.square[c] += Fixed::square_of(v);
-                if classes > 0 {
-                    self.classes[i * classes + splat.class][c] += Fixed::of(v);
-                }
+            to.sum += FixedRgb::of(splat.value);
+            to.square += FixedRgb::square_of(splat.value);
+            if classes > 0 {
+                self.classes[i * classes + splat.class] += FixedRgb::of(splat.value);
             }
         }
-    }
-
-    /// Σ x over all pixels and channels.
-    pub fn total(&self) -> f64 {
-        self.pixels.iter().flat_map(|pixel| pixel.sum).map(|sum| sum.to_f64()).sum()
     }
 
     /// Adds the sums of `other`.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
-            for c in 0..3 {
-                mine.sum[c] += theirs.sum[c];
-                mine.square[c] += theirs.square[c];
-            }
+            mine.sum += theirs.sum;
+            mine.square += theirs.square;
         }
-        for (mine, theirs) in self.classes.iter_mut().zip(&other.classes) {
-            (0..3).for_each(|c| mine[c] += theirs[c]);
-        }
+        self.classes.iter_mut().zip(&other.classes).for_each(|(mine, theirs)| *mine += *theirs);
     }
 }
 
 impl Received {
-    /// The light of a pixel after as many `paths` for each pixel.
-    pub fn mean(&self, paths: f64) -> Rgb {
-        mean(&self.sum, paths)
-    }
-
-    /// The variance of [`Received::mean`] in an image of `pixels`: that of the sum of independent paths, most of which
+    /// The variance of the light of a pixel after as many `paths` for each pixel, in an image of `pixels`: that of the sum of independent paths, most of which
     /// contribute nothing here.
     pub fn variance(&self, paths: f64, pixels: f64) -> [f64; 3] {
         std::array::from_fn(|c| {
-            if self.square[c] == Fixed::MAX {
+            if self.square.0[c] == Fixed::MAX {
                 return f64::INFINITY;
             }
-            let sum = self.sum[c].to_f64();
-            (self.square[c].to_f64() - sum * sum / (paths * pixels)).max(0.0) / (paths * paths)
+            let sum = self.sum.0[c].to_f64();
+            (self.square.0[c].to_f64() - sum * sum / (paths * pixels)).max(0.0) / (paths * paths)
         })
     }
-}
-
-/// A sum over as many `paths` for each pixel; black without any.
-pub(super) fn mean(sum: &[Fixed; 3], paths: f64) -> Rgb {
-    if paths == 0.0 { Rgb::ZERO } else { Rgb::from_array(sum.map(|s| (s.to_f64() / paths) as f32)) }
 }

@@ -51,13 +51,13 @@ impl Slot {
         match self {
             Slot::Count => film.pixels[i].n,
             Slot::CameraPaths => film.pixels[i].camera_paths,
-            Slot::Sum(c, k) => of(Some(&film.pixels[i].sum[c]), k),
-            Slot::Square(c, k) => of(Some(&film.pixels[i].square[c]), k),
-            Slot::Path(class, c, k) => of(film.paths.as_ref().map(|p| &p.sums[i * p.classes.count() + class][c]), k),
-            Slot::SplatSum(c, k) => of(splats.map(|s| &s.pixels[i].sum[c]), k),
-            Slot::SplatSquare(c, k) => of(splats.map(|s| &s.pixels[i].square[c]), k),
+            Slot::Sum(c, k) => of(Some(&film.pixels[i].sum.0[c]), k),
+            Slot::Square(c, k) => of(Some(&film.pixels[i].square.0[c]), k),
+            Slot::Path(class, c, k) => of(film.paths.as_ref().map(|p| &p.sums[i * p.classes.count() + class].0[c]), k),
+            Slot::SplatSum(c, k) => of(splats.map(|s| &s.pixels[i].sum.0[c]), k),
+            Slot::SplatSquare(c, k) => of(splats.map(|s| &s.pixels[i].square.0[c]), k),
             Slot::SplatPath(class, c, k) => {
-                of(splats.map(|s| &s.classes[i * film.classes().map_or(0, PathClasses::count) + class][c]), k)
+                of(splats.map(|s| &s.classes[i * film.classes().map_or(0, PathClasses::count) + class].0[c]), k)
             }
         }
     }
@@ -74,14 +74,14 @@ impl Slot {
         match self {
             Slot::Count => film.pixels[i].n = value,
             Slot::CameraPaths => film.pixels[i].camera_paths = value,
-            Slot::Sum(c, k) => put(Some(&mut film.pixels[i].sum[c]), k),
-            Slot::Square(c, k) => put(Some(&mut film.pixels[i].square[c]), k),
+            Slot::Sum(c, k) => put(Some(&mut film.pixels[i].sum.0[c]), k),
+            Slot::Square(c, k) => put(Some(&mut film.pixels[i].square.0[c]), k),
             Slot::Path(class, c, k) => {
-                put(film.paths.as_mut().map(|p| &mut p.sums[i * classes + class][c]), k);
+                put(film.paths.as_mut().map(|p| &mut p.sums[i * classes + class].0[c]), k);
             }
-            Slot::SplatSum(c, k) => put(splats.map(|s| &mut s.pixels[i].sum[c]), k),
-            Slot::SplatSquare(c, k) => put(splats.map(|s| &mut s.pixels[i].square[c]), k),
-            Slot::SplatPath(class, c, k) => put(splats.map(|s| &mut s.classes[i * classes + class][c]), k),
+            Slot::SplatSum(c, k) => put(splats.map(|s| &mut s.pixels[i].sum.0[c]), k),
+            Slot::SplatSquare(c, k) => put(splats.map(|s| &mut s.pixels[i].square.0[c]), k),
+            Slot::SplatPath(class, c, k) => put(splats.map(|s| &mut s.classes[i * classes + class].0[c]), k),
         }
     }
 }

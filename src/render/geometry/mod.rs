@@ -22,7 +22,6 @@ use std::f32::consts::{PI, TAU};
 /// A surface where a ray has met it.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
-    /// In the world.
     pub position: Vec3,
     /// Unit normal of the outside.
     pub normal: Vec3,
@@ -224,7 +223,6 @@ impl<'a> Geometry<'a> {
         self.extent
     }
 
-    /// The surface that ray `i` has hit.
     #[inline(always)]
     pub fn surface(&self, rays: &Rays, hits: &Hits, i: usize) -> Surface {
         let id = hits.object[i] as usize;

@@ -7,9 +7,9 @@ use crate::render::light_sample::SampleLight;
 use crate::render::lights::Sampled;
 use crate::render::settings::Settings;
 use crate::sampling::stream::{Independent, Stream};
-use crate::scene::{Camera, Emission, EmitterVisibility, Material, Mesh, Projection, Rectangle};
+use crate::scene::{Camera, Emission, Material, Mesh, Projection, Rectangle};
 use glam::DVec3;
-use std::sync::Arc;
+use std::collections::HashSet;
 
 fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(5, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -19,12 +19,16 @@ fn random_vec(i: u64, j: u64) -> Vec3 {
     Vec3::new(random(i, 3 * j), random(i, 3 * j + 1), random(i, 3 * j + 2))
 }
 
+/// The shapes of a scene, outside of the tree where that is possible, and all in it.
+fn both(scene: &Scene) -> [Geometry<'_>; 2] {
+    [true, false].map(|alone| Geometry::prepare(scene, true, &vec![alone; scene.objects.len()]))
+}
+
 /// Shapes that emit light, and nothing else.
 fn scene(shapes: impl IntoIterator<Item = Shape>) -> Scene {
     let projection = Projection::Perspective { tan_half_width: 1.0, tan_half_height: 1.0 };
-    let emission = Emission { radiance: Rgb::ONE, two_sided: false, visibility: EmitterVisibility::Sampled };
-    let object =
-        |shape| Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ONE }) };
+    let emission = Some(Emission::of_front(Rgb::ONE));
+    let object = |shape| Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::ONE }) };
     Scene {
         name: String::new(),
         camera: Camera::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, projection).unwrap(),
@@ -48,12 +52,11 @@ fn lights_do_not_occlude_their_own_samples() {
             1 => Shape::Sphere(Sphere { centre, radius: size }),
             _ => {
                 let corners = vec![centre - x, centre + x, centre + y];
-                Shape::Mesh(Arc::new(Mesh::new(corners, Vec::new(), vec![[0, 1, 2]]).unwrap()))
+                Mesh::new(corners, Vec::new(), vec![[0, 1, 2]]).unwrap().into()
             }
         };
         let scene = scene([shape]);
         let light = Sampled::all(&scene, &Settings::default(), &[])[0];
-        let geometries = [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()]));
         let (mut rays, mut limit) = (Rays::default(), [0.0; LANES]);
         for k in 0..LANES {
             let j = 10 + 10 * k as u64;
@@ -71,7 +74,7 @@ fn lights_do_not_occlude_their_own_samples() {
             set(&mut rays.direction, k, sample.wi);
             limit[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance };
         }
-        for geometry in &geometries {
+        for geometry in both(&scene) {
             let mut short = limit;
             for k in 0..LANES {
                 let ray = [at(&rays.origin, k), at(&rays.direction, k)];
@@ -80,8 +83,7 @@ fn lights_do_not_occlude_their_own_samples() {
             let mut blocked = [0; LANES];
             geometry.occluded(&rays, LANES, &short, &mut blocked);
             for k in 0..LANES {
-                let (origin, direction) = (at(&rays.origin, k), at(&rays.direction, k));
-                let ray = (origin, direction, limit[k], short[k]);
+                let ray = (at(&rays.origin, k), at(&rays.direction, k), limit[k], short[k]);
                 assert_eq!(blocked[k], 0, "{i} {k} {ray:?} {:?}", scene.objects[0].shape);
                 traced += u32::from(short[k] > 0.99 * limit[k]);
             }
@@ -95,7 +97,8 @@ fn mixture() -> Vec<Shape> {
     let mut shapes = vec![Shape::from(crate::scene::statue::statue())];
     for i in 0..30 {
         let centre = 2.0 * random_vec(i, 0) + Vec3::new(0.0, 0.5, 0.0);
-        let (x, y) = [Vec3::Y, random_vec(i, 1).normalize()][i as usize % 2].any_orthonormal_pair();
+        let normal = [Vec3::X, Vec3::Y, Vec3::Z, random_vec(i, 1).normalize()][i as usize / 3 % 4];
+        let (x, y) = normal.any_orthonormal_pair();
         shapes.push(if i % 3 == 0 {
             Shape::Rectangle(Rectangle::new(centre, 0.5 * x, 0.3 * y).unwrap())
         } else {
@@ -108,8 +111,11 @@ fn mixture() -> Vec<Shape> {
 #[test]
 fn the_tree_finds_what_one_by_one_is_found() {
     let scene = scene(mixture());
-    let [few, many] = [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()]));
+    let [few, many] = both(&scene);
     assert!(few.walls.len() == 10 && few.spheres.len() == 20 && many.walls.is_empty() && many.spheres.is_empty());
+    // Upright walls of all axes and tilted ones.
+    let kinds: HashSet<_> = few.walls.iter().map(|wall| std::mem::discriminant(&wall.panel)).collect();
+    assert_eq!(kinds.len(), 4);
     let (mut found, mut differing) = ([0; 3], 0);
     for batch in 0..40 {
         let mut rays = Rays::default();
@@ -170,7 +176,7 @@ fn tangents_follow_the_parametrization_of_the_shape() {
         plain(3).into(),
     ]);
     scene.objects[0].axis = Vec3::new(0.0, 0.6, 0.8);
-    for geometry in [true, false].map(|alone| Geometry::prepare(&scene, true, &vec![alone; scene.objects.len()])) {
+    for geometry in both(&scene) {
         let (mut rays, mut hits) = (Rays::default(), Hits::default());
         let aside = Vec3::new(0.3, 0.0, 0.2);
         for i in 0..4 {
@@ -188,12 +194,9 @@ fn tangents_follow_the_parametrization_of_the_shape() {
         let at = geometry.surface(&rays, &hits, 0).position;
         let turned = glam::Quat::from_axis_angle(scene.objects[0].axis, 1e-2) * at;
         assert!((turned - at).normalize().distance(tangent(0)) < 1e-2);
-        assert!(
-            tangent(1).distance(side) < 1e-6 && tangent(2).distance(Vec3::NEG_Z) < 1e-6,
-            "{} {}",
-            tangent(1),
-            tangent(2)
-        );
+        let (on_rectangle, on_mesh) = (tangent(1), tangent(2));
+        let is_near = on_rectangle.distance(side) < 1e-6 && on_mesh.distance(Vec3::NEG_Z) < 1e-6;
+        assert!(is_near, "{on_rectangle} {on_mesh}");
         assert_eq!(tangent(3), Vec3::ZERO);
     }
 }

@@ -33,11 +33,9 @@ pub fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Ite
 
 /// Places that light samples are taken for.
 pub struct Places<'a> {
-    /// In the world.
     pub position: &'a Lane3,
     /// Normals for shading.
     pub normal: &'a Lane3,
-    /// The camera samples.
     pub slots: &'a [u32],
     /// What they are on.
     pub surface: Kind,

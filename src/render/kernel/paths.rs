@@ -9,9 +9,7 @@ use glam::{Vec2, Vec3};
 
 /// Camera paths in flight.
 pub struct Paths {
-    /// How many entries are in use.
     pub count: usize,
-    /// Their rays.
     pub rays: Rays,
     /// Product of BSDF times cosine over pdf so far.
     pub throughput: Lane3,
@@ -21,13 +19,11 @@ pub struct Paths {
     pub departure: [Departure; LANES],
     /// The camera sample of each.
     pub slot: [u32; LANES],
-    /// The kinds of scattering so far.
     pub path_class: [PathClass; LANES],
 }
 
 /// Points on diffuse surfaces, with the throughput of their paths.
 pub struct Points {
-    /// How many entries are in use.
     pub count: usize,
     /// Offset from the surface to the side of the viewer, against self-intersection.
     pub position: Lane3,
@@ -37,60 +33,45 @@ pub struct Points {
     pub geometric: Lane3,
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
-    /// [`Paths::eta_scale`].
     pub eta_scale: Lane,
     /// [`Departure::light_tracing`] of the paths, with the factor of the direction to the viewer.
     pub light_tracing: Lane,
-    /// Of the camera sample.
     pub slot: [u32; LANES],
-    /// Scatterings so far.
     pub path_class: [PathClass; LANES],
 }
 
 /// A point on a surface with any other BSDF that is not a delta distribution.
 #[derive(Clone, Copy)]
 pub struct Vertex {
-    /// Position and normals.
     pub surface: Surface,
-    /// The shading frame.
     pub frame: Frame,
     /// Direction to the viewer, in the shading frame.
     pub wo: Vec3,
     /// Texture coordinates, if the material has textures.
     pub uv: Vec2,
-    /// Of the path up to here.
     pub throughput: Rgb,
-    /// [`Paths::eta_scale`] of the path up to here.
     pub eta_scale: f32,
     /// [`Departure::light_tracing`] of the path up to here.
     pub light_tracing: f32,
-    /// The camera sample of the path.
     pub slot: u32,
-    /// Scatterings before this one.
     pub path_class: PathClass,
-    /// Number of the object.
     pub object: u32,
 }
 
 /// Rays towards light samples, and the radiance that each adds to its sample if it is not occluded.
 pub struct Shadows {
-    /// How many entries are in use.
     pub count: usize,
-    /// Their rays.
     pub rays: Rays,
     /// Distance of the light.
     pub limit: Lane,
     /// Radiance times throughput.
     pub value: Lane3,
-    /// Of the camera sample.
     pub slot: [u32; LANES],
-    /// Scatterings so far.
     pub path_class: [PathClass; LANES],
 }
 
 /// The radiance that the camera samples have found so far, by slot.
 pub struct Radiance {
-    /// All of it.
     pub sum: Lane3,
     /// The same by path class, the classes of a slot side by side; empty without path classes.
     pub layers: Vec<Rgb>,
@@ -141,7 +122,6 @@ impl Default for Shadows {
 }
 
 impl Paths {
-    /// Adds a path.
     #[inline(always)]
     pub fn push(
         &mut self,
@@ -183,7 +163,6 @@ impl Paths {
 }
 
 impl Shadows {
-    /// Adds a ray.
     #[inline(always)]
     pub fn push(&mut self, [origin, direction]: [Vec3; 2], limit: f32, value: Rgb, slot: u32, path_class: PathClass) {
         let i = self.count;
@@ -198,7 +177,6 @@ impl Shadows {
 }
 
 impl Radiance {
-    /// Black.
     pub fn new(classes: Option<PathClasses>) -> Self {
         let layers = vec![Rgb::ZERO; LANES * classes.map_or(0, PathClasses::count)];
         Self { sum: ZERO3, layers, classes }
@@ -224,7 +202,6 @@ impl Radiance {
         }
     }
 
-    /// The light of a slot by path class.
     pub fn by_class(&self, slot: usize) -> &[Rgb] {
         let classes = self.layers.len() / LANES;
         &self.layers[slot * classes..][..classes]

@@ -11,7 +11,6 @@ use std::array::from_mut;
 /// The BSDFs of hits on one object: one for all or, with textures, one for each.
 #[derive(Clone, Copy)]
 pub enum Bsdfs<'a> {
-    /// The same for all.
     Same(&'a Bsdf),
     /// In the order of the hits.
     Each(&'a [Bsdf]),
@@ -26,7 +25,6 @@ impl<'a> Bsdfs<'a> {
         Self::Each(varying)
     }
 
-    /// That of a hit.
     #[inline]
     pub fn at(self, i: usize) -> &'a Bsdf {
         match self {
@@ -110,8 +108,25 @@ fn run(arch: Arch, bsdfs: Bsdfs, work: impl Loop) -> bool {
 }
 
 /// A loop over the hits on a surface.
-trait Loop {
-    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy);
+trait Loop: Sized {
+    /// The loop, which vectorizes for any BSDF of this trait.
+    fn over(self, bsdf: impl Vectorizable);
+
+    fn run(self, arch: Arch, bsdf: impl Vectorizable) {
+        wide(arch, With { bsdf, work: self });
+    }
+}
+
+struct With<B, W> {
+    bsdf: B,
+    work: W,
+}
+
+impl<B: Vectorizable, W: Loop> Wide for With<B, W> {
+    #[inline(always)]
+    fn run(self) {
+        self.work.over(self.bsdf);
+    }
 }
 
 /// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
@@ -158,22 +173,10 @@ struct SampleLoop<'a> {
     out: &'a mut Scattered,
 }
 
-impl Loop for SampleLoop<'_> {
-    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
-        wide(arch, With { bsdf, work: self });
-    }
-}
-
 struct EvalLoop<'a> {
     wo: &'a Lane3,
     count: usize,
     out: &'a mut Scattered,
-}
-
-impl Loop for EvalLoop<'_> {
-    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
-        wide(arch, With { bsdf, work: self });
-    }
 }
 
 struct ReversePdfLoop<'a> {
@@ -182,22 +185,10 @@ struct ReversePdfLoop<'a> {
     out: &'a mut Scattered,
 }
 
-impl Loop for ReversePdfLoop<'_> {
-    fn run(self, arch: Arch, bsdf: impl Vectorizable + Copy) {
-        wide(arch, With { bsdf, work: self });
-    }
-}
-
-/// A loop and its BSDF.
-struct With<B, W> {
-    bsdf: B,
-    work: W,
-}
-
-impl<B: Vectorizable> Wide for With<B, SampleLoop<'_>> {
+impl Loop for SampleLoop<'_> {
     #[inline(always)]
-    fn run(self) {
-        let Self { bsdf, work: SampleLoop { wo, choice, u, count, out } } = self;
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, choice, u, count, out } = self;
         for number in 0..blocks(count) {
             let (wo, [uc], u) = (block(wo, number), block(std::array::from_ref(choice), number), block(u, number));
             let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
@@ -220,10 +211,10 @@ impl<B: Vectorizable> Wide for With<B, SampleLoop<'_>> {
     }
 }
 
-impl<B: Vectorizable> Wide for With<B, EvalLoop<'_>> {
+impl Loop for EvalLoop<'_> {
     #[inline(always)]
-    fn run(self) {
-        let Self { bsdf, work: EvalLoop { wo, count, out } } = self;
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, count, out } = self;
         for number in 0..blocks(count) {
             let (wo, wi) = (block(wo, number), block(&out.wi, number));
             let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
@@ -238,10 +229,10 @@ impl<B: Vectorizable> Wide for With<B, EvalLoop<'_>> {
     }
 }
 
-impl<B: Vectorizable> Wide for With<B, ReversePdfLoop<'_>> {
+impl Loop for ReversePdfLoop<'_> {
     #[inline(always)]
-    fn run(self) {
-        let Self { bsdf, work: ReversePdfLoop { wo, count, out } } = self;
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, count, out } = self;
         for number in 0..blocks(count) {
             let (wo, wi) = (block(wo, number), block(&out.wi, number));
             let mut pdf = [0.0; BLOCK];

@@ -15,13 +15,13 @@ use crate::math::Rgb;
 use crate::raster::Image;
 use crate::sampling::stream::StreamKind;
 use crate::scene::{
-    Camera, Conductor, Dielectric, Emission, EmitterVisibility, Environment, Falloff, FilterShape, Light, Material,
-    Mesh, Object, PixelFilter, Projection, Rectangle, Request, Scene, Shape, Sphere, builtin,
+    Camera, Conductor, Dielectric, Distribution, Emission, Environment, Falloff, FilterShape, Light, Material, Mesh,
+    Object, PixelFilter, Projection, Rectangle, Request, Scene, Shape, Sphere, builtin,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-fn sphere(image: Image) -> (Scene, Request) {
+pub fn sphere(image: Image) -> (Scene, Request) {
     let (scene, request) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(image)), "test", 1.0));
     (scene, Request { width: 24, height: 24, spp: 4, ..request })
 }
@@ -32,35 +32,43 @@ fn busy() -> Image {
 
 const ALL: [Sampling; 5] = Sampling::ALL;
 
+/// What `work` makes with so many threads.
+pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(work)
+}
+
 #[test]
 fn threads_and_specialised_kernels_change_no_bit() {
-    let (scene, request) = sphere(busy());
-    for sampling in ALL {
-        for stream in [StreamKind::Sobol, StreamKind::Independent] {
-            let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
-            let on = |threads: usize, settings: Settings| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
-            };
-            let one = on(1, settings);
-            assert_eq!(one, on(3, settings));
-            assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
-            assert_ne!(one, on(1, Settings { seed: 4, ..settings }));
+    let small = Request { width: 24, height: 18, spp: 8, light_samples: 1, max_depth: 4 };
+    for (scene, request) in [sphere(busy()), (textures::many_textures(), small)] {
+        for sampling in ALL {
+            for stream in [StreamKind::Sobol, StreamKind::Independent] {
+                let settings = Settings { sampling, stream, seed: 3, ..Settings::default() };
+                let on = |threads, settings: Settings| {
+                    on_threads(threads, || render(&scene, &request, &settings, &Silent).unwrap().image)
+                };
+                let one = on(1, settings);
+                assert_eq!(one, on(3, settings));
+                assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
+                assert_ne!(one, on(1, Settings { seed: 4, ..settings }));
+            }
         }
     }
 }
 
+/// A sphere that reflects all light, also half of it as a mirror, in a white furnace, after one scattering.
 #[test]
 fn a_white_sphere_in_a_white_furnace_is_invisible() {
-    let (scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
-    for sampling in [Sampling::Bsdf, Sampling::Mis] {
-        for density in [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED] {
-            let settings = Settings { sampling, density: Some(density), ..Settings::default() };
-            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
-            let mean: f32 = image.pixels().iter().map(|p| p.x).sum::<f32>() / image.pixels().len() as f32;
+    let (mut scene, request) = sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE));
+    let request = Request { spp: 64, max_depth: 1, ..request };
+    let (diffuse, mirror) = (Material::Diffuse { albedo: Rgb::ONE }, Material::Mirror { reflectance: Rgb::ONE });
+    let mixture = Material::Mixture([(0.5, diffuse.clone()), (0.5, mirror)].into_iter().collect());
+    for material in [diffuse, mixture] {
+        scene.objects[0].material = material;
+        for sampling in ALL {
+            let (mean, error) = mean(&scene, &request, &Settings { sampling, ..Settings::default() });
             // BSDF sampling is exact sample by sample; MIS only on average.
-            let tolerance = if sampling == Sampling::Bsdf { 1e-6 } else { 5e-3 };
-            assert!((mean - 1.0).abs() < tolerance, "{sampling:?}: {mean}");
+            assert!((mean - 1.0).abs() < 4.0 * error + 1e-5, "{sampling:?}: {mean} ± {error}");
         }
     }
 }
@@ -120,15 +128,41 @@ fn floor(objects: Vec<Object>, lights: Vec<Light>) -> Scene {
 }
 
 fn emitter(shape: Shape) -> Object {
-    let emission =
-        Some(Emission { radiance: Rgb::splat(2.0), two_sided: false, visibility: EmitterVisibility::Sampled });
+    let emission = Some(Emission::of_front(Rgb::splat(2.0)));
     Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }
+}
+
+fn ball(centre: Vec3, radius: f32) -> Shape {
+    Shape::Sphere(Sphere { centre, radius })
+}
+
+fn metal(alpha: f32, distribution: Distribution) -> Conductor {
+    Conductor::new(Rgb::splat(0.2), Rgb::splat(3.0), alpha, distribution)
+}
+
+/// A rectangle as two triangles.
+fn triangles(rectangle: &Rectangle) -> Shape {
+    Mesh::new(rectangle.corners().to_vec(), Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap().into()
+}
+
+/// Spheres of these materials, in rows.
+fn balls(materials: impl IntoIterator<Item = Material>) -> impl Iterator<Item = Object> {
+    materials.into_iter().enumerate().map(|(i, material)| {
+        let centre = Vec3::new(0.5 * (i % 4) as f32 - 0.75, 0.3, 0.6 * (i / 4) as f32 - 0.4);
+        Object::new(ball(centre, 0.24), material)
+    })
+}
+
+/// A light of that radiance around everything.
+fn around(radiance: f32) -> Object {
+    let emission = Some(Emission { two_sided: true, ..Emission::of_front(Rgb::splat(radiance)) });
+    Object { emission, ..emitter(ball(Vec3::ZERO, 6.0)) }
 }
 
 /// More lights than are sampled one by one, of every shape: spheres, triangles and points in a light tree, a rectangle and a
 /// two-sided sphere around everything; on a floor, with glass and metal.
 fn many_lights() -> Scene {
-    let bulb = |x: f32, z: f32| emitter(Shape::Sphere(Sphere { centre: Vec3::new(x, 1.2, z), radius: 0.1 }));
+    let bulb = |x: f32, z: f32| emitter(ball(Vec3::new(x, 1.2, z), 0.1));
     let mut objects: Vec<Object> = (0..9).map(|i| bulb((i % 3) as f32 - 1.0, (i / 3) as f32 - 1.0)).collect();
     let corners = vec![
         Vec3::new(-1.0, 0.8, 0.3),
@@ -138,16 +172,10 @@ fn many_lights() -> Scene {
     ];
     let mesh = Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     objects.push(emitter(Shape::Mesh(Arc::new(mesh))));
-    let mut around = emitter(Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 6.0 }));
-    around.emission =
-        around.emission.map(|emission| Emission { radiance: Rgb::splat(0.02), two_sided: true, ..emission });
-    objects.push(around);
-    let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
-    let metal = Conductor::new(eta, k, 0.2, distribution);
-    let sphere =
-        |x, material| Object::new(Shape::Sphere(Sphere { centre: Vec3::new(x, 0.4, 0.0), radius: 0.3 }), material);
+    objects.push(around(0.02));
+    let sphere = |x, material| Object::new(ball(Vec3::new(x, 0.4, 0.0), 0.3), material);
     objects.push(sphere(0.4, Material::Dielectric(Dielectric::clear(1.5))));
-    objects.push(sphere(-0.4, Material::Conductor(metal)));
+    objects.push(sphere(-0.4, Material::Conductor(metal(0.2, Distribution::Ggx))));
     let point =
         Light::Point { position: Vec3::new(0.5, 1.0, 1.5), intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
     let mut scene = floor(objects, vec![point]);
@@ -161,6 +189,17 @@ fn many_lights() -> Scene {
 fn rendered_mean(scene: &Scene, settings: &Settings) -> (f64, f64) {
     let request = Request { width: 1, height: 1, spp: 4096, light_samples: 1, max_depth: 1 };
     mean(scene, &request, settings)
+}
+
+/// Holds that radiance, by every strategy, to its exact value.
+fn assert_radiance(scene: &Scene, expected: f64) {
+    for sampling in ALL {
+        for stream in [StreamKind::Independent, StreamKind::Sobol] {
+            let (found, error) = rendered_mean(scene, &Settings { sampling, stream, ..Settings::default() });
+            let bound = 4.0 * error + 2e-5 * expected;
+            assert!((found - expected).abs() < bound, "{sampling:?} {stream:?}: {found} ± {error}, not {expected}");
+        }
+    }
 }
 
 /// Irradiance from a polygon of radiance 1 at the origin, whose normal is +y: Lambert's formula, ½ Σ of the angles of the
@@ -184,34 +223,24 @@ fn rectangular_lights_give_lamberts_irradiance() {
         let panel = if panel.normal().y > 0.0 { Rectangle::new(panel.centre(), y, x).unwrap() } else { panel };
         let corners = panel.corners().map(|c| c.as_dvec3() - DVec3::new(0.3, 0.0, 0.2));
         let expected = 2.0 * irradiance(corners) * 0.5 / std::f64::consts::PI;
-        let visible = floor(vec![emitter(Shape::Rectangle(panel))], Vec::new());
-        let invisible = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
-        for scene in [visible, floor(Vec::new(), vec![invisible])] {
-            for sampling in ALL {
-                for stream in [StreamKind::Independent, StreamKind::Sobol] {
-                    let (found, error) = rendered_mean(&scene, &Settings { sampling, stream, ..Settings::default() });
-                    let bound = 4.0 * error + 2e-5 * expected;
-                    assert!((found - expected).abs() < bound, "{sampling:?} {stream:?}: {found} ± {error}, {expected}");
-                }
-            }
+        for shape in [Shape::Rectangle(panel), triangles(&panel)] {
+            assert_radiance(&floor(vec![emitter(shape)], Vec::new()), expected);
         }
+        let invisible = Light::Rectangle { rectangle: panel, radiance: Rgb::splat(2.0) };
+        assert_radiance(&floor(Vec::new(), vec![invisible]), expected);
     }
 }
 
 #[test]
-fn a_spherical_light_gives_the_irradiance_of_its_disc() {
+fn spheres_light_and_hide_by_their_discs() {
+    // The share of cos θ / π of a sphere above the horizon is (r/d)² cos θ, of one right above (r/d)².
     let centre = Vec3::new(0.0, 1.0, 0.0);
-    let scene = floor(vec![emitter(Shape::Sphere(Sphere { centre, radius: 0.3 }))], Vec::new());
     let to = centre.as_dvec3() - DVec3::new(0.3, 0.0, 0.2);
-    // E = π L (r/d)² cos θ while the sphere is above the horizon; the floor sends up ρ E/π.
-    let expected = 0.5 * 2.0 * 0.09 / to.length_squared() * to.y / to.length();
-    for sampling in ALL {
-        let (found, error) = rendered_mean(&scene, &Settings { sampling, ..Settings::default() });
-        assert!(
-            (found - expected).abs() < 4.0 * error + 2e-5 * expected,
-            "{sampling:?}: {found} ± {error}, {expected}"
-        );
-    }
+    let light = floor(vec![emitter(ball(centre, 0.3))], Vec::new());
+    assert_radiance(&light, 0.5 * 2.0 * 0.09 / to.length_squared() * to.y / to.length());
+    // In a light around the scene, with the camera below the sphere.
+    let black = Object::new(ball(Vec3::new(0.3, 1.2, 0.2), 0.6), Material::Diffuse { albedo: Rgb::ZERO });
+    assert_radiance(&floor(vec![around(2.0), black], Vec::new()), 0.5 * 2.0 * (1.0 - 0.25));
 }
 
 #[test]
@@ -231,31 +260,7 @@ fn delta_lights_and_the_hemisphere_have_their_closed_forms() {
         assert!((found / expected - 1.0).abs() < 2e-3, "{light:?}: {found} {expected}");
     }
     let sky = Light::Hemisphere { radiance: Rgb::splat(3.0) };
-    let (found, error) = rendered_mean(&floor(Vec::new(), vec![sky]), &Settings::default());
-    assert!((found - 1.5).abs() < 4.0 * error, "{found} ± {error}");
-}
-
-#[test]
-fn inside_an_emitting_sphere_radiance_is_the_geometric_series() {
-    // Each bounce adds ρ times what there was: L = Lₑ (1 + ρ + …). Long paths go through Russian roulette.
-    let emission = Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
-    for albedo in [0.5f32, 0.9] {
-        let shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
-        let object = Object { emission, ..Object::new(shape, Material::Diffuse { albedo: Rgb::splat(albedo) }) };
-        let mut scene = floor(Vec::new(), Vec::new());
-        scene.objects = vec![object];
-        let series = |scatterings: i32| (1.0 - f64::from(albedo).powi(scatterings + 1)) / (1.0 - f64::from(albedo));
-        let request = Request { width: 4, height: 4, spp: 256, light_samples: 1, max_depth: 3 };
-        for (max_depth, tolerance) in [(0, 1e-6), (3, 1e-5), (1000, 0.02)] {
-            let request = Request { max_depth, ..request };
-            // The light is found by the paths themselves.
-            let settings = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
-            let image = render(&scene, &request, &settings, &Silent).unwrap().image;
-            let mean = image.pixels().iter().map(|p| f64::from(p.x)).sum::<f64>() / 16.0;
-            let expected = series(max_depth.min(500) as i32);
-            assert!((mean / expected - 1.0).abs() < tolerance, "{albedo} {max_depth}: {mean} {expected}");
-        }
-    }
+    assert_radiance(&floor(Vec::new(), vec![sky]), 1.5);
 }
 
 /// The mean of all pixels in red, and its standard error.
@@ -282,45 +287,14 @@ fn z(scene: &Scene, request: &Request, a: &Settings, b: &Settings) -> f64 {
     (a - b) / (va + vb).sqrt()
 }
 
-#[test]
-fn broad_metal_reflects_a_light_alike_by_all_strategies() {
-    // The light hangs beside the visible place, so that the metal reflects one end of it.
-    let shape = Rectangle::new(Vec3::new(1.0, 1.0, 0.3), 0.8 * Vec3::X, 0.5 * Vec3::Z).unwrap();
-    for distribution in [crate::scene::Distribution::Beckmann, crate::scene::Distribution::Ggx] {
-        for alpha in [0.2, 0.5] {
-            let mut scene = floor(vec![emitter(Shape::Rectangle(shape))], Vec::new());
-            let (eta, k) = (Rgb::splat(0.2), Rgb::splat(3.0));
-            scene.objects[0].material = Material::Conductor(Conductor::new(eta, k, alpha, distribution));
-            for light_samples in [1, 3] {
-                let request = Request { width: 1, height: 1, spp: 1 << 16, light_samples, max_depth: 1 };
-                let by = |sampling, seed| Settings {
-                    sampling,
-                    seed,
-                    stream: StreamKind::Independent,
-                    ..Settings::default()
-                };
-                let mixed = by(Sampling::Mis, 1);
-                for (sampling, seed) in [(Sampling::Light, 2), (Sampling::Bsdf, 3)] {
-                    let z = z(&scene, &request, &mixed, &by(sampling, seed));
-                    assert!(z.abs() < 4.0, "{distribution:?} {alpha}, {light_samples} against {sampling:?}: {z}");
-                }
-            }
-        }
-    }
-}
-
 /// A conductor of 2 by 2 in the plane z = 0, in orthographic projection from above under a map: a rectangle or a mesh, whose normal
 /// is +z or, turned over, −z.
 fn conductor(alpha: f32, two_sided: bool, mesh: bool, turned: bool) -> (Scene, Request) {
     let (mut scene, request) = sphere(busy());
     let (x, y) = if turned { (Vec3::Y, Vec3::X) } else { (Vec3::X, Vec3::Y) };
-    let shape = Shape::Rectangle(Rectangle::new(Vec3::ZERO, x, y).unwrap());
-    let corners = vec![-x - y, x - y, x + y, y - x];
-    let as_mesh = || Mesh::new(corners, Vec::new(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
-    scene.objects[0].shape = if mesh { Shape::Mesh(Arc::new(as_mesh())) } else { shape };
-    let (eta, k, distribution) = (Rgb::splat(0.2), Rgb::splat(3.0), crate::scene::Distribution::Ggx);
-    scene.objects[0].material =
-        Material::Conductor(Conductor { two_sided, ..Conductor::new(eta, k, alpha, distribution) });
+    let rectangle = Rectangle::new(Vec3::ZERO, x, y).unwrap();
+    scene.objects[0].shape = if mesh { triangles(&rectangle) } else { Shape::Rectangle(rectangle) };
+    scene.objects[0].material = Material::Conductor(Conductor { two_sided, ..metal(alpha, Distribution::Ggx) });
     (scene, request)
 }
 

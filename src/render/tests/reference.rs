@@ -1,7 +1,6 @@
 //! The path tracer in lanes against the reference.
 
 use super::*;
-use crate::scene::Distribution;
 
 /// The built-in scenes, and one outdoors.
 pub(super) fn all_scenes() -> Vec<Scene> {
@@ -20,12 +19,13 @@ pub(super) fn all_scenes() -> Vec<Scene> {
 }
 
 /// The scene of many lights with surfaces of every kind of lobe: rough and anisotropic, with multiple scattering, coated, mixed.
-pub(super) fn many_materials() -> Scene {
+fn many_materials() -> Scene {
     let mut scene = many_lights();
     scene.name = "many materials".into();
     scene.objects.retain(|object| object.emission.is_some() || matches!(object.shape, Shape::Rectangle(_)));
-    let (eta, k, ggx) = (Rgb::splat(0.2), Rgb::splat(3.0), Distribution::Ggx);
-    let metal = Conductor { two_sided: true, ..Conductor::new(eta, k, 0.6, Distribution::Beckmann) };
+    let ggx = Distribution::Ggx;
+    let metal = Conductor { two_sided: true, ..metal(0.6, Distribution::Beckmann) };
+    let other = Conductor::new(metal.k, metal.eta, 0.3, ggx);
     let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) };
     let glass = Material::Dielectric(Dielectric::clear(1.5));
     let mix = |parts: &[(f32, Material)]| Material::Mixture(parts.iter().cloned().collect());
@@ -39,17 +39,14 @@ pub(super) fn many_materials() -> Scene {
         mix(&[(0.5, diffuse.clone()), (0.5, Material::Conductor(metal))]),
         mix(&[(0.5, glass), (0.4, diffuse)]),
         // Two parts of the same lobe.
-        mix(&[(0.7, Material::Conductor(Conductor::new(k, eta, 0.3, ggx))), (0.3, Material::Conductor(metal))]),
+        mix(&[(0.7, Material::Conductor(other)), (0.3, Material::Conductor(metal))]),
     ];
-    for (i, material) in materials.into_iter().enumerate() {
-        let centre = Vec3::new(0.5 * (i % 4) as f32 - 0.75, 0.3, 0.6 * (i / 4) as f32 - 0.4);
-        scene.objects.push(Object::new(Shape::Sphere(Sphere { centre, radius: 0.24 }), material));
-    }
+    scene.objects.extend(balls(materials));
     scene
 }
 
 /// How many of 1200 samples differ by more than rounding.
-pub(super) fn different(scene: &Scene, settings: &Settings, max_depth: u32) -> usize {
+fn different(scene: &Scene, settings: &Settings, max_depth: u32) -> usize {
     let request = Request { width: 40, height: 30, spp: 1, light_samples: 2, max_depth };
     let image = |kernel| render(scene, &request, &Settings { kernel, ..*settings }, &Silent).unwrap().image;
     let (lanes, reference) = (image(Kernel::Lanes), image(Kernel::Reference));
@@ -62,7 +59,12 @@ pub(super) fn different(scene: &Scene, settings: &Settings, max_depth: u32) -> u
 /// also turn a path: of 1200 samples at most 6.
 #[test]
 fn the_lanes_agree_with_the_reference_sample_by_sample() {
-    for scene in &all_scenes() {
+    let filtered = ["triangle:2x1", "gaussian"].map(|filter| {
+        let mut scene = many_materials();
+        scene.camera.filter = filter.parse().unwrap();
+        scene
+    });
+    for scene in all_scenes().iter().chain(&filtered) {
         for sampling in ALL.into_iter().filter(|&sampling| sampling != Sampling::MisLt) {
             let densities = [MapSampling::COSINE, MapSampling::MAP, MapSampling::COSINE_COMPENSATED];
             // The last misses part of the light, which BSDF samples find.

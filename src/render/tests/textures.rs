@@ -1,7 +1,7 @@
 //! Textures: their means in a furnace, and that nothing but them changes.
 
 use super::*;
-use crate::scene::{Distribution, ImageTexture, RoughnessScale, Texels, Texture, Textured, UvMapping, Wrap};
+use crate::scene::{ImageTexture, RoughnessScale, Texels, Texture, Textured, UvMapping, Wrap};
 use glam::{DVec2, Vec2};
 
 fn constant(value: f32) -> Texture {
@@ -50,8 +50,7 @@ pub fn materials() -> Vec<Material> {
         let of = |texture| Texture::Alpha(RoughnessScale::SquareRoot, Arc::new(texture));
         Some([of(checkerboard(6.0, [constant(0.02), constant(0.3)])), of(constant(0.1))])
     };
-    let metal =
-        Conductor { two_sided: true, ..Conductor::new(Rgb::splat(0.2), Rgb::splat(3.0), 0.5, Distribution::Ggx) };
+    let metal = Conductor { two_sided: true, ..metal(0.5, Distribution::Ggx) };
     let glass = Material::Dielectric(Dielectric::rough(1.5, 0.5, Distribution::Ggx));
     let painted = with_reflectance(WHITE, image());
     let mixed = [(0.4, painted.clone()), (0.6, Material::Conductor(metal))];
@@ -78,10 +77,7 @@ pub fn many_textures() -> Scene {
     for object in scene.objects.iter_mut().filter(|object| object.emission.is_none()) {
         object.material = with_reflectance(WHITE, checkerboard(40.0, [constant(0.2), image_texture(texels(), 20.0)]));
     }
-    for (i, material) in materials().into_iter().enumerate() {
-        let centre = Vec3::new(0.5 * (i % 4) as f32 - 0.75, 0.3, 0.6 * (i / 4) as f32 - 0.4);
-        scene.objects.push(Object::new(Shape::Sphere(Sphere { centre, radius: 0.24 }), material));
-    }
+    scene.objects.extend(balls(materials()));
     // A roof of two triangles with texture coordinates.
     let corners =
         vec![Vec3::new(0.9, 0.1, 0.9), Vec3::new(0.9, 0.1, 0.3), Vec3::new(0.9, 0.6, 0.6), Vec3::new(0.5, 0.1, 0.6)];
@@ -158,31 +154,6 @@ fn a_plane_in_a_furnace_has_the_means_of_its_texture() {
         let z = largest_z(&scene, &request, &settings, &texture);
         assert!(z > 10.0, "{texture:?}: {z}");
     }
-}
-
-#[test]
-fn threads_change_no_bit_of_textures() {
-    let scene = many_textures();
-    let request = Request { width: 24, height: 18, spp: 8, light_samples: 1, max_depth: 4 };
-    for sampling in [Sampling::Mis, Sampling::MisLt] {
-        let settings = Settings { sampling, seed: 3, ..Settings::default() };
-        let on = |threads: usize, settings: Settings| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| render(&scene, &request, &settings, &Silent).unwrap().image)
-        };
-        let one = on(1, settings);
-        assert_eq!(one, on(3, settings));
-        assert_eq!(one, on(2, Settings { general: true, ..settings }), "{sampling:?}");
-    }
-}
-
-#[test]
-fn a_constant_texture_changes_no_bit() {
-    let (scene, request) = plane(constant(0.5));
-    let mut plain = scene.clone();
-    plain.objects[0].material = Material::Diffuse { albedo: Rgb::splat(0.5) };
-    let image = |scene: &Scene| render(scene, &request, &Settings::default(), &Silent).unwrap().image;
-    assert_eq!(image(&scene), image(&plain));
 }
 
 #[test]

@@ -152,11 +152,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_of_zero_give_no_sample() {
-        assert_eq!(Table2::new(3, 2, |_, _| 0.0).sample([0.1, 0.9]), None);
-    }
-
-    #[test]
     fn two_dimensions_factor() {
         let w = |x: usize, y: usize| ((x + 2 * y) % 4) as f64;
         let table = Table2::new(5, 3, w);

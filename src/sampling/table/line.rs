@@ -91,21 +91,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn the_guide_finds_what_a_search_finds() {
-        for w in weights() {
-            let table = Table1::new(&w);
-            for i in 0..5000u32 {
-                let u = f64::from(i) / 5000.0;
-                let expected = table.cdf[1..=w.len()].partition_point(|&end| end <= u);
-                assert_eq!(table.sample(u).unwrap().cell, expected, "{u}");
-            }
-        }
-    }
-
-    #[test]
-    fn weights_of_zero_give_no_sample() {
-        assert_eq!(Table1::new(&[0.0, 0.0]).sample(0.5), None);
-    }
 }

@@ -16,9 +16,9 @@ pub use query::{Hit, Rays};
 
 use build::{Bounds, Id, Item, Kind};
 use glam::Vec3;
-use lanes::{Lanes, Portable};
+use lanes::{Lanes, Portable, WIDTH};
 use traverse::Search;
-use tree::{Facet, Tree};
+use tree::{Facet, Tree, Triangles};
 
 /// The spheres and triangles of some shapes, sorted so that rays find them.
 ///
@@ -37,19 +37,14 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// About the memory that building a tree takes for each triangle; a rectangle is two.
-    pub const BYTES_PER_TRIANGLE: usize = 256;
-
-    /// About the memory that building a tree takes for each sphere.
-    pub const BYTES_PER_SPHERE: usize = 128;
-
     /// About the memory that building a tree takes for a shape.
     #[must_use]
     pub fn bytes(shape: &Shape) -> usize {
+        const TRIANGLE: usize = 256;
         match shape {
-            Shape::Sphere(_) => Self::BYTES_PER_SPHERE,
-            Shape::Rectangle(_) => 2 * Self::BYTES_PER_TRIANGLE,
-            Shape::Mesh(mesh) => mesh.triangles.len() * Self::BYTES_PER_TRIANGLE,
+            Shape::Sphere(_) => 128,
+            Shape::Rectangle(_) => 2 * TRIANGLE,
+            Shape::Mesh(mesh) => mesh.triangles.len() * TRIANGLE,
         }
     }
 
@@ -119,34 +114,36 @@ impl Bvh {
 
     /// The surface at a [`Hit`] of a triangle, from its [`place`](Hit::place), `u` and `v`: the same as
     /// [`Mesh::surface`](super::Mesh::surface), faster.
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
-        self.tree.surface(place, [u, v])
+        let (pack, i) = self.at(place);
+        let of = |rows: &[[f32; WIDTH]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
+        let normals = self.tree.corner_normals[place as usize];
+        Surface::on(pack.corner.each_ref().map(of), of(&pack.normal), normals, [u, v])
     }
 
     /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place), and its [error](Plane::error). On which side of the triangle
     /// a ray starts is certain if it starts [`Plane::offset`] away, and of its neighbours if also more than the error.
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn plane(&self, place: u32) -> (Plane, f32) {
-        self.tree.plane(place)
+        let (pack, i) = self.at(place);
+        (Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }, pack.error[i])
     }
 
     /// [`Hit::triangle`] from the hit's [`place`](Hit::place).
-    ///
-    /// # Panics
-    /// For a place that no hit of a triangle had.
     #[inline]
     #[must_use]
     pub fn triangle(&self, place: u32) -> u32 {
-        self.tree.triangle(place)
+        let (pack, i) = self.at(place);
+        pack.triangle[i]
+    }
+
+    /// The pack of a triangle by its place, and its number there.
+    #[inline]
+    fn at(&self, place: u32) -> (&Triangles, usize) {
+        (&self.tree.triangles[place as usize / WIDTH], place as usize % WIDTH)
     }
 
     fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<Hit>) -> T) {

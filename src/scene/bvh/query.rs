@@ -12,7 +12,8 @@ pub struct Hit {
     pub shape: u32,
     /// Number of the triangle in its mesh; 0 for spheres, and 0 or 1 for the halves of a rectangle.
     pub triangle: u32,
-    /// Where the tree keeps the triangle, for [`super::Bvh::surface`] and [`super::Bvh::triangle`]; 0 for spheres.
+    /// Where the tree keeps the triangle, for [`super::Bvh::surface`], [`super::Bvh::plane`] and
+    /// [`super::Bvh::triangle`], which panic for one that no hit of a triangle had; 0 for spheres.
     pub place: u32,
     /// Barycentric weight of the triangle's second corner.
     pub u: f32,

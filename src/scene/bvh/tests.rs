@@ -7,6 +7,7 @@ use glam::Vec3;
 use std::f32::consts::TAU;
 use std::time::Instant;
 
+/// From −1 to 1.
 fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(11, i, j as u32).pair(0)[0] - 1.0) as f32
 }
@@ -74,40 +75,45 @@ fn rays(mesh: &Mesh, count: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
+/// Holds the hits of rays up to a distance to brute force, on both kinds of arithmetic. Coordinates are up to a few times `scale`. Returns
+/// how many spheres, rectangles and meshes are hit.
+fn assert_hits(shapes: &[Shape], scale: f32, rays: impl Iterator<Item = (Ray, f32)>) -> [u32; 3] {
+    let bvh = Bvh::build(&shapes.iter().collect::<Vec<_>>());
+    let (plain, brute_force) = (portable(&bvh), BruteForce::new(shapes));
+    let mut hits = [0; 3];
+    for (i, (ray, t_max)) in rays.enumerate() {
+        let expected = brute_force.nearest(&ray, t_max);
+        let known = |hit: Option<Hit>| hit.map(|hit| Hit { place: 0, ..hit });
+        let found = bvh.nearest(&ray, t_max);
+        assert_eq!(known(found), expected, "{scale:e} {i} {ray:?}");
+        assert_eq!(plain.nearest(&ray, t_max), found);
+        assert_eq!(bvh.occluded(&ray, t_max), expected.is_some());
+        assert_eq!(plain.occluded(&ray, t_max), expected.is_some());
+        let Some(hit) = found else { continue };
+        assert!(bvh.nearest(&ray, hit.t).is_none_or(|nearer| nearer.t < hit.t), "the limit is excluded");
+        match &shapes[hit.shape as usize] {
+            Shape::Sphere(_) => hits[0] += 1,
+            Shape::Rectangle(_) => hits[1] += 1,
+            Shape::Mesh(mesh) => {
+                hits[2] += 1;
+                assert!(hit.t > 0.0 && hit.t < t_max && hit.u >= 0.0 && hit.v >= 0.0);
+                let surface = bvh.surface(hit.place, hit.u, hit.v);
+                assert_eq!(Some(surface), mesh.surface(hit.triangle, hit.u, hit.v));
+                assert_eq!(bvh.triangle(hit.place), hit.triangle);
+                let error = surface.point - (ray.origin + hit.t * ray.direction);
+                assert!(error.length() < 8e-6 * (ray.origin.length() + 4.0 * scale), "{scale:e} {i} {error}");
+            }
+        }
+    }
+    hits
+}
+
 #[test]
 fn hits_are_those_of_brute_force_on_every_processor() {
     let mesh = heap(700);
-    let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
-    let plain = portable(&bvh);
-    // A tree of one triangle each: the triangle test without the search.
-    let singles: Vec<Bvh> = (0..mesh.triangles.len())
-        .map(|i| Bvh::build(&[&Shape::from(Mesh { triangles: vec![mesh.triangles[i]], ..mesh.clone() })]))
-        .collect();
-    let mut hits = 0;
-    for (i, ray) in rays(&mesh, 4000).iter().enumerate() {
-        let t_max = if i % 3 == 0 { 1.0 } else { f32::INFINITY };
-        let mut expected: Option<Hit> = None;
-        for (triangle, single) in (0..).zip(&singles) {
-            if let Some(hit) = single.nearest(ray, expected.map_or(t_max, |e| e.t)) {
-                expected = Some(Hit { triangle, ..hit });
-            }
-        }
-        hits += usize::from(expected.is_some());
-        let known = |hit: Option<Hit>| hit.map(|hit| Hit { place: 0, ..hit });
-        assert_eq!(known(bvh.nearest(ray, t_max)), known(expected), "{i} {ray:?}");
-        assert_eq!(plain.nearest(ray, t_max), bvh.nearest(ray, t_max), "{i} {ray:?}");
-        if let Some(hit) = bvh.nearest(ray, t_max) {
-            assert_eq!(Some(bvh.surface(hit.place, hit.u, hit.v)), mesh.surface(hit.triangle, hit.u, hit.v));
-        }
-        assert_eq!(bvh.occluded(ray, t_max), expected.is_some());
-        assert_eq!(plain.occluded(ray, t_max), expected.is_some());
-        if let Some(hit) = expected {
-            assert!(hit.t > 0.0 && hit.t < t_max && hit.u >= 0.0 && hit.v >= 0.0);
-            assert_ne!(bvh.nearest(ray, hit.t).map(|h| h.t), Some(hit.t), "the limit is excluded");
-            let error = mesh.surface(hit.triangle, hit.u, hit.v).unwrap().point - (ray.origin + hit.t * ray.direction);
-            assert!(error.length() < 1e-6 * (ray.origin.length() + 4.0) * 8.0, "{i} {error}");
-        }
-    }
+    let t_max = |i: usize| if i.is_multiple_of(3) { 1.0 } else { f32::INFINITY };
+    let rays: Vec<_> = rays(&mesh, 4000).into_iter().enumerate().map(|(i, ray)| (ray, t_max(i))).collect();
+    let [.., hits] = assert_hits(&[mesh.into()], 1.0, rays.into_iter());
     assert!((1000..3900).contains(&hits), "{hits}");
 }
 
@@ -160,22 +166,12 @@ fn closed_meshes_have_no_gaps() {
 }
 
 #[test]
-fn hits_tell_shape_and_triangle() {
-    let square = |z: f32| {
-        let p = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
-        Shape::from(Mesh::new(p.to_vec(), vec![], vec![[0, 1, 2], [0, 2, 3]]).unwrap())
-    };
-    let (front, none, back) = (square(1.0), Shape::from(Mesh::default()), square(-1.0));
-    let bvh = Bvh::build(&[&none, &front, &none, &back, &none, &front]);
-    let ray = |z: f32| Ray { origin: Vec3::new(-0.5, 0.5, 3.0 * z), direction: Vec3::new(0.0, 0.0, -z) };
-    for (z, t, shape) in [(1.0, 2.0, 1), (-1.0, 2.0, 3)] {
-        let hit = bvh.nearest(&ray(z), f32::INFINITY).unwrap();
-        assert_eq!((hit.t, hit.shape, hit.triangle, bvh.triangle(hit.place)), (t, shape, 1, 1));
-    }
-    // The diagonal belongs to both triangles: the lower number counts.
+fn of_triangles_at_one_distance_the_first_is_hit() {
+    let square = Shape::Rectangle(Rectangle::new(Vec3::ZERO, Vec3::X, Vec3::Y).unwrap());
+    let bvh = Bvh::build(&[&Shape::from(Mesh::default()), &square, &square]);
     let diagonal = Ray { origin: Vec3::new(0.5, 0.5, 3.0), direction: Vec3::NEG_Z };
     let hit = bvh.nearest(&diagonal, f32::INFINITY).unwrap();
-    assert_eq!((hit.shape, hit.triangle), (1, 0));
+    assert_eq!((hit.t, hit.shape, hit.triangle), (3.0, 1, 0));
 }
 
 /// What there is to hit, one by one: spheres by [`Sphere::distance`], triangles each in a tree of its own.
@@ -247,12 +243,9 @@ fn mixture(count: u64, scale: f32) -> Vec<Shape> {
 
 #[test]
 fn mixtures_are_hit_as_by_brute_force() {
-    for (count, scale) in [(1, 1.0), (7, 1.0), (60, 1e-9), (400, 1.0), (400, 1e9)] {
+    for (count, scale) in [(1, 1.0), (7, 1.0), (60, 1e-12), (400, 1.0), (400, 1e12)] {
         let shapes = mixture(count, scale);
-        let bvh = Bvh::build(&shapes.iter().collect::<Vec<_>>());
-        let (plain, brute_force) = (portable(&bvh), BruteForce::new(&shapes));
-        let mut hits = [0; 3];
-        for i in 0..4000 {
+        let ray = |i: u64| {
             // From among the shapes, from far away, and from the edge of a sphere past it.
             let target = scale * random_vec(i, 41);
             let origin = [1.0, 3.0, 1000.0][i as usize % 3] * scale * random_vec(i, 40);
@@ -264,23 +257,9 @@ fn mixtures_are_hit_as_by_brute_force() {
                 }
                 _ => Ray { origin, direction: (target - origin).normalize() },
             };
-            let t_max = if i % 5 == 0 { scale } else { f32::INFINITY };
-            let expected = brute_force.nearest(&ray, t_max);
-            let known = |hit: Option<Hit>| hit.map(|hit| Hit { place: 0, ..hit });
-            let found = bvh.nearest(&ray, t_max);
-            assert_eq!(known(found), expected, "{count} {scale:e} {i} {ray:?}");
-            assert_eq!(plain.nearest(&ray, t_max), found);
-            assert_eq!(bvh.occluded(&ray, t_max), expected.is_some());
-            assert_eq!(plain.occluded(&ray, t_max), expected.is_some());
-            if let Some(hit) = expected {
-                match &shapes[hit.shape as usize] {
-                    Shape::Sphere(_) => hits[0] += 1,
-                    Shape::Rectangle(_) => hits[1] += 1,
-                    Shape::Mesh(_) => hits[2] += 1,
-                }
-                assert!(bvh.nearest(&ray, hit.t).is_none_or(|nearer| nearer.t < hit.t), "the limit is excluded");
-            }
-        }
+            (ray, if i.is_multiple_of(5) { scale } else { f32::INFINITY })
+        };
+        let hits = assert_hits(&shapes, scale, (0..4000).map(ray));
         assert!(count < 400 || hits.iter().all(|&hits| hits > 100), "{hits:?}");
     }
 }
@@ -347,22 +326,6 @@ fn rays_beside_triangles_miss() {
     assert_eq!((hit.t, hit.shape, hit.triangle), (5.0, 0, 5));
     let nan = Ray { origin: Vec3::NAN, direction: Vec3::NAN };
     assert_eq!(bvh.nearest(&nan, f32::INFINITY), None);
-}
-
-#[test]
-fn far_and_large_and_small_are_hit() {
-    for scale in [1e-12, 1.0, 1e6, 1e12] {
-        let mesh = star(10, 12);
-        let mesh = Mesh { positions: mesh.positions.iter().map(|&p| scale * p).collect(), ..mesh };
-        let bvh = Bvh::build(&[&Shape::from(mesh.clone())]);
-        for i in 0..1000 {
-            let (inside, direction) = (0.1 * scale * random_vec(i, 0), random_vec(i, 1).normalize());
-            let ray = Ray { origin: inside, direction };
-            assert!(bvh.occluded(&ray, f32::INFINITY), "{scale}");
-            let ray = Ray { origin: inside - 100.0 * scale * direction, direction };
-            assert!(bvh.nearest(&ray, f32::INFINITY).is_some_and(|hit| hit.t < 100.0 * scale), "{scale}");
-        }
-    }
 }
 
 /// Triangles on which a search for near neighbours takes quadratic time, and boxes inside one another.

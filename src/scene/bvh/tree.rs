@@ -5,7 +5,7 @@ use super::lanes::WIDTH;
 use crate::sampling::prefetch::prefetch;
 use crate::scene::Plane;
 use crate::scene::description::Shape;
-use crate::scene::mesh::{Surface, normal_of};
+use crate::scene::mesh::normal_of;
 use crate::scene::sphere::Sphere;
 use glam::Vec3;
 
@@ -99,7 +99,7 @@ pub struct Tree {
     pub triangles: Vec<Triangles>,
     pub spheres: Vec<Spheres>,
     /// Unit normals for shading at the corners of the triangles, [`WIDTH`] to a pack.
-    corner_normals: Vec<[Vec3; 3]>,
+    pub corner_normals: Vec<[Vec3; 3]>,
 }
 
 impl Tree {
@@ -143,33 +143,10 @@ impl Tree {
         }
     }
 
-    /// Prefetches what [`Tree::surface`] reads at a place.
+    /// Prefetches what [`Bvh::surface`](super::Bvh::surface) reads at a place.
     #[inline(always)]
     pub fn prefetch_surface(&self, place: u32) {
         prefetch(&self.corner_normals, place as usize);
-    }
-
-    /// The point with the barycentric weights u and v on the triangle at a place: eight times the number of its pack
-    /// and the number there.
-    #[inline]
-    pub fn surface(&self, place: u32, weights: [f32; 2]) -> Surface {
-        let (pack, i) = (&self.triangles[place as usize / WIDTH], place as usize % WIDTH);
-        let at = |rows: &[[f32; WIDTH]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
-        let normals = self.corner_normals[place as usize];
-        Surface::on(pack.corner.each_ref().map(at), at(&pack.normal), normals, weights)
-    }
-
-    /// The plane of the triangle at a place, and its error.
-    #[inline]
-    pub fn plane(&self, place: u32) -> (Plane, f32) {
-        let (pack, i) = (&self.triangles[place as usize / WIDTH], place as usize % WIDTH);
-        (Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }, pack.error[i])
-    }
-
-    /// The number, in its shape, of the triangle at a place.
-    #[inline]
-    pub fn triangle(&self, place: u32) -> u32 {
-        self.triangles[place as usize / WIDTH].triangle[place as usize % WIDTH]
     }
 
     fn node(&mut self, children: Vec<(Bounds, Branch)>, shapes: &[&Shape]) -> u32 {
