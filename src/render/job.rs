@@ -1,7 +1,6 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
 use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
-use super::environment::EnvironmentSampling;
 use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
 use super::fingerprint;
 use super::kernel::{Buffers, LightPathBuffers, Radiance, trace, trace_light_paths};
@@ -12,7 +11,6 @@ use super::prepared::PreparedScene;
 use super::reference::Reference;
 use super::sample_lanes::SampleLanes;
 use super::settings::{Kernel, Sampling, Settings, check};
-use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::math::Rgb;
@@ -61,10 +59,6 @@ pub struct Job<'a> {
 /// Most samples times light samples of a pixel of [`MOST_PATHS`]: the random sequences repeat after 2^32.
 const MOST_DRAWS: u64 = (1 << 32) / MOST_PATHS as u64;
 
-/// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
-const TRIAL_GRID: [usize; 2] = [28, 21];
-const TRIAL: u32 = 4;
-
 /// Samples per pixel in each pass over the image, so that a stopped render leaves a whole image.
 const ROUND: u32 = 64;
 
@@ -75,6 +69,7 @@ impl<'a> Job<'a> {
     /// [`crate::Error::Parameter`] for an impossible request and for settings that exclude each other.
     pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         check(request)?;
+        Film::check(request.width, request.height)?;
         if settings.kernel == Kernel::Reference && settings.sampling == Sampling::MisLt {
             return Err(Error::parameter("kernel", "the reference has no light tracing")
                 .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
@@ -84,11 +79,7 @@ impl<'a> Job<'a> {
             return Err(Error::parameter("spp", message).with_hint("render with `uniform`"));
         }
         let start = Instant::now();
-        let candidates = if settings.choose { Settings::candidates(scene) } else { &[] };
-        let mut settings = Settings { choose: false, ..*settings };
-        if let Some(&first) = candidates.first() {
-            settings.take(first);
-        }
+        let (settings, candidates) = settings.with_first_candidate(scene);
         let prepared = PreparedScene::new(scene, request, &settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
         let mut job = Self { scene: prepared, settings, lens, counts: OnceLock::new(), start };
@@ -100,48 +91,6 @@ impl<'a> Job<'a> {
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
-    /// their paths, so that it is unbiased.
-    fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
-        let Some((&first, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
-            return Ok(());
-        };
-        let mut best = (self.variance_of_trial(), first);
-        for &(sampling, density) in others {
-            let settings = Settings { sampling, density: Some(density), ..self.settings };
-            let other = match density == best.1.1 {
-                true => None,
-                false => EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?,
-            };
-            let has_other = other.is_some();
-            let before = if has_other { std::mem::replace(&mut self.scene.environment, other) } else { None };
-            self.scene.sampling = sampling;
-            let variance = self.variance_of_trial();
-            if variance < best.0 {
-                best = (variance, (sampling, density));
-            } else if has_other {
-                self.scene.environment = before;
-            }
-        }
-        self.settings.take(best.1);
-        self.scene.sampling = self.settings.sampling;
-        Ok(())
-    }
-
-    /// The sum of the variances of pixels on a grid over the image, from a few samples each.
-    fn variance_of_trial(&self) -> f64 {
-        let Request { width, height, .. } = self.scene.request;
-        let [column, row] = [width.div_ceil(TRIAL_GRID[0]), height.div_ceil(TRIAL_GRID[1])];
-        let of_row = |y: usize| {
-            let mut pixels = vec![Pixel::default(); width];
-            let left = |x: usize, n: u32| if x % column == column / 2 { n..TRIAL } else { 0..0 };
-            self.row(&mut Row::new(y, &mut pixels, &mut []), &left, Pass::Trial, &Silent);
-            pixels.iter().skip(column / 2).step_by(column).map(|pixel| f64::from(variance(pixel))).sum::<f64>()
-        };
-        let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
-        rows.into_par_iter().map(of_row).collect::<Vec<_>>().into_iter().sum()
     }
 
     /// An empty film for this render.
@@ -214,8 +163,8 @@ impl<'a> Job<'a> {
         if self.counts.get().is_none() {
             let Request { width, height, .. } = self.scene.request;
             let pixels = part.film.pixels();
-            let is_first = |range: &Range<u32>| *range == (0..UNIFORM);
-            let has_first = part.ranges().done().iter().all(is_first) && pixels.iter().all(|p| p.samples() == UNIFORM);
+            let has_range = matches!(part.ranges().done(), [range] if *range == (0..UNIFORM));
+            let has_first = has_range && pixels.iter().all(|pixel| pixel.samples() == UNIFORM);
             let variances: Vec<f32> = if has_first {
                 pixels.par_iter().map(variance).collect()
             } else {
@@ -235,7 +184,13 @@ impl<'a> Job<'a> {
     }
 
     /// Renders the samples that the pixels of a row still need, and returns their number; 0 where `control` stops it.
-    fn row(&self, row: &mut Row, left: &dyn Fn(usize, u32) -> Range<u32>, pass: Pass, control: &dyn Control) -> u64 {
+    pub(super) fn row(
+        &self,
+        row: &mut Row,
+        left: &dyn Fn(usize, u32) -> Range<u32>,
+        pass: Pass,
+        control: &dyn Control,
+    ) -> u64 {
         let mut batch = Batch::new(self, pass);
         let mut done = 0;
         for x in 0..self.scene.request.width {
@@ -265,7 +220,7 @@ impl<'a> Job<'a> {
 
 /// What samples are for.
 #[derive(Clone, Copy)]
-enum Pass<'a> {
+pub(super) enum Pass<'a> {
     /// For the image, with so many paths or one each.
     Image(Option<&'a PathCounts>),
     /// For the variance of pixels, the first samples again: without light paths.

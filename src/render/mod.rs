@@ -2,11 +2,12 @@
 //!
 //! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes, geometry,
 //! sample_lanes, lens, shading_normal, cut_lights, light_tree, light_sample, triangle_light, lights, light_lanes, light_selection, shaders, needs, environment, light_tracing,
-//! prepared, departure, reference, kernel, adaptive, job.
+//! prepared, departure, reference, kernel, adaptive, job, choice.
 
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
 mod adaptive;
+mod choice;
 mod cut_lights;
 mod departure;
 pub(crate) mod environment;

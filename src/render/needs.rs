@@ -59,32 +59,6 @@ impl Settings {
     pub fn usual() -> Self {
         Self { adaptive: true, choose: true, ..Self::default() }
     }
-
-    /// Takes a candidate.
-    pub(super) fn take(&mut self, (sampling, density): (Sampling, MapSampling)) {
-        (self.sampling, self.density) = (sampling, Some(density));
-    }
-
-    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map, where the default is
-    /// light and BSDF sampling combined with light tracing.
-    ///
-    /// A lone convex diffuse object under a map has no caustics, and radiance times cosine is the integrand: a density in proportion to it
-    /// needs no BSDF samples, unless cosines that vary within a block or a cell matter more than what BSDF samples add in noise. On other
-    /// scenes BSDF samples find light that light samples miss: light samples leave to them what is dimmer than the mean of the map, or than
-    /// half of it where most of the map is visible.
-    #[must_use]
-    pub fn candidates(scene: &Scene) -> &'static [(Sampling, MapSampling)] {
-        match &scene.environment {
-            None => &[],
-            Some(_) if lone_convex_from_outside(scene) => {
-                &[(Sampling::Light, MapSampling::COSINE), (Sampling::Mis, MapSampling::COSINE)]
-            }
-            Some(_) => &[
-                (Sampling::MisLt, MapSampling::COSINE_COMPENSATED),
-                (Sampling::MisLt, MapSampling::COSINE_HALF_COMPENSATED),
-            ],
-        }
-    }
 }
 
 /// Whether no ray that leaves a surface can meet another: one convex diffuse object, seen from outside.
@@ -114,8 +88,7 @@ mod tests {
     fn a_lone_sphere_under_a_map_takes_light_samples_alone() {
         let map = Arc::new(EnvMap::new(Image::new(2, 1)));
         let (scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
-        let mut usual = Settings::usual();
-        usual.take(Settings::candidates(&scene)[0]);
+        let (usual, _) = Settings::usual().with_first_candidate(&scene);
         let left_out = |settings: &Settings| Needs::of(&scene, &request, settings).left_out(&scene, settings);
         let techniques = ["BSDF sampling", "light tracing"];
         assert!(techniques.iter().all(|name| left_out(&usual).contains(name)));

@@ -1,6 +1,5 @@
 //! What can be chosen about a render: sampling, random numbers, conventions; and what is checked of a request.
 
-use super::film::MAX_PIXELS;
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
 use crate::sampling::stream::StreamKind;
@@ -119,9 +118,9 @@ const MOST: u32 = 1 << 16;
 /// [`Error::Parameter`] with the name of the field.
 pub fn check(request: &Request) -> Result<()> {
     let Request { width, height, spp, light_samples, max_depth } = *request;
-    if width == 0 || height == 0 || width.saturating_mul(height) > MAX_PIXELS {
+    if width == 0 || height == 0 {
         return Err(Error::parameter("width", format!("cannot render {width}x{height} pixels"))
-            .with_hint("at least 1x1 and at most 2^28 pixels"));
+            .with_hint("at least 1x1 pixels"));
     }
     if spp == 0 || light_samples == 0 {
         return Err(Error::parameter(if spp == 0 { "spp" } else { "light_samples" }, "must be at least 1"));

@@ -50,7 +50,7 @@ pub struct PixelEstimate {
 }
 
 /// A film of more pixels than this could not be read back from a file.
-pub(in crate::render) const MAX_PIXELS: usize = 1 << 28;
+const MAX_PIXELS: usize = 1 << 28;
 
 impl Film {
     /// Memory that a film takes for each pixel, and for each path class of a pixel.
@@ -66,6 +66,18 @@ impl Film {
         Self::strip(width, 0..height, classes)
     }
 
+    /// Refuses sizes of which there is no film.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for no pixel and for more than 2^28.
+    pub fn check(width: usize, height: usize) -> Result<()> {
+        if (1..=MAX_PIXELS).contains(&width.saturating_mul(height)) {
+            return Ok(());
+        }
+        Err(Error::parameter("width", format!("no film for {width}x{height} pixels"))
+            .with_hint("at least 1x1 and at most 2^28 pixels"))
+    }
+
     /// [`Film::new`] for some rows of an image, in memory for these only. A file does not say which rows it holds, so such a film
     /// cannot be written as a part.
     ///
@@ -73,12 +85,9 @@ impl Film {
     /// Those of [`Film::new`].
     pub fn strip(width: usize, rows: Range<usize>, classes: Option<PathClasses>) -> Result<Self> {
         let (top, height) = (rows.start, rows.len());
-        let count = width.saturating_mul(height);
+        Self::check(width, height)?;
+        let count = width * height;
         let sums = count.saturating_mul(classes.map_or(0, PathClasses::count));
-        if count == 0 || count > MAX_PIXELS {
-            return Err(Error::parameter("width", format!("no film for {width}x{height} pixels"))
-                .with_hint("at least 1x1 and at most 2^28 pixels"));
-        }
         let what = || {
             let layers = classes.map_or(String::new(), |c| format!(" in {} path classes", c.count()));
             format!("a film of {width}x{height} pixels{layers}")

@@ -17,7 +17,6 @@ mod row;
 mod splats;
 mod sums;
 
-pub(super) use self::accumulate::MAX_PIXELS;
 pub use self::accumulate::{Film, PixelEstimate};
 pub use self::classes::{PathClass, PathClasses};
 pub use self::dropped::Dropped;

@@ -1,0 +1,96 @@
+//! Which technique, and which density of the environment map, a render chooses for its scene: by theory where it says so, or else by
+//! the variance of a few pixels.
+
+use super::adaptive::variance;
+use super::environment::EnvironmentSampling;
+use super::film::{Pixel, Row};
+use super::job::{Job, Pass, Silent};
+use super::needs::lone_convex_from_outside;
+use super::settings::{Sampling, Settings};
+use crate::envmap::samplers::MapSampling;
+use crate::error::Result;
+use crate::scene::{Request, Scene};
+use rayon::prelude::*;
+
+/// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
+const TRIAL_GRID: [usize; 2] = [28, 21];
+const TRIAL: u32 = 4;
+
+impl Settings {
+    /// The settings with the first candidate for a scene, if they leave the choice to the render, and all candidates.
+    pub(super) fn with_first_candidate(&self, scene: &Scene) -> (Self, &'static [(Sampling, MapSampling)]) {
+        let candidates = if self.choose { Self::candidates(scene) } else { &[] };
+        let fixed = Self { choose: false, ..*self };
+        (candidates.first().map_or(fixed, |&first| fixed.with(first)), candidates)
+    }
+
+    /// The settings with a candidate.
+    fn with(self, (sampling, density): (Sampling, MapSampling)) -> Self {
+        Self { sampling, density: Some(density), ..self }
+    }
+
+    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map, where the default is
+    /// light and BSDF sampling combined with light tracing.
+    ///
+    /// A lone convex diffuse object under a map has no caustics, and radiance times cosine is the integrand: a density in proportion to it
+    /// needs no BSDF samples, unless cosines that vary within a block or a cell matter more than what BSDF samples add in noise. On other
+    /// scenes BSDF samples find light that light samples miss: light samples leave to them what is dimmer than the mean of the map, or than
+    /// half of it where most of the map is visible.
+    #[must_use]
+    pub fn candidates(scene: &Scene) -> &'static [(Sampling, MapSampling)] {
+        match &scene.environment {
+            None => &[],
+            Some(_) if lone_convex_from_outside(scene) => {
+                &[(Sampling::Light, MapSampling::COSINE), (Sampling::Mis, MapSampling::COSINE)]
+            }
+            Some(_) => &[
+                (Sampling::MisLt, MapSampling::COSINE_COMPENSATED),
+                (Sampling::MisLt, MapSampling::COSINE_HALF_COMPENSATED),
+            ],
+        }
+    }
+}
+
+impl Job<'_> {
+    /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
+    /// their paths, so that it is unbiased.
+    pub(super) fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
+        let Some((&first, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
+            return Ok(());
+        };
+        let mut best = (self.variance_of_trial(), first);
+        for &(sampling, density) in others {
+            let settings = self.settings.with((sampling, density));
+            let other = match density == best.1.1 {
+                true => None,
+                false => EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?,
+            };
+            let has_other = other.is_some();
+            let before = if has_other { std::mem::replace(&mut self.scene.environment, other) } else { None };
+            self.scene.sampling = sampling;
+            let variance = self.variance_of_trial();
+            if variance < best.0 {
+                best = (variance, (sampling, density));
+            } else if has_other {
+                self.scene.environment = before;
+            }
+        }
+        self.settings = self.settings.with(best.1);
+        self.scene.sampling = self.settings.sampling;
+        Ok(())
+    }
+
+    /// The sum of the variances of pixels on a grid over the image, from a few samples each.
+    fn variance_of_trial(&self) -> f64 {
+        let Request { width, height, .. } = self.scene.request;
+        let [column, row] = [width.div_ceil(TRIAL_GRID[0]), height.div_ceil(TRIAL_GRID[1])];
+        let of_row = |y: usize| {
+            let mut pixels = vec![Pixel::default(); width];
+            let left = |x: usize, n: u32| if x % column == column / 2 { n..TRIAL } else { 0..0 };
+            self.row(&mut Row::new(y, &mut pixels, &mut []), &left, Pass::Trial, &Silent);
+            pixels.iter().skip(column / 2).step_by(column).map(|pixel| f64::from(variance(pixel))).sum::<f64>()
+        };
+        let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
+        rows.into_par_iter().map(of_row).collect::<Vec<_>>().into_iter().sum()
+    }
+}
