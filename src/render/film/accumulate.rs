@@ -67,15 +67,10 @@ impl Film {
     }
 
     /// Refuses sizes of which there is no film.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for no pixel and for more than 2^28.
-    pub fn check(width: usize, height: usize) -> Result<()> {
-        if (1..=MAX_PIXELS).contains(&width.saturating_mul(height)) {
-            return Ok(());
-        }
-        Err(Error::parameter("width", format!("no film for {width}x{height} pixels"))
-            .with_hint("at least 1x1 and at most 2^28 pixels"))
+    pub(in crate::render) fn check(width: usize, height: usize) -> Result<()> {
+        let wrong = || Error::parameter("width", format!("no film for {width}x{height} pixels"));
+        let is_possible = (1..=MAX_PIXELS).contains(&width.saturating_mul(height));
+        is_possible.then_some(()).ok_or_else(|| wrong().with_hint("at least 1x1 and at most 2^28 pixels"))
     }
 
     /// [`Film::new`] for some rows of an image, in memory for these only. A file does not say which rows it holds, so such a film
@@ -86,8 +81,7 @@ impl Film {
     pub fn strip(width: usize, rows: Range<usize>, classes: Option<PathClasses>) -> Result<Self> {
         let (top, height) = (rows.start, rows.len());
         Self::check(width, height)?;
-        let count = width * height;
-        let sums = count.saturating_mul(classes.map_or(0, PathClasses::count));
+        let sums = (width * height).saturating_mul(classes.map_or(0, PathClasses::count));
         let what = || {
             let layers = classes.map_or(String::new(), |c| format!(" in {} path classes", c.count()));
             format!("a film of {width}x{height} pixels{layers}")
@@ -96,7 +90,7 @@ impl Film {
             Some(classes) => Some(Paths { classes, sums: memory::filled(sums, Default::default(), what)? }),
             None => None,
         };
-        let pixels = memory::filled(count, Pixel::default(), what)?;
+        let pixels = memory::filled(width * height, Pixel::default(), what)?;
         Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths, splats: None })
     }
 
