@@ -19,7 +19,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Neither,
         reproduces: "beyond the reports",
         shows: "Time × MSE of each strategy over that of the default, with 95 % intervals, for a diffuse sphere and a brushed metal sphere under the \
-                map, a mirror and a glass sphere in a box, and a statue of gold in the same box. The default is light sampling in proportion to \
+                map, a mirror and a glass sphere in a box, and diffuse spheres in the same box. The default is light sampling in proportion to \
                 radiance times cosine on the diffuse sphere, which nothing else lights; elsewhere light and BSDF sampling with light tracing, and under a map \
                 one of two compensated densities, whichever has less variance in a few pixels.",
         matters: "No strategy is best on all scenes; a default that follows the scene is close to the best on each.",
@@ -35,7 +35,7 @@ fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         ("Diffuse sphere under the map", sphere_curves(inputs, studies)?),
         ("Brushed metal under the map", compared(inputs, studies, builtin::brushed_metal(environment), UNDER_MAP)?),
         ("Mirror and glass in a box", cornell_curves(inputs, studies)?),
-        ("Gold in a box", compared(inputs, studies, inputs.statue("au", 0.25)?, IN_BOX)?),
+        ("Diffuse spheres in a box", compared(inputs, studies, builtin::cornell_lambert(), IN_BOX)?),
     ];
     let named = |(title, result): &(&str, Rc<Convergence>)| {
         [stopped(result), default_against_best(result)]
