@@ -67,13 +67,12 @@ fn neighbours(variances: &[f32], width: usize, pixel: usize) -> (f32, f32) {
                 count += weight;
             }
         }
-        (sum / count) as f32
+        (count > 0.0).then_some((sum / count) as f32)
     });
-    match (a.is_nan(), b.is_nan()) {
-        (true, true) => (0.0, 0.0),
-        (true, false) => (b, b),
-        (false, true) => (a, a),
-        (false, false) => (a, b),
+    match (a, b) {
+        (Some(a), Some(b)) => (a, b),
+        (Some(only), None) | (None, Some(only)) => (only, only),
+        (None, None) => (0.0, 0.0),
     }
 }
 

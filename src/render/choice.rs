@@ -1,9 +1,7 @@
 //! Which technique, and which density of the environment map, a render chooses for its scene: by theory where it says so, or else by
 //! the variance of a few pixels.
 
-use super::adaptive::variance;
 use super::environment::EnvironmentSampling;
-use super::film::{Pixel, Row};
 use super::job::{Job, Pass, Silent};
 use super::needs::lone_convex_from_outside;
 use super::settings::{Sampling, Settings};
@@ -55,27 +53,26 @@ impl Job<'_> {
     /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
     /// their paths, so that it is unbiased.
     pub(super) fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
-        let Some((&first, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
+        let Some((_, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
             return Ok(());
         };
-        let mut best = (self.variance_of_trial(), first);
-        for &(sampling, density) in others {
-            let settings = self.settings.with((sampling, density));
-            let other = match density == best.1.1 {
+        let mut least = self.variance_of_trial();
+        for &candidate in others {
+            let settings = self.settings.with(candidate);
+            // Candidates of one density share its table.
+            let table = match settings.density == self.settings.density {
                 true => None,
                 false => EnvironmentSampling::new(self.scene.scene, &settings, &self.scene.needs)?,
             };
-            let has_other = other.is_some();
-            let before = if has_other { std::mem::replace(&mut self.scene.environment, other) } else { None };
-            self.scene.sampling = sampling;
+            let before = table.map(|table| self.scene.environment.replace(table));
+            self.scene.sampling = settings.sampling;
             let variance = self.variance_of_trial();
-            if variance < best.0 {
-                best = (variance, (sampling, density));
-            } else if has_other {
+            if variance < least {
+                (least, self.settings) = (variance, settings);
+            } else if let Some(before) = before {
                 self.scene.environment = before;
             }
         }
-        self.settings = self.settings.with(best.1);
         self.scene.sampling = self.settings.sampling;
         Ok(())
     }
@@ -85,10 +82,9 @@ impl Job<'_> {
         let Request { width, height, .. } = self.scene.request;
         let [column, row] = [width.div_ceil(TRIAL_GRID[0]), height.div_ceil(TRIAL_GRID[1])];
         let of_row = |y: usize| {
-            let mut pixels = vec![Pixel::default(); width];
             let left = |x: usize, n: u32| if x % column == column / 2 { n..TRIAL } else { 0..0 };
-            self.row(&mut Row::new(y, &mut pixels, &mut []), &left, Pass::Trial, &Silent);
-            pixels.iter().skip(column / 2).step_by(column).map(|pixel| f64::from(variance(pixel))).sum::<f64>()
+            let variances = self.variances(y, &left, Pass::Trial, &Silent);
+            variances.into_iter().skip(column / 2).step_by(column).map(f64::from).sum::<f64>()
         };
         let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
         rows.into_par_iter().map(of_row).collect::<Vec<_>>().into_iter().sum()

@@ -168,11 +168,7 @@ impl<'a> Job<'a> {
             let variances: Vec<f32> = if has_first {
                 pixels.par_iter().map(variance).collect()
             } else {
-                let row = |y: usize| {
-                    let mut pixels = vec![Pixel::default(); width];
-                    self.row(&mut Row::new(y, &mut pixels, &mut []), &|_, n| n..UNIFORM, Pass::Variance, control);
-                    pixels.iter().map(variance).collect::<Vec<_>>()
-                };
+                let row = |y: usize| self.variances(y, &|_, n| n..UNIFORM, Pass::Variance, control);
                 (0..height).into_par_iter().flat_map_iter(row).collect()
             };
             if control.stop() {
@@ -183,14 +179,15 @@ impl<'a> Job<'a> {
         self.counts.get()
     }
 
+    /// The variances of the pixels of row `y`, from samples that are not for the image.
+    pub(super) fn variances(&self, y: usize, left: Left, pass: Pass, control: &dyn Control) -> Vec<f32> {
+        let mut pixels = vec![Pixel::default(); self.scene.request.width];
+        self.row(&mut Row::new(y, &mut pixels, &mut []), left, pass, control);
+        pixels.iter().map(variance).collect()
+    }
+
     /// Renders the samples that the pixels of a row still need, and returns their number; 0 where `control` stops it.
-    pub(super) fn row(
-        &self,
-        row: &mut Row,
-        left: &dyn Fn(usize, u32) -> Range<u32>,
-        pass: Pass,
-        control: &dyn Control,
-    ) -> u64 {
+    fn row(&self, row: &mut Row, left: Left, pass: Pass, control: &dyn Control) -> u64 {
         let mut batch = Batch::new(self, pass);
         let mut done = 0;
         for x in 0..self.scene.request.width {
@@ -217,6 +214,9 @@ impl<'a> Job<'a> {
         (row.y() * self.scene.request.width + x) as u64
     }
 }
+
+/// The samples that a pixel still needs, by its column and how many it has had.
+type Left<'a> = &'a dyn Fn(usize, u32) -> Range<u32>;
 
 /// What samples are for.
 #[derive(Clone, Copy)]

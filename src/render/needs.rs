@@ -53,14 +53,6 @@ impl Needs {
     }
 }
 
-impl Settings {
-    /// The settings by default: adaptive sampling, and the best of the [candidates](Self::candidates).
-    #[must_use]
-    pub fn usual() -> Self {
-        Self { adaptive: true, choose: true, ..Self::default() }
-    }
-}
-
 /// Whether no ray that leaves a surface can meet another: one convex diffuse object, seen from outside.
 pub fn lone_convex_from_outside(scene: &Scene) -> bool {
     let [object] = scene.objects.as_slice() else { return scene.objects.is_empty() };

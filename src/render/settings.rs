@@ -100,6 +100,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The settings by default: adaptive sampling, and the best of the [candidates](Self::candidates).
+    #[must_use]
+    pub fn usual() -> Self {
+        Self { adaptive: true, choose: true, ..Self::default() }
+    }
+
     /// How the environment map is sampled. Where BSDF samples are combined with light samples, these leave to them what is
     /// dimmer than the mean.
     #[must_use]

@@ -95,11 +95,6 @@ fn scene(map: &NamedMap) -> (Scene, Request) {
     builtin::sphere_env(Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE))
 }
 
-/// The settings that render the sphere by default.
-pub fn usual() -> Settings {
-    Settings::usual()
-}
-
 /// Renders the sphere at `spp` samples per pixel and compares it with the exact image.
 pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Settings) -> Result<SphereRender> {
     let (scene, request) = scene(map);

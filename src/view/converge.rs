@@ -273,14 +273,17 @@ fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
     vec![[first, scale / first.sqrt()], [last, scale / last.sqrt()]]
 }
 
+/// The efficiency of a curve at the level nearest to a time, in its interval.
+fn efficiency_after(curve: &Curve, seconds: f64) -> Option<[f64; 3]> {
+    let level = &curve.levels[curve.nearest(seconds)?];
+    let [a, b] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
+    Some([a.min(b), level.efficiency, a.max(b)])
+}
+
 /// 1 / (MSE · time) of each strategy, at the level nearest to the time that all have had.
 fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
-    let at_equal_time = |curve: &Curve| {
-        let level = &curve.levels[curve.nearest(seconds)?];
-        let [a, b] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
-        Some([a.min(b), level.efficiency, a.max(b)])
-    };
+    let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
     let title = format!("Efficiency after about {}", duration(seconds));
     let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time);
     with_legend(panel.title(title), result)
@@ -344,10 +347,10 @@ pub struct CostRow {
 
 /// The cost of a strategy over that of the default, at the level nearest to the time that all have had: low, value, high.
 fn cost(result: &Convergence, curve: &Curve) -> Option<[f64; 3]> {
-    let level = |curve: &Curve| Some(curve.levels[curve.nearest(result.common_seconds())?].clone());
-    let (default, level) = (level(result.curve(DEFAULT)?)?.efficiency, level(curve)?);
-    let [a, b] = level.mse.positive().map(|mse| mse * level.cpu_seconds * default);
-    Some([a.min(b), default / level.efficiency, a.max(b)])
+    let seconds = result.common_seconds();
+    let [_, default, _] = efficiency_after(result.curve(DEFAULT)?, seconds)?;
+    let [low, value, high] = efficiency_after(curve, seconds)?;
+    Some([high, value, low].map(|efficiency| default / efficiency))
 }
 
 /// The costs of all strategies without bias, scene by scene.

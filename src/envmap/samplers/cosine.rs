@@ -81,7 +81,6 @@ pub struct CosineSampler {
 }
 
 /// What is known of the light of a block, or of the normals of a cell.
-#[derive(Clone, Copy)]
 struct Spread {
     /// First moment over flux.
     mean: DVec3,

@@ -79,7 +79,7 @@ pub fn figures() -> Vec<Figure> {
 /// The sphere at one number of samples per pixel.
 fn shot(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Rc<SphereRender>> {
     let exact = exact(inputs, studies, inputs.effort.of(511, 127))?;
-    let settings = Settings { seed: inputs.seed, ..study::usual() };
+    let settings = Settings { seed: inputs.seed, ..Settings::usual() };
     studies.get(spp.to_string(), || study::render_sphere(&inputs.map, spp, &exact, &settings))
 }
 

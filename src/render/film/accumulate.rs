@@ -67,7 +67,7 @@ impl Film {
     }
 
     /// Refuses sizes of which there is no film.
-    pub(in crate::render) fn check(width: usize, height: usize) -> Result<()> {
+    pub(crate) fn check(width: usize, height: usize) -> Result<()> {
         let wrong = || Error::parameter("width", format!("no film for {width}x{height} pixels"));
         let is_possible = (1..=MAX_PIXELS).contains(&width.saturating_mul(height));
         is_possible.then_some(()).ok_or_else(|| wrong().with_hint("at least 1x1 and at most 2^28 pixels"))

@@ -16,8 +16,7 @@ use std::str::FromStr;
 pub struct Strategy {
     /// The name from which it was parsed.
     pub name: String,
-    /// The settings of every scene; those of the default follow from the scene.
-    settings: Option<Settings>,
+    settings: Settings,
 }
 
 /// The name of the strategy by which `etalon render` renders a scene.
@@ -92,7 +91,7 @@ impl FromStr for Strategy {
         let method = parts.next().unwrap_or_default();
         if method == DEFAULT {
             return match parts.next() {
-                None => Ok(Self { name: name.to_owned(), settings: None }),
+                None => Ok(Self { name: name.to_owned(), settings: Settings::usual() }),
                 Some(_) => Err(Error::parameter("strategies", format!("{DEFAULT} has no suffix, and \"{name}\" does"))
                     .with_hint("a suffix changes a strategy that is named, such as mis+lt")),
             };
@@ -117,7 +116,7 @@ impl FromStr for Strategy {
                     .with_hint("light tracing is added to mis")
             })?;
         }
-        Ok(Self { name: name.to_owned(), settings: Some(settings) })
+        Ok(Self { name: name.to_owned(), settings })
     }
 }
 
@@ -160,22 +159,22 @@ impl Strategy {
 
     /// The settings of a render of a scene by this strategy.
     pub fn settings(&self, seed: u64) -> Settings {
-        Settings { seed, ..self.settings.unwrap_or_else(Settings::usual) }
+        Settings { seed, ..self.settings }
     }
 
     /// Whether it is that of `etalon render`.
     pub fn is_default(&self) -> bool {
-        self.settings.is_none()
+        self.settings.choose
     }
 
     /// Whether its random numbers are independent, which those of the default are not.
     pub fn is_independent(&self) -> bool {
-        self.settings.is_some_and(|settings| settings.stream == StreamKind::Independent)
+        self.settings.stream == StreamKind::Independent
     }
 
     /// Whether fixed lights stand for the environment, which the default never has.
     pub fn has_fixed_lights(&self) -> bool {
-        self.settings.is_some_and(|settings| settings.map_sampling().has_fixed_lights())
+        self.settings.map_sampling().has_fixed_lights()
     }
 
     /// Checks that the scene has an environment map if the strategy needs one.
@@ -183,7 +182,7 @@ impl Strategy {
     /// # Errors
     /// [`Error::Parameter`] if it has none.
     pub fn check(&self, scene: &Scene) -> Result<()> {
-        let needs_map = self.settings.is_some_and(|settings| settings.map_sampling() != MapSampling::MAP);
+        let needs_map = !self.is_default() && self.settings.map_sampling() != MapSampling::MAP;
         if scene.environment.is_some() || !needs_map {
             return Ok(());
         }
