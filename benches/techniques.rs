@@ -46,8 +46,8 @@ const TECHNIQUES: [(&str, &[&str]); 5] = [
     ("light", &["cdf", "cosine"]),
     ("bsdf", &["cdf"]),
     ("hemisphere", &["cdf"]),
-    ("mis", &["cdf", "compensated", "cosine", "cosine-compensated", "cosine-half-compensated"]),
-    ("mis+lt", &["cdf", "compensated", "cosine", "cosine-compensated", "cosine-half-compensated"]),
+    ("mis", &["cdf", "compensated", "cosine", "cosine-compensated"]),
+    ("mis+lt", &["cdf", "compensated", "cosine", "cosine-compensated"]),
 ];
 /// What the price is asked of: a part of the name of the combinations that have it.
 const JUDGED_TECHNIQUES: [&str; 5] = ["+lt", "+adaptive", "cosine", "cosine-compensated", "light"];

@@ -91,7 +91,7 @@ fn after_help() -> String {
          nothing is substituted):\n{placeholders}\nExit codes: 0 good, 1 a run of a renderer failed, 2 usage or bad input, \
          3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
-         etalon converge sphere-env --envmap sun --strategies light,strata-64,median-cut-64\n  \
+         etalon converge sphere-env --envmap sun --strategies light,light-cosine,median-cut-64\n  \
          etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'"
     )
 }

@@ -36,7 +36,7 @@ pub fn map_sampling(text: &str) -> std::result::Result<MapSampling, String> {
 /// The environment-map samplers among some, each with what it does.
 pub fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
     let line = |entry: &Entry| {
-        let number = if entry.has_regions { "-K" } else { "" };
+        let number = if entry.has_fixed_lights() { "-K" } else { "" };
         let density = if entry.density == entry.name { String::new() } else { format!(" ({})", entry.density) };
         format!("{}{number}{density}: {}", entry.name, entry.doc)
     };

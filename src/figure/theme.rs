@@ -83,7 +83,7 @@ pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
 pub const BORDER: Colour = Colour::WHITE;
 
 /// The sampling strategies that have the same colour in every figure.
-const STRATEGIES: [(&str, Colour); 8] = [
+const STRATEGIES: [(&str, Colour); 7] = [
     ("bsdf", IMPORTANCE_SAMPLING),
     ("visible normals", IMPORTANCE_SAMPLING),
     ("hemisphere", HEMISPHERE_SAMPLING),
@@ -91,7 +91,6 @@ const STRATEGIES: [(&str, Colour); 8] = [
     ("light-cosine", ORANGE),
     ("mis", BLACK),
     ("default", PURPLE),
-    ("strata-64", SKY_BLUE),
 ];
 
 /// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
@@ -158,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_strategy_has_one_colour_in_every_figure_and_shares_it_with_no_other() {
-        let names = ["median-cut-64", "mis", "light", "hemisphere", "mis-cosine", "strata-64"];
+        let names = ["median-cut-64", "mis", "light", "hemisphere", "mis-cosine", "default"];
         let colours = strategies(&names);
         for (i, colour) in colours.iter().enumerate() {
             assert!(!colours[..i].contains(colour), "{}", names[i]);

@@ -7,7 +7,7 @@ use super::needs::lone_convex_from_outside;
 use super::settings::{Sampling, Settings};
 use crate::envmap::samplers::MapSampling;
 use crate::error::Result;
-use crate::scene::{Request, Scene};
+use crate::scene::{Material, Request, Scene};
 use rayon::prelude::*;
 
 /// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
@@ -30,10 +30,10 @@ impl Settings {
     /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map, where the default is
     /// light and BSDF sampling combined with light tracing.
     ///
-    /// A lone convex diffuse object under a map has no caustics, and radiance times cosine is the integrand: a density in proportion to it
-    /// needs no BSDF samples, unless cosines that vary within a block or a cell matter more than what BSDF samples add in noise. On other
-    /// scenes BSDF samples find light that light samples miss: light samples leave to them what is dimmer than the mean of the map, or than
-    /// half of it where most of the map is visible.
+    /// At a diffuse surface that sees the whole map, radiance times cosine is the integrand: light samples in proportion to it are
+    /// all that it needs. Two things speak for BSDF samples. On a lone convex object, cosines vary within a cell of normals and a block of the
+    /// map. Among several objects, the brightest light may be occluded; BSDF samples then find the rest, and light samples leave to them
+    /// what is dimmer than the mean of the map. Surfaces that are not diffuse need BSDF samples, and may cast caustics.
     #[must_use]
     pub fn candidates(scene: &Scene) -> &'static [(Sampling, MapSampling)] {
         match &scene.environment {
@@ -41,10 +41,10 @@ impl Settings {
             Some(_) if lone_convex_from_outside(scene) => {
                 &[(Sampling::Light, MapSampling::COSINE), (Sampling::Mis, MapSampling::COSINE)]
             }
-            Some(_) => &[
-                (Sampling::MisLt, MapSampling::COSINE_COMPENSATED),
-                (Sampling::MisLt, MapSampling::COSINE_HALF_COMPENSATED),
-            ],
+            Some(_) if scene.objects.iter().all(|object| matches!(object.material, Material::Diffuse { .. })) => {
+                &[(Sampling::Mis, MapSampling::COSINE_COMPENSATED), (Sampling::Light, MapSampling::COSINE)]
+            }
+            Some(_) => &[(Sampling::MisLt, MapSampling::COSINE_COMPENSATED)],
         }
     }
 }
@@ -53,9 +53,10 @@ impl Job<'_> {
     /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
     /// their paths, so that it is unbiased.
     pub(super) fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
-        let Some((_, others)) = candidates.split_first().filter(|_| self.scene.environment.is_some()) else {
+        let [_, others @ ..] = candidates else { return Ok(()) };
+        if others.is_empty() || self.scene.environment.is_none() {
             return Ok(());
-        };
+        }
         let mut least = self.variance_of_trial();
         for &candidate in others {
             let settings = self.settings.with(candidate);

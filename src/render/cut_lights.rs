@@ -27,7 +27,7 @@ pub fn of(scene: &Scene, settings: &Settings) -> Result<Vec<Light>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envmap::samplers::{MapSampling, cut_lights::MEDIAN_CUT, strata};
+    use crate::envmap::samplers::{MapSampling, cut_lights::MEDIAN_CUT};
     use crate::envmap::synthetic::Synthetic;
     use crate::render::tests::sphere;
     use crate::render::{Silent, render};
@@ -57,8 +57,8 @@ mod tests {
             let settings = Settings { sampling, density: Some(density), ..Settings::default() };
             assert!(render(&scene, &request, &settings, &Silent).is_err());
         }
-        for (entry, regions) in [(MEDIAN_CUT, 0), (strata::ENTRY, u32::MAX)] {
-            let density = MapSampling::with_regions(entry, regions);
+        for regions in [0, u32::MAX] {
+            let density = MapSampling::with_regions(MEDIAN_CUT, regions);
             let settings = Settings { sampling: Sampling::Light, density: Some(density), ..Settings::default() };
             assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density}");
         }

@@ -352,7 +352,8 @@ impl<'a> Batch<'a> {
             }
             let samples = (&self.light_numbers, count);
             trace_light_paths(&job.scene, &job.lens, samples, &mut self.light_paths, &mut self.splats);
-            self.splats.drain(..).for_each(|splat| row.splat(splat));
+            row.splat(&self.splats);
+            self.splats.clear();
         }
     }
 }

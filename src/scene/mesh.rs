@@ -33,7 +33,8 @@ impl Surface {
     #[inline]
     pub(super) fn on(corners: [Vec3; 3], normal: Vec3, corner_normals: [Vec3; 3], [u, v]: [f32; 2]) -> Self {
         // In f64, so that only the result is rounded.
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let [a, b, c] = corners;
+        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
         let point = (a + f64::from(u) * (b - a) + f64::from(v) * (c - a)).as_vec3();
         let [na, nb, nc] = corner_normals;
         let shading = na * (1.0 - u - v) + nb * u + nc * v;
@@ -95,17 +96,18 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn facet(&self, triangle: u32) -> Option<([Vec3; 3], Vec3)> {
-        let vertices = *self.triangles.get(triangle as usize)?;
-        let [a, b, c] = vertices.map(|i| self.positions.get(i as usize).copied());
-        let corners = [a?, b?, c?];
+        let [a, b, c] = *self.triangles.get(triangle as usize)?;
+        let at = |i: u32| self.positions.get(i as usize).copied();
+        let corners = [at(a)?, at(b)?, at(c)?];
         Some((corners, normal_of(corners)?))
     }
 
     /// The normals for shading at the corners of a triangle whose own normal is given.
     #[inline]
     pub(super) fn corner_normals(&self, triangle: u32, normal: Vec3) -> [Vec3; 3] {
-        let vertices = self.triangles.get(triangle as usize).copied().unwrap_or_default();
-        vertices.map(|i| self.normals.get(i as usize).copied().unwrap_or(normal))
+        let [a, b, c] = self.triangles.get(triangle as usize).copied().unwrap_or_default();
+        let at = |i: u32| self.normals.get(i as usize).copied().unwrap_or(normal);
+        [at(a), at(b), at(c)]
     }
 
     /// The point of `triangle` with the barycentric weights 1 − u − v, u, v; `None` where there is no
@@ -203,7 +205,8 @@ pub(super) fn normal_of(corners: [Vec3; 3]) -> Option<Vec3> {
         return None;
     }
     // In f64 no product under- or overflows.
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let [a, b, c] = corners;
+    let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
     Some((b - a).cross(c - a).try_normalize()?.as_vec3())
 }
 

@@ -190,19 +190,14 @@ pub fn label(strategy: &str) -> String {
         "" => String::new(),
         "cosine" => ", map × cosine".into(),
         "cosine-compensated" => ", compensated map × cosine".into(),
-        "cosine-half-compensated" => ", half compensated map × cosine".into(),
         other => format!(", {other}"),
     };
-    let regions = |prefix: &str| base.strip_prefix(prefix).filter(|count| count.parse::<u32>().is_ok());
+    let lights = base.strip_prefix("median-cut-").filter(|count| count.parse::<u32>().is_ok());
     let method = match method {
         "mis" => "MIS".into(),
         "bsdf" => "BSDF".into(),
         "hemisphere" => "uniform directions".into(),
-        _ => match (regions("strata-"), regions("median-cut-")) {
-            (Some(count), _) => format!("light, {count} strata"),
-            (_, Some(count)) => format!("{count} fixed lights"),
-            _ => method.to_owned(),
-        },
+        _ => lights.map_or_else(|| method.to_owned(), |count| format!("{count} fixed lights")),
     };
     let added = parts.map(|suffix| match suffix {
         "lt" => ", light paths".to_owned(),

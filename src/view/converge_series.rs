@@ -164,7 +164,7 @@ pub fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
 }
 
 /// The strategies of the sphere's curves that stand beside the fixed lights.
-const SAMPLED: [&str; 3] = ["light", "light-cosine", "strata-64"];
+const SAMPLED: [&str; 2] = ["light", "light-cosine"];
 
 /// K of "median-cut-K".
 pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {

@@ -28,10 +28,10 @@ fn curves_of_a_room_against_a_rendered_reference() {
 }
 
 #[test]
-fn fixed_lights_are_biased_and_regions_as_strata_are_not() {
+fn fixed_lights_are_biased_and_light_samples_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let args = ["converge", "sphere-env", "--envmap", "sun", "-r", "24", "24", "--max-spp", "64", "--replicates", "5"];
-    let strategies = ["--strategies", "median-cut-16,variance-cut-16,strata-16+independent,light+independent"];
+    let strategies = ["--strategies", "median-cut-16,variance-cut-16,light-cosine+independent,light+independent"];
     let value = json(folder.path(), &[&args[..], &strategies].concat());
     assert_eq!(value["reference"]["exact"], true);
     let verdicts: Vec<&str> =
@@ -73,7 +73,7 @@ fn bad_input_is_refused_with_what_and_why() {
         (&["cornell-spheres", "--strategies", "light+sobol"], "+independent"),
         (&["cornell-spheres", "--strategies", "default+adaptive"], "default has no suffix"),
         (&["cornell-spheres", "--strategies", "median-cut-16"], "needs an environment map"),
-        (&["sphere-env", "--strategies", "strata-0", "-r", "8", "8"], "0 regions"),
+        (&["sphere-env", "--strategies", "median-cut-0", "-r", "8", "8"], "0 regions"),
         (&["sphere-env", "--strategies", "median-cut-4294967295", "-r", "8", "8"], "regions out of"),
         (&["cornell-spheres", "--budget", "nan"], "--budget: NaN"),
         (&["cornell-spheres", "--budget", "0"], "--budget: 0"),

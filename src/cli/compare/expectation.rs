@@ -6,7 +6,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::compare::{Answer, Compared, FamilyResult, Noise, Plan, Side, compare};
+use crate::study::compare::{Answer, Compared, FamilyResult, Plan, Side, compare};
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
 use crate::view::compare_text::{sentence, text};
@@ -66,12 +66,6 @@ impl Compare {
             console.warn(
                 "images of both sides have the same seed: one renderer makes correlated images of it, which \
                           the test takes for independent ones",
-            );
-        }
-        if [&a, &b].iter().any(|side| side.noise == Noise::PerPixel) {
-            console.warn(
-                "errors by pixel: right for independent samples that belong to one pixel each, conservative for \
-                          stratified ones; renderers that add a sample to several pixels need replicates",
             );
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;

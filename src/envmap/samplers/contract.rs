@@ -8,14 +8,12 @@ use std::sync::Arc;
 
 /// An entry of the registry.
 pub struct Entry {
-    /// Name at the command line; where [`Entry::has_regions`], a number follows it: `strata-64`.
+    /// Name at the command line; the number of regions follows that of fixed lights: `median-cut-64`.
     pub name: &'static str,
     /// Name of what the pdf is proportional to, which is a name of the sampler, too.
     pub density: &'static str,
     /// What it samples in proportion to, and how, in one line.
     pub doc: &'static str,
-    /// Whether it takes a number of regions that the map is cut into.
-    pub has_regions: bool,
     /// Whether the pdf is positive wherever radiance comes from, so that it may be used without another strategy.
     pub complete: bool,
     /// Whether samples have an inverse; see [`SurfaceSampler::invert_for`].
@@ -26,8 +24,16 @@ pub struct Entry {
     pub method: Method,
 }
 
-/// Makes a sampler of a map and a number of regions.
-type Build = fn(Arc<EnvMap>, RegionCount) -> Result<Box<dyn SurfaceSampler>>;
+impl Entry {
+    /// Whether fixed lights stand for the map, one for each region of a cut.
+    #[must_use]
+    pub const fn has_fixed_lights(&self) -> bool {
+        matches!(self.method, Method::FixedLights(_))
+    }
+}
+
+/// Makes a sampler of a map.
+type Build = fn(Arc<EnvMap>) -> Box<dyn SurfaceSampler>;
 
 /// The kinds of samplers, each with what makes it.
 pub enum Method {

@@ -33,11 +33,10 @@ pub const ENTRY: &Entry = &Entry {
     name: "cosine",
     density: "cosine",
     doc: "radiance times the cosine at the surface",
-    has_regions: false,
     complete: true,
     invertible: false,
     bytes_per_texel: ShortTables::BYTES,
-    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::new(map)))),
+    method: Method::ForNormal(|map| Box::new(CosineSampler::new(map))),
 };
 
 /// The entry in the registry of its variant for MIS.
@@ -46,17 +45,8 @@ pub const COMPENSATED: &Entry = &Entry {
     density: "cosine-compensated",
     doc: "radiance minus its mean, times the cosine at the surface (0 where the map is dimmer: for MIS only)",
     complete: false,
-    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map, 1.0)))),
+    method: Method::ForNormal(|map| Box::new(CosineSampler::compensated(map))),
     ..*ENTRY
-};
-
-/// The entry in the registry of its variant for MIS at surfaces that see most of the map.
-pub const HALF_COMPENSATED: &Entry = &Entry {
-    name: "cosine-half-compensated",
-    density: "cosine-half-compensated",
-    doc: "radiance minus half its mean, times the cosine at the surface (0 where the map is dimmer: for MIS only)",
-    method: Method::ForNormal(|map, _| Ok(Box::new(CosineSampler::compensated(map, 0.5)))),
-    ..*COMPENSATED
 };
 
 /// Most columns and rows of blocks.
@@ -202,12 +192,12 @@ impl CosineSampler {
         Self::above(map, 0.0)
     }
 
-    /// By the radiance above this share of the map's mean, × cosine: MIS compensation. A map that is nowhere brighter has no
-    /// samples: those of the BSDF are all that it needs.
+    /// By the radiance above the map's mean, × cosine: MIS compensation. A map that is nowhere brighter has no samples: those of
+    /// the BSDF are all that it needs.
     #[must_use]
-    pub fn compensated(map: Arc<EnvMap>, share: f64) -> Self {
+    pub fn compensated(map: Arc<EnvMap>) -> Self {
         // In a constant map rounding leaves texels slightly above the mean; they do not count.
-        let threshold = map.mean() * share * (1.0 + 1e-6);
+        let threshold = map.mean() * (1.0 + 1e-6);
         Self::above(map, threshold)
     }
 

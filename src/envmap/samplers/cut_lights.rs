@@ -14,7 +14,6 @@ pub const MEDIAN_CUT: &Entry = &Entry {
     name: "median-cut",
     density: "median-cut",
     doc: "fixed lights in place of the map, one for each region of a cut by energy: with bias",
-    has_regions: true,
     complete: false,
     invertible: false,
     bytes_per_texel: MedianCut::bytes(Split::Energy),

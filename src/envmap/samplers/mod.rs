@@ -7,7 +7,6 @@ mod contract;
 pub mod cosine;
 pub mod cut_lights;
 pub mod errata;
-pub mod strata;
 #[cfg(test)]
 mod tests;
 pub mod texels;
@@ -15,7 +14,6 @@ pub mod texels;
 pub use contract::{Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
 pub use cosine::CosineSampler;
 pub use errata::ErrataSampler;
-pub use strata::StrataSampler;
 pub use texels::TexelSampler;
 
 use super::EnvMap;
@@ -25,18 +23,10 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 /// Every sampler. Where a density has several, the first one stands for it.
-pub const ALL: &[&Entry] = &[
-    texels::CDF,
-    texels::ALIAS,
-    cosine::ENTRY,
-    cosine::COMPENSATED,
-    cosine::HALF_COMPENSATED,
-    strata::ENTRY,
-    cut_lights::MEDIAN_CUT,
-    cut_lights::VARIANCE_CUT,
-];
+pub const ALL: &[&Entry] =
+    &[texels::CDF, texels::ALIAS, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
 
-/// A sampler of the registry with its number of regions: what users name, `cosine` or `strata-64`.
+/// A sampler of the registry with its number of regions: what users name, `cosine` or `median-cut-64`.
 #[derive(Clone, Copy)]
 pub struct MapSampling {
     entry: &'static Entry,
@@ -51,8 +41,6 @@ impl MapSampling {
     pub const COSINE: Self = Self::new(cosine::ENTRY);
     /// Radiance minus its mean, times the cosine at the surface.
     pub const COSINE_COMPENSATED: Self = Self::new(cosine::COMPENSATED);
-    /// Radiance minus half its mean, times the cosine at the surface.
-    pub const COSINE_HALF_COMPENSATED: Self = Self::new(cosine::HALF_COMPENSATED);
 
     /// A sampler that takes no number of regions (or, if it does, cannot be built).
     #[must_use]
@@ -63,7 +51,7 @@ impl MapSampling {
     /// A sampler of so many regions, if it takes a number of them.
     #[must_use]
     pub const fn with_regions(entry: &'static Entry, regions: RegionCount) -> Self {
-        Self { entry, regions: if entry.has_regions { regions } else { 0 } }
+        Self { entry, regions: if entry.has_fixed_lights() { regions } else { 0 } }
     }
 
     /// Its entry in the registry.
@@ -87,7 +75,7 @@ impl MapSampling {
     /// Whether fixed lights stand for the map.
     #[must_use]
     pub fn has_fixed_lights(self) -> bool {
-        matches!(self.entry.method, Method::FixedLights(_))
+        self.entry.has_fixed_lights()
     }
 
     /// The name of its density, with the number of regions.
@@ -97,26 +85,26 @@ impl MapSampling {
     }
 
     fn numbered(self, name: &str) -> String {
-        if self.entry.has_regions { format!("{name}-{}", self.regions) } else { name.to_owned() }
+        if self.has_fixed_lights() { format!("{name}-{}", self.regions) } else { name.to_owned() }
     }
 
     /// Builds the sampler's tables.
     ///
     /// # Errors
-    /// [`Error::Memory`] for tables that do not fit, [`Error::Parameter`] for a number of regions that the map does not
-    /// allow, and where there are no samples but [`MapSampling::fixed_lights`].
+    /// [`Error::Memory`] for tables that do not fit, [`Error::Parameter`] where there are no samples but
+    /// [`MapSampling::fixed_lights`].
     pub fn sampler(self, map: Arc<EnvMap>) -> Result<Box<dyn SurfaceSampler>> {
         let (Method::Directions(build) | Method::ForNormal(build)) = self.entry.method else {
             return Err(Error::parameter("sampler", format!("{self} are fixed lights, which are not sampled")));
         };
         self.request(&map)?;
-        build(map, self.regions)
+        Ok(build(map))
     }
 
     /// The lights that stand for the map, if this is such a sampler.
     ///
     /// # Errors
-    /// As [`MapSampling::sampler`].
+    /// [`Error::Memory`] for tables that do not fit, [`Error::Parameter`] for a number of regions that the map does not allow.
     pub fn fixed_lights(self, map: &EnvMap) -> Result<Option<Vec<FixedLight>>> {
         let Method::FixedLights(build) = self.entry.method else { return Ok(None) };
         self.request(map)?;
@@ -128,7 +116,7 @@ impl MapSampling {
     /// # Errors
     /// [`Error::Memory`].
     pub fn request(self, map: &EnvMap) -> Result<()> {
-        let table = if self.entry.has_regions { "the table of regions" } else { "the sampling table" };
+        let table = if self.has_fixed_lights() { "the table of regions" } else { "the sampling table" };
         map.request(self.entry.bytes_per_texel, table)
     }
 
@@ -136,7 +124,7 @@ impl MapSampling {
     #[must_use]
     pub fn names() -> Vec<String> {
         ALL.iter()
-            .map(|entry| if entry.has_regions { format!("{}-K", entry.name) } else { entry.name.into() })
+            .map(|entry| if entry.has_fixed_lights() { format!("{}-K", entry.name) } else { entry.name.into() })
             .collect()
     }
 }
@@ -168,7 +156,7 @@ impl FromStr for MapSampling {
     fn from_str(text: &str) -> Result<Self> {
         let of = |name: fn(&Entry) -> &'static str| {
             ALL.iter().find_map(|entry| {
-                if !entry.has_regions {
+                if !entry.has_fixed_lights() {
                     return (name(entry) == text).then_some(Self::new(entry));
                 }
                 let regions = text.strip_prefix(name(entry))?.strip_prefix('-')?;

@@ -29,8 +29,7 @@ const NORMALS: [DVec3; 4] =
 
 /// Every sampler of directions on a map, with its entry.
 fn samplers(map: &Arc<EnvMap>) -> Vec<(&'static Entry, Box<dyn SurfaceSampler>)> {
-    let regions = map.image().pixels().len().min(6) as u32;
-    let all = ALL.iter().map(|&entry| MapSampling::with_regions(entry, regions));
+    let all = ALL.iter().map(|&entry| MapSampling::new(entry));
     let sampled = all.filter(|sampling| !sampling.has_fixed_lights());
     sampled.map(|sampling| (sampling.entry(), sampling.sampler(map.clone()).unwrap())).collect()
 }
@@ -45,7 +44,7 @@ fn entries_are_documented_and_found_by_their_names() {
         assert_eq!(by_density.entry().density, entry.density);
     }
     assert_eq!("map".parse::<MapSampling>().unwrap(), MapSampling::MAP);
-    for wrong in ["", "cosin", "strata", "strata-", "strata--1", "cdf-4", "median-cut-1e3", "K"] {
+    for wrong in ["", "cosin", "median-cut", "median-cut-", "median-cut--1", "cdf-4", "median-cut-1e3", "K"] {
         assert!(wrong.parse::<MapSampling>().is_err(), "{wrong}");
     }
 }

@@ -14,11 +14,10 @@ pub const CDF: &Entry = &Entry {
     name: "cdf",
     density: "map",
     doc: "radiance, by inversion: a row, then a column of it",
-    has_regions: false,
     complete: true,
     invertible: true,
     bytes_per_texel: Table2::BYTES,
-    method: Method::Directions(|map, _| Ok(Box::new(TexelSampler::by_inversion(map)))),
+    method: Method::Directions(|map| Box::new(TexelSampler::by_inversion(map))),
 };
 
 /// The entry in the registry of sampling by an alias table.
@@ -27,7 +26,7 @@ pub const ALIAS: &Entry = &Entry {
     doc: "radiance, by one alias table over all texels",
     invertible: false,
     bytes_per_texel: AliasTable::BYTES,
-    method: Method::Directions(|map, _| Ok(Box::new(TexelSampler::by_alias(map)))),
+    method: Method::Directions(|map| Box::new(TexelSampler::by_alias(map))),
     ..*CDF
 };
 

@@ -19,6 +19,8 @@ const NONFINITE: &str = "droppedNonfinite";
 const NEGATIVE: &str = "droppedNegative";
 const FAINT: &str = "droppedFaint";
 const FIRST: &str = "droppedFirst";
+/// What the layer `error` is good for: name and value of the attribute that says so.
+pub const ERRORS_OF_SUMS: [&str; 2] = ["errors", "of pixels, and bounds for sums of pixels"];
 
 impl Part {
     /// Writes the part as an OpenEXR file of 32-bit floats. Its layers:
@@ -31,7 +33,7 @@ impl Part {
     /// | `sums`, `squares`, `sums.LDE` … | unless the image is complete: counts and sums, in words of 32 bits |
     /// | `splats.sums` … | the same of the contributions of light paths, if there were any |
     ///
-    /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`,
+    /// Besides the metadata there are the attributes `samples` (which of how many), `fingerprint`, `paths`, `errors`,
     /// `droppedNonfinite`, `droppedNegative`, `droppedFaint` and `droppedFirst`; metadata must not have these names.
     ///
     /// # Errors
@@ -70,7 +72,10 @@ impl Part {
         if let Some(classes) = self.film.classes() {
             attributes = attributes.with(PATHS, classes.names().collect::<Vec<_>>().join(" "));
         }
-        attributes = attributes.with(NONFINITE, dropped.nonfinite).with(NEGATIVE, dropped.negative);
+        attributes = attributes
+            .with(ERRORS_OF_SUMS[0], ERRORS_OF_SUMS[1])
+            .with(NONFINITE, dropped.nonfinite)
+            .with(NEGATIVE, dropped.negative);
         attributes = attributes.with(FAINT, dropped.faint);
         match dropped.first_pixel {
             Some((x, y)) => attributes.with(FIRST, format!("{x} {y}")),

@@ -37,17 +37,17 @@ impl Fixed {
         })
     }
 
-    /// `v`², rounded down to a multiple of the unit (exact from `v` = 2^-9 on, 0 below 2^-32); [`Fixed::MAX`] from
-    /// `v` = 2^32 on.
+    /// `a` times `b`, rounded down to a multiple of the unit (squares are exact from 2^-9 on, 0 below 2^-32); [`Fixed::MAX`]
+    /// for what is too large (squares from 2^32 on).
     #[inline]
     #[must_use]
-    pub fn square_of(v: f32) -> Self {
-        let (mantissa, exponent) = parts(v);
-        let square = mantissa * mantissa;
-        Self::from_bits(match (2 * exponent).checked_sub(236) {
-            Some(left @ 0..=80) => u128::from(square) << left,
+    pub fn product_of(a: f32, b: f32) -> Self {
+        let ((a, exponent_a), (b, exponent_b)) = (parts(a), parts(b));
+        let (product, exponent) = (a * b, exponent_a + exponent_b);
+        Self::from_bits(match exponent.checked_sub(236) {
+            Some(left @ 0..=80) => u128::from(product) << left,
             Some(_) => return Self::MAX,
-            None => u128::from(square >> (236 - 2 * exponent).min(63)),
+            None => u128::from(product >> (236 - exponent).min(63)),
         })
     }
 
@@ -94,11 +94,11 @@ impl FixedRgb {
         Self(value.to_array().map(Fixed::of))
     }
 
-    /// [`Fixed::square_of`] each channel.
+    /// [`Fixed::product_of`] each channel.
     #[inline]
     #[must_use]
-    pub fn square_of(value: Rgb) -> Self {
-        Self(value.to_array().map(Fixed::square_of))
+    pub fn product_of(a: Rgb, b: Rgb) -> Self {
+        Self(std::array::from_fn(|c| Fixed::product_of(a[c], b[c])))
     }
 
     /// The mean of `n` values from their sum, rounded to f64 and then to f32; black without any.
@@ -195,7 +195,7 @@ mod tests {
             // 48 bits: exact in f64.
             let expected = (f64::from(v) * f64::from(v) * TWO_64).floor();
             let expected = if v >= 4_294_967_296.0 { u128::MAX } else { expected as u128 };
-            assert_eq!(Fixed::square_of(v).bits(), expected, "{v:e}");
+            assert_eq!(Fixed::product_of(v, v).bits(), expected, "{v:e}");
         }
         assert_eq!(Fixed::of(LIMIT.next_down()).bits(), ((1 << 24) - 1) << 103);
     }
@@ -215,9 +215,9 @@ mod tests {
         let fixed = |v: f32| Fixed::of(v);
         // Two samples a and b: 2(a² + b²) - (a + b)² = (a - b)².
         for (a, b) in [(1e6_f32, 1e6_f32.next_up()), (0.1, 0.1_f32.next_down()), (3.0e9, 1.0), (2.0, 2.0)] {
-            let (mut sum, mut squares) = (fixed(a), Fixed::square_of(a));
+            let (mut sum, mut squares) = (fixed(a), Fixed::product_of(a, a));
             sum += fixed(b);
-            squares += Fixed::square_of(b);
+            squares += Fixed::product_of(b, b);
             let difference = f64::from(a) - f64::from(b);
             assert_eq!(spread(2, sum, squares), difference * difference, "{a} {b}");
         }

@@ -20,6 +20,7 @@ mod sums;
 pub use self::accumulate::{Film, PixelEstimate};
 pub use self::classes::{PathClass, PathClasses};
 pub use self::dropped::Dropped;
+pub use self::file::ERRORS_OF_SUMS;
 pub use self::merge::merge_files;
 pub use self::part::{Part, Task};
 pub use self::pixel::Pixel;

@@ -36,7 +36,7 @@ impl Pixel {
     pub(super) fn add(&mut self, value: Rgb) {
         self.camera_paths += 1;
         self.sum += FixedRgb::of(value);
-        self.square += FixedRgb::square_of(value);
+        self.square += FixedRgb::product_of(value, value);
     }
 
     /// Counts a path whose light was dropped: it is black.

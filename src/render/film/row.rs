@@ -3,7 +3,7 @@
 use super::dropped::Dropped;
 use super::fixed::{FixedRgb, LIMIT, UNIT};
 use super::pixel::Pixel;
-use super::splats::{Splat, Splats};
+use super::splats::{OfPath, Splat, Splats};
 use crate::math::Rgb;
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +17,7 @@ pub struct Row<'a> {
     /// The samples that were dropped so far.
     pub(super) dropped: Dropped,
     /// Contributions that are not on the film yet, and the sums that they are for.
-    splats: Vec<Splat>,
+    splats: Vec<OfPath>,
     film: Option<&'a Mutex<&'a mut Splats>>,
 }
 
@@ -91,20 +91,23 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Adds a contribution that was traced with a sample of this row to a pixel of any row; an impossible one counts as black.
-    #[inline]
-    pub fn splat(&mut self, splat: Splat) {
-        if is_light(splat.value) {
-            if is_faint(splat.value) {
+    /// Adds all contributions of light paths that were traced with samples of this row, to pixels of any row; impossible ones
+    /// count as black.
+    pub fn splat(&mut self, splats: &[Splat]) {
+        let mut of_path = vec![Rgb::ZERO; splats.iter().map(|splat| splat.path + 1).max().unwrap_or(0)];
+        let possible = || splats.iter().filter(|splat| is_light(splat.value));
+        possible().for_each(|splat| of_path[splat.path] += splat.value);
+        self.splats.extend(possible().map(|&splat| (splat, of_path[splat.path])));
+        for splat in splats {
+            if !is_light(splat.value) {
+                let [x, y] = splat.pixel.map(|at| at as usize);
+                self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));
+            } else if is_faint(splat.value) {
                 self.dropped = self.dropped.merge(Dropped::FAINT);
             }
-            self.splats.push(splat);
-            if self.splats.len() >= SPLATS {
-                self.flush();
-            }
-        } else {
-            let [x, y] = splat.pixel.map(|at| at as usize);
-            self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));
+        }
+        if self.splats.len() >= SPLATS {
+            self.flush();
         }
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! Light paths are traced with the samples of one pixel and contribute to any pixel. They are scaled so that the mean of a
 //! pixel is the sum of its contributions over the number of samples per pixel, whichever pixels the paths belong to.
+//!
+//! Contributions of one path to several pixels depend on each other. The variance of a pixel is that of a bound: for a path that contributes
+//! xₖ to pixel k, (Σ aₖ xₖ)² ≤ Σ aₖ² xₖ X with X = Σ xₖ, for any numbers aₖ (Cauchy's inequality). With xₖ X in place of xₖ² for each
+//! path, the variance of any weighted sum of pixels is at most what it would be if pixels were independent.
 
 use super::fixed::{Fixed, FixedRgb};
 use crate::error::Result;
@@ -12,6 +16,8 @@ use crate::sampling::prefetch::prefetch;
 /// A contribution of a light path to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Splat {
+    /// The number of the light path, among those that are added together.
+    pub path: usize,
     /// Column and row.
     pub pixel: [u32; 2],
     /// The number of the path's class; 0 without classes.
@@ -29,12 +35,15 @@ pub(super) struct Splats {
     pub classes: Vec<FixedRgb>,
 }
 
-/// The sums of contributions to a pixel and of their squares.
+/// A contribution, and the sum of all contributions of its path.
+pub(super) type OfPath = (Splat, Rgb);
+
+/// The sums of contributions to a pixel, and of their products with the contributions of their paths to all pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Received {
     /// Σ x per channel.
     pub sum: FixedRgb,
-    /// Σ x² per channel.
+    /// Σ x X per channel: where a path contributes to one pixel only, Σ x².
     pub square: FixedRgb,
 }
 
@@ -56,12 +65,12 @@ impl Splats {
     }
 
     /// Adds light to the pixels of a film of that width.
-    pub fn add(&mut self, splats: &[Splat], width: usize) {
+    pub fn add(&mut self, splats: &[OfPath], width: usize) {
         let classes = self.classes.len() / self.pixels.len();
         let place = |splat: &Splat| splat.pixel[1] as usize * width + splat.pixel[0] as usize;
-        for (k, splat) in splats.iter().enumerate() {
+        for (k, (splat, of_path)) in splats.iter().enumerate() {
             // The pixels are scattered over memory: prefetch the next ones.
-            if let Some(later) = splats.get(k + AHEAD) {
+            if let Some((later, _)) = splats.get(k + AHEAD) {
                 let i = place(later);
                 prefetch(&self.pixels, i);
                 prefetch(&self.pixels[i].square.0, 2);
@@ -69,7 +78,7 @@ impl Splats {
             let i = place(splat);
             let to = &mut self.pixels[i];
             to.sum += FixedRgb::of(splat.value);
-            to.square += FixedRgb::square_of(splat.value);
+            to.square += FixedRgb::product_of(splat.value, *of_path);
             if classes > 0 {
                 self.classes[i * classes + splat.class] += FixedRgb::of(splat.value);
             }
@@ -87,8 +96,8 @@ impl Splats {
 }
 
 impl Received {
-    /// The variance of the light of a pixel after as many `paths` for each pixel, in an image of `pixels`: that of the sum of independent paths, most of which
-    /// contribute nothing here.
+    /// The variance of the light of a pixel after as many `paths` for each pixel, in an image of `pixels`, most of which contribute nothing
+    /// here; for a sum of pixels as if they were independent.
     pub fn variance(&self, paths: f64, pixels: f64) -> [f64; 3] {
         std::array::from_fn(|c| {
             if self.square.0[c] == Fixed::MAX {

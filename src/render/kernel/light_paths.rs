@@ -69,6 +69,8 @@ impl Default for Local {
 
 /// Light that reaches the camera at a film position.
 struct Contribution {
+    /// The slot of its path.
+    slot: u32,
     /// In pixels.
     film: [f32; 2],
     /// The number of the path's class.
@@ -247,6 +249,7 @@ fn connect(
             [vertex.surface.ray_origin(wi), wi],
             view.distance * SHORT,
             Contribution {
+                slot: vertex.path.slot,
                 film: view.film,
                 class: scene.classes.map_or(0, |classes| classes.index(path_class)),
                 value: vertex.path.power * f * (factor / (1.0 + others)),
@@ -332,9 +335,10 @@ impl Connections {
     fn splat(&mut self, scene: &PreparedScene, lens: &Lens, splats: &mut Vec<Splat>) {
         let mut blocked = [0; LANES];
         scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
-        for (Contribution { film, class, value }, blocked) in self.contributions.drain(..).zip(blocked) {
+        for (Contribution { slot, film, class, value }, blocked) in self.contributions.drain(..).zip(blocked) {
             if blocked == 0 {
-                lens.pixels_around(film, |pixel, weight| splats.push(Splat { pixel, class, value: value * weight }));
+                let splat = |pixel, weight| Splat { path: slot as usize, pixel, class, value: value * weight };
+                lens.pixels_around(film, |pixel, weight| splats.push(splat(pixel, weight)));
             }
         }
     }

@@ -152,9 +152,11 @@ struct Bins {
 }
 
 impl Bins {
+    #[inline(always)]
     fn of(self, item: &Item) -> [usize; 3] {
         let place = (item.bounds.centre() - self.low) * self.scale;
-        place.to_array().map(|p| (p as usize).min(BINS - 1))
+        let bin = |p: f32| (p as usize).min(BINS - 1);
+        [bin(place.x), bin(place.y), bin(place.z)]
     }
 }
 

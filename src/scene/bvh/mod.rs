@@ -119,8 +119,8 @@ impl Bvh {
     pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
         let (pack, i) = self.at(place);
         let of = |rows: &[[f32; WIDTH]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
-        let normals = self.tree.corner_normals[place as usize];
-        Surface::on(pack.corner.each_ref().map(of), of(&pack.normal), normals, [u, v])
+        let (corners, normals) = (&pack.corner, self.tree.corner_normals[place as usize]);
+        Surface::on([of(&corners[0]), of(&corners[1]), of(&corners[2])], of(&pack.normal), normals, [u, v])
     }
 
     /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place), and its [error](Plane::error). On which side of the triangle

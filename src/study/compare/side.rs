@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::raster::{ExrFile, Image, ReadOptions, read_with_notes};
+use crate::render::film::ERRORS_OF_SUMS;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,7 @@ const REPLICATES_FOR_TILES: usize = 16;
 pub enum Noise {
     /// It shows in how independent images differ.
     Replicates,
-    /// Each pixel has a standard error, and pixels are independent.
+    /// Each pixel has a standard error, and pixels are independent (or as if: the errors bound those of sums of pixels).
     PerPixel,
     /// There is none.
     None,
@@ -139,10 +140,11 @@ impl Side {
         };
         side.notes = notes;
         side.files = vec![path.to_path_buf()];
-        if attributes.get("sampling").is_some_and(|name| name.ends_with("+lt")) {
+        let [name, value] = ERRORS_OF_SUMS;
+        if attributes.get(name) != Some(value) {
             side.notes.push(format!(
-                "{}: rendered with light tracing, whose paths reach many pixels: their errors are not independent, and the \
-                 tests may raise false alarms; replicates are safe",
+                "{}: errors by pixel: right for independent samples that belong to one pixel each, conservative for stratified \
+                 ones; renderers that add a sample to several pixels need replicates",
                 path.display()
             ));
         }

@@ -80,9 +80,8 @@ fn estimators_of_one_expectation_are_rarely_called_different() {
         let alarms = false_alarms(12, |i, first| of_replicates(&scene, [Sampling::Bsdf, other][i], first));
         assert!(alarms.len() <= 2, "{}", show(&alarms));
     }
-    // Light paths reach many pixels: errors by pixel stand for camera paths only.
-    for scene in [scene(), caustics()] {
-        let alarms = false_alarms(12, |i, seed| of_pixels(&scene, [Sampling::Bsdf, Sampling::Mis][i], seed));
+    for (scene, other) in [(scene(), Sampling::Mis), (caustics(), Sampling::MisLt)] {
+        let alarms = false_alarms(12, |i, seed| of_pixels(&scene, [Sampling::Bsdf, other][i], seed));
         assert!(alarms.len() <= 2, "{}", show(&alarms));
     }
 }
@@ -202,9 +201,6 @@ fn twenty_false_alarms_of_a_thousand_at_most() {
             (caustics(), [Sampling::Bsdf, Sampling::MisLt]),
             (caustics(), [Sampling::Mis, Sampling::MisLt]),
         ] {
-            if kind == "errors by pixel" && samplings[1] == Sampling::MisLt {
-                continue;
-            }
             let alarms = false_alarms(1000, |i, first| side(&scene, samplings[i], first));
             println!("{kind}, {} {samplings:?}: {} of 1000\n{}", scene.0.name, alarms.len(), show(&alarms));
             assert!(alarms.len() <= 20, "{kind}, {samplings:?}: {}", alarms.len());

@@ -39,7 +39,7 @@ const METHODS: [(&str, &str, Sampling); 4] = [
 /// The name of every method of sampling directions, and what it does; `K` stands for a number of regions.
 ///
 /// The list follows from the registry of environment-map samplers: `light` and `mis` use the first one; `light-NAME` and
-/// `mis-NAME` another; the name of a sampler of regions alone means light sampling by it.
+/// `mis-NAME` another; the name of fixed lights stands for itself.
 pub fn methods() -> Vec<(String, String)> {
     let default = (DEFAULT, "what `etalon render` does with the scene");
     let named = METHODS.map(|(name, doc, _)| (name, doc));
@@ -48,17 +48,15 @@ pub fn methods() -> Vec<(String, String)> {
     for entry in samplers::ALL.iter().skip(1) {
         let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
-        if entry.has_regions {
+        if entry.has_fixed_lights() {
             names.push((format!("{name}-K"), format!("light; the environment: {doc}")));
-        } else if entry.complete {
-            names.push((format!("light-{name}"), format!("light; the environment: {doc}")));
-        }
-        if sampling.has_fixed_lights() {
             continue;
         }
-        let suffix = if entry.has_regions { "-K" } else { "" };
+        if entry.complete {
+            names.push((format!("light-{name}"), format!("light; the environment: {doc}")));
+        }
         let note = if sampling.needs_normal() && entry.complete { "; at diffuse surfaces, light alone" } else { "" };
-        names.push((format!("mis-{name}{suffix}"), format!("mis; the environment: {doc}{note}")));
+        names.push((format!("mis-{name}"), format!("mis; the environment: {doc}{note}")));
     }
     names
 }
@@ -127,15 +125,14 @@ fn directions(name: &str) -> Option<(Sampling, MapSampling)> {
     }
     let prefixes = [("light-", Sampling::Light), ("mis-", Sampling::Mis)];
     let stripped = prefixes.into_iter().find_map(|(prefix, sampling)| Some((sampling, name.strip_prefix(prefix)?)));
-    // A name without a prefix must be that of a sampler of regions.
+    // A name without a prefix must be that of fixed lights.
     let (sampling, density) = stripped.unwrap_or((Sampling::Light, name));
     let density: MapSampling = density.parse().ok()?;
-    if stripped.is_none() && !density.entry().has_regions {
-        return None;
-    }
     // Fixed lights have no pdf for MIS, and light sampling alone needs a pdf that is positive wherever there is light.
-    let alone = sampling == Sampling::Light;
-    let possible = if density.has_fixed_lights() { alone } else { !alone || density.entry().complete };
+    let possible = match density.has_fixed_lights() {
+        true => sampling == Sampling::Light,
+        false => stripped.is_some() && (sampling == Sampling::Mis || density.entry().complete),
+    };
     possible.then_some((sampling, density))
 }
 
@@ -146,7 +143,7 @@ impl Strategy {
         let (names, texels) = match &scene.environment {
             Some(environment) => (
                 "hemisphere+independent light+independent light mis mis-cosine-compensated light-cosine \
-                 light-cosine+adaptive default strata-64 median-cut-64",
+                 light-cosine+adaptive default median-cut-64",
                 environment.map.geometry().width() * environment.map.geometry().height(),
             ),
             None => {
@@ -216,7 +213,7 @@ mod tests {
                 assert_eq!(settings.model.normals == NormalSampling::Ndf, suffix.contains("all-normals"), "{name}");
             }
         }
-        let wrong = "ligth light+ light+sobol strata- strata--1 median-cut-1e3 K cosine light-cosine-compensated \
+        let wrong = "ligth light+ light+sobol median-cut- median-cut--1 median-cut-1e3 K cosine light-cosine-compensated \
              mis-median-cut-4 default+adaptive default-4";
         for wrong in wrong.split(' ').chain([""]) {
             assert!(wrong.parse::<Strategy>().is_err(), "{wrong}");
@@ -228,7 +225,7 @@ mod tests {
         let (cornell, _) = builtin::cornell_lambert();
         let (furnace, _) = builtin::furnace();
         let check = |name: &str, scene| name.parse::<Strategy>().unwrap().check(scene).is_ok();
-        assert!(check("mis", &cornell) && !check("strata-16", &cornell) && check("strata-16", &furnace));
+        assert!(check("mis", &cornell) && !check("median-cut-4", &cornell) && check("median-cut-4", &furnace));
         assert!(Strategy::usual(&cornell).iter().all(|s| s.check(&cornell).is_ok()));
         // The furnace has a map of 4 x 2 texels.
         assert_eq!((Strategy::usual(&cornell).len(), Strategy::usual(&furnace).len()), (9, 8));

@@ -31,7 +31,7 @@ fn compensation_leaves_the_dim_part_of_a_map_to_the_bsdf() {
     let is_bright = |x: usize, y: usize| (x / 4 + y / 4).is_multiple_of(5);
     let level = |x, y| Rgb::splat(if is_bright(x, y) { 10.0 } else { 0.5 });
     let map = Arc::new(EnvMap::new(Image::from_fn(64, 32, level)));
-    let (sampler, g) = (CosineSampler::compensated(map.clone(), 1.0), map.geometry());
+    let (sampler, g) = (CosineSampler::compensated(map.clone()), map.geometry());
     let n = DVec3::new(0.6, 0.0, 0.8);
     for (x, y) in (0..32).flat_map(|y| (0..64).map(move |x| (x, y))) {
         let wi = g.direction_in_texel(x, y, 0.5, 0.5);
@@ -59,5 +59,5 @@ fn compensation_leaves_the_dim_part_of_a_map_to_the_bsdf() {
     assert!((mean / expected - 1.0).abs() < 5e-3, "{mean} against {expected}");
     // A constant map has nothing above its mean.
     let constant = Arc::new(EnvMap::new(Image::from_fn(33, 17, |_, _| Rgb::splat(0.3))));
-    assert_eq!(CosineSampler::compensated(constant, 1.0).sample_for([0.5; 2], n), None);
+    assert_eq!(CosineSampler::compensated(constant).sample_for([0.5; 2], n), None);
 }

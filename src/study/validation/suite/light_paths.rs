@@ -248,12 +248,12 @@ fn environment_place(name: String, targets: [(Vec3, f32); 2]) -> Case {
 /// Light samples of the environment at a surface, by every sampler that has a pdf: on the side of the normal, and on both
 /// sides of a surface that transmits.
 fn environment_samples() -> impl Iterator<Item = Case> {
-    let entries = samplers::ALL.iter().filter(|entry| !matches!(entry.method, Method::FixedLights(_)));
+    let entries = samplers::ALL.iter().filter(|entry| !entry.has_fixed_lights());
     entries.flat_map(|entry| {
         let depends = matches!(entry.method, Method::ForNormal(_));
         let both_sides = depends.then_some(("/both-sides", Kind::Transmitting));
         [("", Kind::Reflecting)].into_iter().chain(both_sides).map(|(suffix, surface)| {
-            let settings = Settings { density: Some(MapSampling::with_regions(entry, 16)), ..Settings::default() };
+            let settings = Settings { density: Some(MapSampling::new(entry)), ..Settings::default() };
             let name = format!("light/environment/{}{suffix}", entry.name);
             let scene = scene(None, TARGETS[0].1, Some(environment()));
             case(name, scene, settings, move |scene, protocol, round| {

@@ -65,18 +65,12 @@ fn one_hot([x, y]: [usize; 2]) -> Image {
 const NORMALS: [(&str, DVec3); 3] =
     [("up", DVec3::Y), ("down", DVec3::NEG_Y), ("slanted", DVec3::new(0.48, -0.6, 0.64))];
 
-/// Number of regions of samplers by median cut, or of texels if the map has fewer.
-const REGIONS: usize = 16;
-
 /// A case for every sampler of directions in the registry, for each normal if the sampler depends on that.
 fn of(source: &Source) -> Vec<(&'static Entry, Case)> {
     let mut cases = Vec::new();
     for &entry in samplers::ALL {
         match entry.method {
-            Method::Directions(_) => {
-                let number = if entry.has_regions { format!("-{REGIONS}") } else { String::new() };
-                cases.push((entry, case(source, entry, format!("{}{number}", entry.name), DVec3::Y)));
-            }
+            Method::Directions(_) => cases.push((entry, case(source, entry, entry.name.to_owned(), DVec3::Y))),
             Method::ForNormal(_) => cases.extend(
                 NORMALS.map(|(towards, n)| (entry, case(source, entry, format!("{}-{towards}", entry.name), n))),
             ),
@@ -93,8 +87,7 @@ fn case(source: &Source, entry: &'static Entry, how: String, normal: DVec3) -> C
     let (name, preparation, get) = (format!("map/{name}/{how}"), get.clone(), get.clone());
     let test = move |protocol: &Protocol, round| {
         let map = get();
-        let regions = REGIONS.min(map.image().pixels().len()) as u32;
-        let by = MapSampling::with_regions(entry, regions).sampler(map.clone())?;
+        let by = MapSampling::new(entry).sampler(map.clone())?;
         // A black map gives no samples. A sampler by the normal gives none where all that it samples is below the horizon.
         let mass = match entry.method {
             Method::Directions(_) => Mass::Exactly(if is_black(&map) { 0.0 } else { 1.0 }),
