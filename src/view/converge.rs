@@ -92,6 +92,8 @@ pub struct ReplicateRow {
     wall_seconds: f64,
     cpu_seconds: f64,
     mse: f64,
+    /// Without the worst 0.1 % of channel values.
+    mse_trimmed: f64,
     rel_mse: f64,
     /// Of the channel values of the image.
     mean: f64,
@@ -108,6 +110,7 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
                 wall_seconds: level.times.wall,
                 cpu_seconds: level.times.cpu,
                 mse: level.errors.mse,
+                mse_trimmed: level.errors.mse_trimmed,
                 rel_mse: level.errors.rel_mse,
                 mean: level.errors.mean_a,
             };

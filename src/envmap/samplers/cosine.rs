@@ -56,7 +56,7 @@ const BLOCKS: [usize; 2] = [64, 32];
 const CELLS: usize = 23;
 
 /// Smallest weight of a block that may be above the horizon, as a share of its flux, so that none of its light is missed.
-const FLOOR: f64 = 1e-3;
+const FLOOR: f32 = 1e-3;
 
 /// Samples directions for a normal.
 #[derive(Debug, Clone)]
@@ -92,17 +92,18 @@ impl Spread {
 /// The light of all blocks, component by component.
 struct Lights {
     /// Of [`Spread::mean`] and [`Spread::axis`], x, y and z.
-    mean: [Vec<f64>; 3],
-    axis: [Vec<f64>; 3],
-    variance: Vec<f64>,
+    mean: [Vec<f32>; 3],
+    axis: [Vec<f32>; 3],
+    variance: Vec<f32>,
     /// Cosine and sine.
-    reach: [Vec<f64>; 2],
+    reach: [Vec<f32>; 2],
     flux: Vec<f64>,
 }
 
 impl Lights {
     fn new(lights: &[(Spread, f64)]) -> Self {
-        let of = |component: &dyn Fn(&Spread) -> f64| lights.iter().map(|(spread, _)| component(spread)).collect();
+        let of =
+            |component: &dyn Fn(&Spread) -> f64| lights.iter().map(|(spread, _)| component(spread) as f32).collect();
         Self {
             mean: [0, 1, 2].map(|i| of(&|spread| spread.mean[i])),
             axis: [0, 1, 2].map(|i| of(&|spread| spread.axis[i])),
@@ -131,18 +132,20 @@ impl pulp::WithSimd for Weights<'_> {
         let [mx, my, mz] = lights.mean.each_ref().map(|values| &values[blocks.clone()]);
         let [ax, ay, az] = lights.axis.each_ref().map(|values| &values[blocks.clone()]);
         let [cos, sin] = lights.reach.each_ref().map(|values| &values[blocks.clone()]);
-        let [variance, flux] = [&lights.variance, &lights.flux].map(|values| &values[blocks.clone()]);
+        let (variance, flux) = (&lights.variance[blocks.clone()], &lights.flux[blocks.clone()]);
+        let (n_mean, n_axis, n_variance) = (n.mean.as_vec3(), n.axis.as_vec3(), n.variance as f32);
+        let [n_cos, n_sin] = n.reach.map(|value| value as f32);
         for i in 0..out.len() {
-            // No cosine is positive where the axes are farther apart than a quarter turn and both angles.
-            let apart = -(sin[i] * n.reach[0] + cos[i] * n.reach[1]) - 1e-9;
-            let below = (cos[i] * n.reach[0] > sin[i] * n.reach[1])
-                & (ax[i] * n.axis.x + ay[i] * n.axis.y + az[i] * n.axis.z < apart);
+            // No cosine is positive where the axes are farther apart than a quarter turn and both angles, by more than is rounded.
+            let apart = -(sin[i] * n_cos + cos[i] * n_sin) - 1e-5;
+            let below =
+                (cos[i] * n_cos > sin[i] * n_sin) & (ax[i] * n_axis.x + ay[i] * n_axis.y + az[i] * n_axis.z < apart);
             // Uniform over mean ± half, where deviations from the mean direction count by the sine.
-            let mean = mx[i] * n.mean.x + my[i] * n.mean.y + mz[i] * n.mean.z;
-            let half = (3.0 * (1.0 - mean * mean) * (variance[i] + n.variance)).sqrt().max(1e-6);
+            let mean = mx[i] * n_mean.x + my[i] * n_mean.y + mz[i] * n_mean.z;
+            let half = (3.0 * (1.0 - mean * mean).max(0.0) * (variance[i] + n_variance)).sqrt().max(1e-3);
             let [low, high] = [(mean - half).max(0.0), (mean + half).max(0.0)];
             let mean_square = (high * high * high - low * low * low) / (6.0 * half);
-            out[i] = if below { 0.0 } else { flux[i] * mean_square.sqrt().max(FLOOR) };
+            out[i] = flux[i] * f64::from(if below { 0.0 } else { mean_square.sqrt().max(FLOOR) });
         }
     }
 }

@@ -28,11 +28,12 @@ impl ShortTables {
     pub fn new(cells: usize, count: usize, weights: impl Fn(usize, &mut [f64]) + Sync) -> (Self, Vec<f64>) {
         let stride = cells.next_multiple_of(LANES);
         let mut ends = vec![f32::INFINITY; stride * count];
-        let one = |buffer: &mut Vec<f64>, (table, ends): (usize, &mut [f32])| {
+        let one = |(buffer, sums): &mut (Vec<f64>, Vec<f64>), (table, ends): (usize, &mut [f32])| {
             weights(table, buffer);
-            fill(buffer, &mut ends[..cells])
+            fill(buffer, sums, &mut ends[..cells])
         };
-        let sums = ends.par_chunks_mut(stride).enumerate().map_init(|| vec![0.0; cells], one).collect();
+        let buffers = || (vec![0.0; cells], vec![0.0; cells]);
+        let sums = ends.par_chunks_mut(stride).enumerate().map_init(buffers, one).collect();
         (Self { cells, stride, ends }, sums)
     }
 
@@ -75,18 +76,28 @@ fn bounds(ends: &[f32], cell: usize) -> [f64; 2] {
 }
 
 /// Fills the ends of a table's cells and returns the sum of its weights. A cell of positive weight always gets a positive
-/// probability.
-fn fill(weights: &[f64], ends: &mut [f32]) -> f64 {
-    let total: f64 = weights.iter().sum();
+/// probability. `sums` is a buffer of as many.
+fn fill(weights: &[f64], sums: &mut [f64], ends: &mut [f32]) -> f64 {
     let Some(last) = weights.iter().rposition(|&w| w > 0.0) else {
         ends.fill(0.0);
         return 0.0;
     };
-    let (mut sum, mut start, scale) = (0.0, 0.0f32, 1.0 / total);
-    for (end, &w) in ends.iter_mut().zip(weights) {
-        sum += w;
-        *end = if w > 0.0 { ((sum * scale) as f32).max(start.next_up()) } else { start };
-        start = *end;
+    let mut total = 0.0;
+    for (sum, &w) in sums.iter_mut().zip(weights) {
+        total += w;
+        *sum = total;
+    }
+    let scale = 1.0 / total;
+    ends.iter_mut().zip(&*sums).for_each(|(end, sum)| *end = (sum * scale) as f32);
+    // Where rounding left no probability to a cell, move its end and what follows.
+    let pairs = ends.windows(2).zip(&weights[1..]);
+    let lost = pairs.fold(0, |lost, (ends, &w)| lost + u32::from((w > 0.0) & (ends[1] <= ends[0])));
+    if lost > 0 || (weights[0] > 0.0 && ends[0] == 0.0) {
+        let mut start = 0.0f32;
+        for (end, &w) in ends.iter_mut().zip(weights) {
+            *end = if w > 0.0 { end.max(start.next_up()) } else { start };
+            start = *end;
+        }
     }
     // Let the table end at 1 exactly, and restore increasing values from the right where rounding left no gap.
     ends[last..].fill(1.0);
