@@ -89,7 +89,7 @@ fn sampling(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("envmap-sample-{width}x{height}"));
         group.throughput(Throughput::Elements(u64::from(SAMPLES))).sample_size(20);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
-        let cdf = TexelSampler::by_inversion(map.clone());
+        let cdf = TexelSampler::new(map.clone());
         many(&mut group, "cdf", &cdf);
         single(&mut group, "cdf one by one", |i| cdf.sample_for(random(i), DVec3::Y));
         let directions: Vec<DVec3> =
@@ -119,7 +119,7 @@ fn building(c: &mut Criterion) {
         let name = format!("{} 1024x512", sampling.entry().name);
         group.bench_function(name, |b| b.iter(|| sampling.sampler(small.clone()).unwrap()));
     }
-    group.bench_function("cdf 8192x4096", |b| b.iter(|| TexelSampler::by_inversion(large.clone())));
+    group.bench_function("cdf 8192x4096", |b| b.iter(|| TexelSampler::new(large.clone())));
     group.finish();
 }
 

@@ -8,6 +8,9 @@
 //! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The iteration computes λ from the
 //! numbers that it has, and then new numbers, rounded to powers of two. It starts from n = 1.
 //!
+//! The samples after the first ones have more paths each until a pixel has n times as many paths as samples: then 16, 32, 64 … samples
+//! have a power of two of paths, as many as Sobol' points are well distributed in.
+//!
 //! Variances from few paths are noisy. Therefore each half of the neighbours tests the numbers that follow from the other half, and the
 //! iteration ends with the step that does not make their product smaller.
 
@@ -16,7 +19,9 @@ use rayon::prelude::*;
 
 /// The first samples of every pixel, which have one path each in every render: a render of more samples may continue one of fewer.
 pub const UNIFORM: u32 = 8;
-/// The largest number of paths in a sample.
+/// From here on a pixel has as many paths as its number says for each sample.
+const CAUGHT_UP: u32 = 2 * UNIFORM;
+/// The largest number of paths for each sample.
 pub const MOST_PATHS: u32 = 64;
 /// Neighbours of the other colour, by column and row, in two halves that mirror each other: an edge through a pixel passes both.
 /// The variance of a neighbour counts by the inverse of its squared distance.
@@ -47,9 +52,12 @@ impl PathCounts {
     /// How many paths a sample of a pixel has, and the number of the first of them among the paths of the pixel.
     #[inline]
     pub fn of(&self, pixel: usize, sample: u32) -> (u32, u32) {
-        let later = sample.saturating_sub(UNIFORM);
-        let count = if sample < UNIFORM { 1 } else { u32::from(self.0[pixel]) };
-        (count, sample + later * (count - 1))
+        let count = u32::from(self.0[pixel]);
+        match sample {
+            0..UNIFORM => (1, sample),
+            UNIFORM..CAUGHT_UP => (2 * count - 1, UNIFORM + (sample - UNIFORM) * (2 * count - 1)),
+            _ => (count, sample * count),
+        }
     }
 }
 
@@ -208,7 +216,7 @@ mod tests {
                 assert_eq!(first, next);
                 next = first + count;
             }
-            assert_eq!(next, UNIFORM + 32 * [1, 4, 64][pixel]);
+            assert_eq!(next, 40 * [1, 4, 64][pixel]);
         }
     }
 }

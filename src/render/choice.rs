@@ -7,11 +7,11 @@ use super::needs::lone_convex_from_outside;
 use super::settings::{Sampling, Settings};
 use crate::envmap::samplers::MapSampling;
 use crate::error::Result;
-use crate::scene::{Material, Request, Scene};
+use crate::scene::{Emission, EmitterVisibility, Material, Request, Scene};
 use rayon::prelude::*;
 
 /// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
-const TRIAL_GRID: [usize; 2] = [28, 21];
+const TRIAL_GRID: [usize; 2] = [20, 15];
 const TRIAL: u32 = 4;
 
 impl Settings {
@@ -27,26 +27,33 @@ impl Settings {
         Self { sampling, density: Some(density), ..self }
     }
 
-    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map, where the default is
-    /// light and BSDF sampling combined with light tracing.
+    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none for area lights without a map, where
+    /// the default is light and BSDF sampling combined with light tracing.
     ///
-    /// At a diffuse surface that sees the whole map, radiance times cosine is the integrand: light samples in proportion to it are
-    /// all that it needs. Two things speak for BSDF samples. On a lone convex object, cosines vary within a cell of normals and a block of the
-    /// map. Among several objects, the brightest light may be occluded; BSDF samples then find the rest, and light samples leave to them
-    /// what is dimmer than the mean of the map. Surfaces that are not diffuse need BSDF samples, and may cast caustics.
+    /// Lights that no ray can hit are found by light samples alone. At a diffuse surface that sees the whole map, radiance times cosine is the
+    /// integrand: light samples in proportion to it are all that it needs. BSDF samples help where cosines vary within a block of the map or a cell of
+    /// normals. Among several objects the brightest light may be occluded; BSDF samples then find the rest, and light samples leave
+    /// to them what is dimmer than the mean of the map. Surfaces that are not diffuse need BSDF samples, and may cast caustics.
     #[must_use]
     pub fn candidates(scene: &Scene) -> &'static [(Sampling, MapSampling)] {
+        const LIGHT: (Sampling, MapSampling) = (Sampling::Light, MapSampling::COSINE);
+        const MIS: (Sampling, MapSampling) = (Sampling::Mis, MapSampling::COSINE);
+        const COMPENSATED: (Sampling, MapSampling) = (Sampling::Mis, MapSampling::COSINE_COMPENSATED);
+        const CAUSTICS: (Sampling, MapSampling) = (Sampling::MisLt, MapSampling::COSINE_COMPENSATED);
+        let is_diffuse = scene.objects.iter().all(|object| matches!(object.material, Material::Diffuse { .. }));
         match &scene.environment {
+            None if !scene.objects.iter().any(|object| object.emission.is_some_and(is_sampled)) => &[LIGHT],
             None => &[],
-            Some(_) if lone_convex_from_outside(scene) => {
-                &[(Sampling::Light, MapSampling::COSINE), (Sampling::Mis, MapSampling::COSINE)]
-            }
-            Some(_) if scene.objects.iter().all(|object| matches!(object.material, Material::Diffuse { .. })) => {
-                &[(Sampling::Mis, MapSampling::COSINE_COMPENSATED), (Sampling::Light, MapSampling::COSINE)]
-            }
-            Some(_) => &[(Sampling::MisLt, MapSampling::COSINE_COMPENSATED)],
+            Some(_) if lone_convex_from_outside(scene) => &[LIGHT, MIS],
+            Some(_) if is_diffuse => &[LIGHT, MIS, COMPENSATED],
+            Some(_) => &[CAUSTICS],
         }
     }
+}
+
+/// Whether rays that hit an emitter find light that light samples find, too.
+fn is_sampled(emission: Emission) -> bool {
+    emission.visibility == EmitterVisibility::Sampled
 }
 
 impl Job<'_> {
@@ -54,7 +61,7 @@ impl Job<'_> {
     /// their paths, so that it is unbiased.
     pub(super) fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
         let [_, others @ ..] = candidates else { return Ok(()) };
-        if others.is_empty() || self.scene.environment.is_none() {
+        if others.is_empty() {
             return Ok(());
         }
         let mut least = self.variance_of_trial();

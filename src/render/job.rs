@@ -16,7 +16,7 @@ use crate::interrupt;
 use crate::math::Rgb;
 use crate::memory;
 use crate::raster::{Image, Metadata};
-use crate::sampling::hash::mix64;
+use crate::sampling::{hash::mix64, stream::StreamKind};
 use crate::scene::{Request, Scene};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -56,9 +56,6 @@ pub struct Job<'a> {
     start: Instant,
 }
 
-/// Most samples times light samples of a pixel of [`MOST_PATHS`]: the random sequences repeat after 2^32.
-const MOST_DRAWS: u64 = (1 << 32) / MOST_PATHS as u64;
-
 /// Samples per pixel in each pass over the image, so that a stopped render leaves a whole image.
 const ROUND: u32 = 64;
 
@@ -74,7 +71,9 @@ impl<'a> Job<'a> {
             return Err(Error::parameter("kernel", "the reference has no light tracing")
                 .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
         }
-        if settings.adaptive && u64::from(request.spp) * u64::from(request.light_samples) > MOST_DRAWS {
+        // The random sequences repeat after 2^32 numbers.
+        let draws = u64::from(request.spp) * u64::from(request.light_samples) * u64::from(MOST_PATHS);
+        if settings.adaptive && draws > 1 << 32 {
             let message = format!("{} samples with up to {MOST_PATHS} paths each are too many", request.spp);
             return Err(Error::parameter("spp", message).with_hint("render with `uniform`"));
         }
@@ -102,11 +101,10 @@ impl<'a> Job<'a> {
         let classes = self.settings.paths.map(PathClasses::up_to);
         let film = Film::new(width, height, classes)?;
         let film = if self.scene.light_tracing.is_some() { film.with_splats()? } else { film };
-        // Writing the file takes memory, too: images of the mean, of its error and of every path class, and the compressed
-        // sums, about half as large as the film. Make sure of it now, so that the result is not lost at the end.
-        let (classes, splats) =
-            (classes.map_or(0, PathClasses::count), usize::from(self.scene.light_tracing.is_some()));
-        let sums = (1 + splats) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
+        // Ask now for the memory of the files, so that the result is not lost: images, and sums of about half the film's size.
+        let classes = classes.map_or(0, PathClasses::count);
+        let sums =
+            (1 + usize::from(self.scene.light_tracing.is_some())) * (Film::BYTES + classes * Film::BYTES_PER_CLASS) / 2;
         let counts = if self.settings.adaptive { PathCounts::BYTES } else { 0 };
         memory::request(width * height * (counts + sums + (2 + classes) * size_of::<Rgb>()), || {
             format!("the numbers of paths and the files of a film of {width}x{height} pixels")
@@ -209,7 +207,7 @@ impl<'a> Job<'a> {
         done
     }
 
-    /// The number of a pixel, row by row.
+    /// The number of a pixel.
     fn pixel(&self, row: &Row, x: usize) -> u64 {
         (row.y() * self.scene.request.width + x) as u64
     }
@@ -225,7 +223,7 @@ pub(super) enum Pass<'a> {
     Image(Option<&'a PathCounts>),
     /// For the variance of pixels, the first samples again: without light paths.
     Variance,
-    /// To choose among techniques: with random numbers of its own, and without light paths.
+    /// To choose among techniques: with independent random numbers, and without light paths.
     Trial,
 }
 
@@ -278,7 +276,9 @@ impl<'a> Batch<'a> {
     fn new(job: &'a Job<'a>, pass: Pass) -> Self {
         let Settings { stream, seed, .. } = job.settings;
         let light_tracing = matches!(pass, Pass::Image(_)) && job.scene.light_tracing.is_some();
-        let seed = if matches!(pass, Pass::Trial) { mix64(!seed) } else { seed };
+        // Samples that are well distributed together say too little of the variance of one.
+        let is_trial = matches!(pass, Pass::Trial);
+        let (stream, seed) = if is_trial { (StreamKind::Independent, mix64(!seed)) } else { (stream, seed) };
         Self {
             samples: Vec::with_capacity(LANES),
             numbers: SampleLanes::new(stream, seed),
@@ -326,8 +326,7 @@ impl<'a> Batch<'a> {
             }
         }
         for sample in &self.samples {
-            let slots = sample.slots.clone();
-            let paths = slots.map(|slot| (at(&self.radiance.sum, slot), self.radiance.by_class(slot)));
+            let paths = sample.slots.clone().map(|slot| (at(&self.radiance.sum, slot), self.radiance.by_class(slot)));
             row.add_paths(sample.column, paths);
         }
         if self.light_tracing {

@@ -151,7 +151,7 @@ impl LightTracing {
         environment: Option<&EnvironmentSampling>,
         [choice, place, within]: [[f64; 2]; 3],
     ) -> Option<Start> {
-        let number = self.table.sample(choice[0])?.cell;
+        let (number, _) = self.table.sample(choice[0])?;
         let short = |u: [f64; 2]| u.map(|u| u as f32);
         if number == self.lights {
             let sample = environment?.sample(within, ANY, Kind::Reflecting)?;

@@ -1,9 +1,5 @@
 //! The alias method: a piecewise-constant distribution sampled in constant time.
 
-use super::batch::{BATCH, Batch};
-use super::prefetch::prefetch;
-use super::table::{CellSample, inside};
-
 /// An alias table: constant time per sample, but neither monotone nor invertible, so that stratification is lost.
 ///
 /// Source: Walker 1977; built as in Vose, "A linear algorithm for generating random numbers with a given
@@ -34,9 +30,6 @@ fn push(entries: &mut [AliasEntry], top: &mut u32, i: u32) {
 }
 
 impl AliasTable {
-    /// Memory that a table takes for each weight.
-    pub const BYTES: usize = size_of::<AliasEntry>();
-
     /// From the weights `weight(0)` to `weight(n − 1)`, at least one and fewer than 2³², all finite and ≥ 0, each of which is
     /// asked for several times.
     ///
@@ -94,60 +87,18 @@ impl AliasTable {
         self.total
     }
 
-    /// The bucket for `u`, and what is left of `u`.
-    #[inline]
-    fn bucket(&self, u: f64) -> (usize, f64) {
-        let scaled = u * self.entries.len() as f64;
-        let bucket = (scaled as usize).min(self.entries.len() - 1);
-        (bucket, scaled - bucket as f64)
-    }
-
-    /// The cell that owns this place of a bucket, and the position inside the cell. The processor cannot predict which of
-    /// the two cells it is, so the choice has no branch.
-    #[inline]
-    fn owner(&self, bucket: usize, rest: f64) -> (usize, f64) {
-        let AliasEntry { keep, other, .. } = self.entries[bucket];
-        let (keep, other) = (f64::from(keep), other as usize);
-        let (cell, start, share) = if rest < keep { (bucket, 0.0, keep) } else { (other, keep, 1.0 - keep) };
-        (cell, inside((rest - start) / share))
-    }
-
-    /// The cell for `u` in \[0, 1), and what is left of `u` as the position inside it; `None` when all weights are 0.
+    /// The cell for `u` in \[0, 1) and its probability; `None` when all weights are 0.
     #[inline]
     #[must_use]
-    pub fn sample(&self, u: f64) -> Option<CellSample> {
+    pub fn sample(&self, u: f64) -> Option<(usize, f64)> {
         if self.total <= 0.0 {
             return None;
         }
-        let (bucket, rest) = self.bucket(u);
-        let (cell, offset) = self.owner(bucket, rest);
-        Some(CellSample { cell, offset, probability: self.probability(cell) })
-    }
-
-    /// [`AliasTable::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. The
-    /// cells are those of a grid with `width` columns; the second random number of a pair is the position across the rows.
-    /// `values` has one value per cell; those of the sampled cells are prefetched.
-    ///
-    /// Step by step for all of them, each step prefetching for the next, as [`super::table::Table2::sample_batch`] does.
-    #[inline(always)]
-    pub fn sample_batch<T>(&self, u: &[[f64; 2]], width: usize, values: &[T], out: &mut Batch) {
-        let n = u.len().min(BATCH);
-        let (u, cell, x, y) = (&u[..n], &mut out.cell[..n], &mut out.x[..n], &mut out.y[..n]);
-        let (fx, fy, probability) = (&mut out.fx[..n], &mut out.fy[..n], &mut out.probability[..n]);
-        for i in 0..n {
-            (cell[i], fx[i]) = self.bucket(u[i][0]);
-            fy[i] = inside(u[i][1]);
-            prefetch(&self.entries, cell[i]);
-        }
-        for i in 0..n {
-            (cell[i], fx[i]) = self.owner(cell[i], fx[i]);
-            prefetch(&self.entries, cell[i]);
-            prefetch(values, cell[i]);
-        }
-        for i in 0..n {
-            (x[i], y[i]) = ((cell[i] % width) as u32, (cell[i] / width) as u32);
-            probability[i] = self.probability(cell[i]);
-        }
+        let scaled = u * self.entries.len() as f64;
+        let bucket = (scaled as usize).min(self.entries.len() - 1);
+        let AliasEntry { keep, other, .. } = self.entries[bucket];
+        let cell = if scaled - (bucket as f64) < f64::from(keep) { bucket } else { other as usize };
+        Some((cell, self.probability(cell)))
     }
 
     /// Probability of a cell, as the table realizes it.

@@ -95,7 +95,7 @@ fn numbers_out_of_range() {
         ("envmap sample onehot --window 0", &["--window"]),
         ("envmap sample onehot --gamma 0", &["--gamma"]),
         ("envmap sample onehot --exposure NaN", &["--exposure"]),
-        ("envmap sample onehot --model report --sampler alias", &["--model", "--sampler"]),
+        ("envmap sample onehot --model report --sampler cosine", &["--model", "--sampler"]),
         ("envmap cut onehot -n 0", &["-n: 0 ", "hint: "]),
         ("envmap cut onehot -n 2049", &["-n: 2049 ", "hint: "]),
         ("envmap cut onehot --window 0", &["--window"]),

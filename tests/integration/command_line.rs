@@ -211,7 +211,7 @@ fn envmap_sample() {
     };
     let first = csv("a", &[]);
     assert_eq!(first, csv("b", &["--threads", "2"]), "the same seed gives the same samples");
-    for (out, other) in [("c", &["--seed", "2"][..]), ("d", &["--sampler", "alias"]), ("e", &["--model", "report"])] {
+    for (out, other) in [("c", &["--seed", "2"][..]), ("d", &["--sampler", "cosine"]), ("e", &["--model", "report"])] {
         assert_ne!(first, csv(out, other), "{other:?}");
     }
     let (header, rows) = table(&dir.path().join("a/constant-samples-20.csv"));
@@ -220,7 +220,7 @@ fn envmap_sample() {
         assert!((0.0..64.0).contains(&r[0]) && (0.0..32.0).contains(&r[1]), "{r:?}");
         assert!((r[2].hypot(r[3]).hypot(r[4]) - 1.0).abs() < 1e-6 && (r[5] * 4.0 * PI - 1.0).abs() < 1e-6, "{r:?}");
     }
-    let args = ["envmap", "sample", "onehot", "-n", "9", "--sampler", "alias", "-o", "f/any.svg"];
+    let args = ["envmap", "sample", "onehot", "-n", "9", "--sampler", "cosine", "-o", "f/any.svg"];
     let files = assert_files(dir.path(), &json(dir.path(), &args)["results"][0]);
     assert!(files.contains("f/any-9.svg") && files.contains("f/any-only-9.png"), "{files:?}");
 }

@@ -40,7 +40,7 @@ fn of_map<'a>(map: &'a str, own: &'a str) -> [Vec<&'a str>; 8] {
     [
         vec!["envmap", "info", map],
         vec!["envmap", "sample", map, "-n", "64"],
-        vec!["envmap", "sample", map, "-n", "64", "--sampler", "alias"],
+        vec!["envmap", "sample", map, "-n", "64", "--sampler", "cosine"],
         vec!["envmap", "cut", map, "-n", "16", "--flip"],
         vec!["envmap", "proposal", map, "-n", "1000"],
         vec!["compare", map, map],
@@ -57,7 +57,7 @@ fn memory_grows_with_the_map_and_no_more() {
     write_map(&dir.path().join("map.hdr"), [4096, 2048]);
     // A quarter of a gibibyte for a quarter of the texels of a large map, and what the program takes by itself.
     let most = (1 << 28) + (36 << 20);
-    for args in of_map("map.hdr", "map/map/alias") {
+    for args in of_map("map.hdr", "map/map/cdf") {
         let peak = peak(dir.path(), &args);
         assert!(peak < most, "{args:?}: {} MiB", peak >> 20);
     }
@@ -94,9 +94,9 @@ fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
     for (args, says) in [
         (&["envmap", "info", "map.hdr", "--memory", "30M"][..], "map.hdr, 2048x1024 pixels"),
         (&["envmap", "info", "map.hdr", "--memory", "1K"], "map.hdr, a file"),
-        (&["envmap", "sample", "map.hdr", "--sampler", "alias", "--memory", "60M"], "the sampling table of a map"),
+        (&["envmap", "sample", "map.hdr", "--sampler", "cdf", "--memory", "60M"], "the sampling table of a map"),
         (&["envmap", "cut", "map.hdr", "--split", "variance", "--memory", "80M"], "the summed-area tables of a map"),
-        (&["validate", "map/map/alias", "--envmap", "map.hdr", "--memory", "90M"], "the test map/map/alias"),
+        (&["validate", "map/map/cdf", "--envmap", "map.hdr", "--memory", "90M"], "the test map/map/cdf"),
         (&["render", "furnace", "-r", "2000", "2000", "--memory", "200M"], "a film of 2000x2000 pixels"),
         (
             &["render", "furnace", "-r", "1200", "1200", "--sampling", "mis", "--memory", "200M"],

@@ -99,9 +99,9 @@ mod tests {
     }
 
     #[test]
-    fn correct_conventions_are_the_sampler_by_inversion() {
+    fn correct_conventions_are_the_texel_sampler() {
         let map = Arc::new(EnvMap::new(Image::from_fn(16, 8, |x, y| Rgb::splat((x * y) as f32))));
-        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), TexelSampler::by_inversion(map));
+        let (by, right) = (ErrataSampler::new(map.clone(), Conventions::CORRECT), TexelSampler::new(map));
         for i in 0..1000 {
             let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(i) * 0.618_034).fract()];
             assert_eq!(by.sample_for(u, DVec3::Y), right.sample_for(u, DVec3::Y));

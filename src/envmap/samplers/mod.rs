@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// Every sampler. Where a density has several, the first one stands for it.
 pub const ALL: &[&Entry] =
-    &[texels::CDF, texels::ALIAS, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
+    &[texels::ENTRY, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
 
 /// A sampler of the registry with its number of regions: what users name, `cosine` or `median-cut-64`.
 #[derive(Clone, Copy)]
@@ -36,7 +36,7 @@ pub struct MapSampling {
 
 impl MapSampling {
     /// Radiance, by inversion.
-    pub const MAP: Self = Self::new(texels::CDF);
+    pub const MAP: Self = Self::new(texels::ENTRY);
     /// Radiance times the cosine at the surface.
     pub const COSINE: Self = Self::new(cosine::ENTRY);
     /// Radiance minus its mean, times the cosine at the surface.

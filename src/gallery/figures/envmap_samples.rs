@@ -70,7 +70,7 @@ fn content(
     draw: impl Fn(&Display, &[SampleRow], usize) -> Drawing,
 ) -> Result<Content> {
     let map = &inputs.map.map;
-    let result = map_samples::draw(map, &TexelSampler::by_inversion(map.clone()), DVec3::Y, n, inputs.seed)?;
+    let result = map_samples::draw(map, &TexelSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
     let flux = studies.map_info(inputs)?.flux_rgb.iter().sum::<f64>() / 3.0;
     let checks = vec![
         Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),

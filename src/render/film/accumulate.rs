@@ -388,26 +388,6 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_sum_of_pixels_that_one_light_path_reaches_is_not_understated() {
-        // One path in two brings light to two pixels of 64 at once, so that the error of their sum is twice that of one.
-        let (n, value) = (1000, Rgb::splat(2.0));
-        let mut film = Film::new(64, 1, None).unwrap().with_splats().unwrap();
-        film.accumulate(|row| {
-            for (x, s) in (0..64).flat_map(|x| (0..n).map(move |s| (x, s))) {
-                row.add(x, Rgb::ZERO, &[]);
-                if x == 7 && s % 2 == 0 {
-                    let splat = |at| Splat { path: s as usize % 3, pixel: [at, 0], class: 0, value };
-                    row.splat(&[splat(0), splat(1)]);
-                }
-            }
-        });
-        let errors: Vec<f32> = film.estimates().take(2).map(|estimate| estimate.error.x).collect();
-        let of_sum = 2.0 * 2.0 * (0.5 * n as f32).sqrt() / n as f32;
-        let by_pixels = errors[0].hypot(errors[1]);
-        assert!((by_pixels / of_sum - 1.0).abs() < 0.01, "{of_sum} {by_pixels}");
-    }
-
-    #[test]
     fn impossible_films_are_refused() {
         for (width, height, classes) in
             [(0, 1, None), (1, 0, None), (1 << 15, 1 << 14, None), (usize::MAX, 2, None), (1 << 14, 1 << 14, Some(6))]

@@ -125,7 +125,7 @@ impl Part {
             )
             .with_hint("the file is damaged; render the part again"));
         }
-        let own = [SAMPLES, FINGERPRINT, PATHS, NONFINITE, NEGATIVE, FAINT, FIRST];
+        let own = [SAMPLES, FINGERPRINT, PATHS, ERRORS_OF_SUMS[0], NONFINITE, NEGATIVE, FAINT, FIRST];
         let others = attributes.entries().iter().filter(|(name, _)| !own.contains(&name.as_str()));
         let metadata = others.fold(Metadata::default(), |all, (name, value)| all.with(name, value));
         Ok(Self { film, fingerprint: fingerprint.into(), ranges, metadata })

@@ -11,7 +11,6 @@ mod line;
 mod short;
 
 pub use cdf::CellSample;
-pub(crate) use cdf::inside;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
 pub use short::ShortTables;

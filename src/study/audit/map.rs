@@ -54,7 +54,7 @@ fn by_rows(name: &str, weight: fn(&LatLong, usize) -> f64) -> Case {
             let draw = table.sample(u)?;
             Some(g.direction_in_texel(draw.x.cell, draw.y.cell, draw.x.offset, draw.y.offset))
         };
-        let right = TexelSampler::by_inversion(map);
+        let right = TexelSampler::new(map);
         (direction_sampler(draw), by_texel(move |w| right.pdf_for(w, DVec3::Y)))
     })
 }
@@ -101,7 +101,7 @@ pub fn corners() -> Suspect {
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
         let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
-        let claim = TexelSampler::by_inversion(uniform_sky());
+        let claim = TexelSampler::new(uniform_sky());
         (
             direction_sampler(move |u| draw.sample_for(u, DVec3::Y).map(|sample| sample.wi)),
             by_texel(move |w| claim.pdf_for(w, DVec3::Y)),

@@ -159,7 +159,7 @@ fn middle_shares(map: &EnvMap, of_rows: bool) -> [f64; 2] {
 /// # Errors
 /// Too few or too many samples.
 pub fn sampled_shares(map: &Arc<EnvMap>, n: usize, seed: u64) -> Result<[Agreement; 2]> {
-    let samples = map_samples::draw(map, &TexelSampler::by_inversion(map.clone()), DVec3::Y, n, seed)?.rows;
+    let samples = map_samples::draw(map, &TexelSampler::new(map.clone()), DVec3::Y, n, seed)?.rows;
     let size = [map.geometry().width(), map.geometry().height()].map(|side| side as f64);
     let names = ["samples in the middle rows minus their share", "samples in the middle columns minus their share"];
     Ok([(true, names[0]), (false, names[1])].map(|(of_rows, name)| {

@@ -65,13 +65,13 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
     })
 }
 
-/// The cell alone; the position inside it is tested where maps are sampled by alias tables.
+/// The cell.
 fn alias(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Discrete { outcomes: n }, move || {
         let weights = weights(shape, n);
         let table = AliasTable::from_fn(n, |i| weights[i]);
         let of = table.clone();
-        let draw = move |u: &[f64]| table.sample(u[0]).map(|draw| Sample::with_pdf(draw.cell, draw.probability));
+        let draw = move |u: &[f64]| table.sample(u[0]).map(|(cell, probability)| Sample::with_pdf(cell, probability));
         (sampler(1, draw), density(move |cell: usize| of.probability(cell)))
     })
 }
