@@ -5,7 +5,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use etalon::envmap::EnvMap;
 use etalon::envmap::cut::{MedianCut, SideRule, Split};
 use etalon::envmap::irradiance::IrradianceTree;
-use etalon::envmap::samplers::{self, EnvSample, EnvSamples, MapSampling, SurfaceSampler, TexelSampler};
+use etalon::envmap::samplers::{self, EnvSample, MapSampling, SurfaceSampler, TexelSampler};
 use etalon::math::Rgb;
 use etalon::math::circular::sin_cos_turns;
 use etalon::raster::Image;
@@ -34,8 +34,6 @@ fn map(width: usize, height: usize) -> Arc<EnvMap> {
 
 /// Samples per measurement.
 const SAMPLES: u32 = 1 << 17;
-/// Samples per call of `sample_many`.
-const CALL: u32 = 1024;
 
 /// The random numbers of sample `i`. The index is hidden from the compiler, which would otherwise vectorize the 64-bit
 /// multiplications without an instruction for them, at twice the cost.
@@ -49,21 +47,6 @@ fn direction(i: u32) -> DVec3 {
     let (sin, cos) = sin_cos_turns(v);
     let r = (1.0 - z * z).sqrt();
     DVec3::new(r * cos, r * sin, z)
-}
-
-fn many(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: &dyn SurfaceSampler) {
-    let (mut u, mut out) = (vec![[0.0; 2]; CALL as usize], EnvSamples::default());
-    group.bench_function(name, |b| {
-        b.iter(|| {
-            for call in 0..SAMPLES / CALL {
-                for (i, u) in (call * CALL..).zip(&mut u) {
-                    *u = random(i);
-                }
-                sampler.sample_many_for(&u, DVec3::Y, &mut out);
-                black_box(&mut out);
-            }
-        });
-    });
 }
 
 fn single(group: &mut BenchmarkGroup<WallTime>, name: &str, sample: impl Fn(u32) -> Option<EnvSample>) {
@@ -90,8 +73,7 @@ fn sampling(c: &mut Criterion) {
         group.throughput(Throughput::Elements(u64::from(SAMPLES))).sample_size(20);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
         let cdf = TexelSampler::new(map.clone());
-        many(&mut group, "cdf", &cdf);
-        single(&mut group, "cdf one by one", |i| cdf.sample_for(random(i), DVec3::Y));
+        single(&mut group, "cdf", |i| cdf.sample_for(random(i), DVec3::Y));
         let directions: Vec<DVec3> =
             (0..SAMPLES).filter_map(|i| cdf.sample_for(random(i), DVec3::Y)).map(|s| s.wi).collect();
         group.bench_function("pdf of its own samples", |b| {
@@ -100,12 +82,8 @@ fn sampling(c: &mut Criterion) {
         drop(cdf);
         for sampling in sampled().skip(1) {
             let sampler = sampling.sampler(map.clone()).unwrap();
-            if sampling.needs_normal() {
-                let normal = |i: u32| normals[i as usize % normals.len()];
-                single(&mut group, sampling.entry().name, |i| sampler.sample_for(random(i), normal(i)));
-            } else {
-                many(&mut group, sampling.entry().name, &*sampler);
-            }
+            let normal = |i: u32| normals[i as usize % normals.len()];
+            single(&mut group, sampling.entry().name, |i| sampler.sample_for(random(i), normal(i)));
         }
         group.finish();
     }

@@ -9,7 +9,6 @@
 //! (cos θ₀ − cos θ₁) Δφ.
 
 use crate::math::circular::{Circular, sin_cos_turns, turns};
-use crate::sampling::batch::{BATCH, Batch};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -84,30 +83,6 @@ impl LatLong {
     pub fn direction_in_texel(&self, x: usize, y: usize, fx: f64, fy: f64) -> DVec3 {
         let row = &self.rows[y];
         direction((x as f64 + fx) * self.per_width, row.start + fy * row.extent, row.pole)
-    }
-
-    /// [`LatLong::direction_in_texel`] for the first samples of a batch, as many as `out` has room for, to the same bits;
-    /// and their pdfs per solid angle.
-    ///
-    /// Values that depend on the row are copied first, so that the arithmetic runs over plain arrays and vectorizes.
-    #[inline(always)]
-    pub fn directions_in_texels(&self, samples: &Batch, out: [&mut [f64]; 4]) {
-        let [dx, dy, dz, pdf] = out;
-        let n = dx.len().min(BATCH);
-        let (dx, dy, dz, pdf) = (&mut dx[..n], &mut dy[..n], &mut dz[..n], &mut pdf[..n]);
-        let (x, y, fx, fy, p) =
-            (&samples.x[..n], &samples.y[..n], &samples.fx[..n], &samples.fy[..n], &samples.probability[..n]);
-        for i in 0..n {
-            let row = &self.rows[y[i] as usize];
-            dx[i] = row.start + fy[i] * row.extent;
-            dy[i] = row.pole;
-            pdf[i] = p[i] * row.inverse_solid_angle;
-        }
-        for i in 0..n {
-            let turns = (f64::from(x[i]) + fx[i]) * self.per_width;
-            let d = direction(turns, dx[i], dy[i]);
-            (dx[i], dy[i], dz[i]) = (d.x, d.y, d.z);
-        }
     }
 
     /// The inverse of [`LatLong::direction_in_texel`]: (x, y, fx, fy).

@@ -1,7 +1,6 @@
 //! Sampling: random number streams, warps, tables, pixel filters, normals of microfacets, rectangles, triangles.
 
 pub mod alias;
-pub mod batch;
 pub mod filter;
 pub mod normals;
 pub(crate) mod prefetch;

@@ -1,7 +1,7 @@
 //! Samples of an environment map: direction, pdf, radiance.
 
 use crate::envmap::EnvMap;
-use crate::envmap::samplers::{EnvSample, EnvSamples, SurfaceSampler};
+use crate::envmap::samplers::{EnvSample, SurfaceSampler};
 use crate::error::{Error, Result};
 use crate::math::mean_rgb;
 use crate::sampling::stream::{Independent, Stream};
@@ -58,10 +58,8 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
             Error::parameter("n", format!("{n} samples")).with_hint(format!("ask for 1 to {MAX_SAMPLES} samples"))
         );
     }
-    let random: Vec<[f64; 2]> = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0)).collect();
-    let mut sampled = EnvSamples::default();
-    sampler.sample_many_for(&random, normal, &mut sampled);
-    let samples: Vec<EnvSample> = sampled.iter().collect();
+    let random = (0..n).map(|i| Independent::new(seed, 0, i as u32).pair(0));
+    let samples: Vec<EnvSample> = random.filter_map(|u| sampler.sample_for(u, normal)).collect();
     // Monte Carlo estimate of the flux; random numbers without a sample contribute 0.
     let estimates: Vec<f64> = samples.iter().map(|s| mean_rgb(s.radiance) / s.pdf).collect();
     let count = n as f64;

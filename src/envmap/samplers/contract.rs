@@ -45,6 +45,9 @@ pub enum Method {
     FixedLights(fn(&EnvMap, RegionCount) -> Result<Vec<FixedLight>>),
 }
 
+/// Samples that are worth asking for at once, by [`SurfaceSampler::sample_each`]: enough to overlap their look-ups.
+pub const BATCH: usize = 64;
+
 /// Number of regions that a map is cut into.
 pub type RegionCount = u32;
 
@@ -57,66 +60,6 @@ pub struct EnvSample {
     pub pdf: f64,
     /// The map's radiance from there.
     pub radiance: Rgb,
-}
-
-/// Samples of a map, component by component; all parts have the same length.
-#[derive(Debug, Clone, Default)]
-pub struct EnvSamples {
-    /// x of the unit directions towards the light.
-    pub x: Vec<f64>,
-    /// y of these directions.
-    pub y: Vec<f64>,
-    /// z of these directions.
-    pub z: Vec<f64>,
-    /// Pdfs per solid angle.
-    pub pdf: Vec<f64>,
-    /// The map's radiance from there.
-    pub radiance: Vec<Rgb>,
-}
-
-impl EnvSamples {
-    /// Number of samples.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.pdf.len()
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.pdf.is_empty()
-    }
-
-    /// Removes all samples.
-    pub fn clear(&mut self) {
-        self.resize(0);
-    }
-
-    /// Appends a sample.
-    pub fn push(&mut self, sample: EnvSample) {
-        self.x.push(sample.wi.x);
-        self.y.push(sample.wi.y);
-        self.z.push(sample.wi.z);
-        self.pdf.push(sample.pdf);
-        self.radiance.push(sample.radiance);
-    }
-
-    /// All samples in turn.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = EnvSample> + '_ {
-        (0..self.len()).map(|i| EnvSample {
-            wi: DVec3::new(self.x[i], self.y[i], self.z[i]),
-            pdf: self.pdf[i],
-            radiance: self.radiance[i],
-        })
-    }
-
-    /// Makes room for `len` samples; new ones are 0.
-    pub(super) fn resize(&mut self, len: usize) {
-        for part in [&mut self.x, &mut self.y, &mut self.z, &mut self.pdf] {
-            part.resize(len, 0.0);
-        }
-        self.radiance.resize(len, Rgb::ZERO);
-    }
 }
 
 /// A directional light that stands for a region of a map.
@@ -133,12 +76,6 @@ pub struct FixedLight {
 pub trait SurfaceSampler: Send + Sync {
     /// The direction for `u` in \[0, 1)² and a unit normal in the map's frame; `None` when there is no sample.
     fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample>;
-
-    /// Replaces `out` by the samples that there are for all of `u`.
-    fn sample_many_for(&self, u: &[[f64; 2]], normal: DVec3, out: &mut EnvSamples) {
-        out.clear();
-        u.iter().filter_map(|&u| self.sample_for(u, normal)).for_each(|s| out.push(s));
-    }
 
     /// Sets `out` to the sample of each pair of random numbers and its normal; all parts have the same length.
     fn sample_each(&self, u: &[[f64; 2]], normals: &[DVec3], out: &mut [Option<EnvSample>]) {

@@ -18,9 +18,8 @@
 //! After Clarberg, Jarosz, Akenine-Möller, Jensen, "Wavelet Importance Sampling", 2005 (products of the map and the cosine by
 //! normal). Compensation: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019.
 
-use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
+use super::contract::{BATCH, Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
-use crate::sampling::batch::BATCH;
 use crate::sampling::prefetch::prefetch;
 use crate::sampling::table::{CellSample, ShortTables};
 use glam::DVec3;

@@ -11,7 +11,7 @@ pub mod errata;
 mod tests;
 pub mod texels;
 
-pub use contract::{Entry, EnvSample, EnvSamples, FixedLight, Method, RegionCount, SurfaceSampler};
+pub use contract::{BATCH, Entry, EnvSample, FixedLight, Method, RegionCount, SurfaceSampler};
 pub use cosine::CosineSampler;
 pub use errata::ErrataSampler;
 pub use texels::TexelSampler;

@@ -1,9 +1,7 @@
-//! Sampling texels in proportion to radiance, by inversion, singly or many at once: in small batches whose memory accesses
-//! overlap and whose arithmetic vectorizes.
+//! Sampling texels in proportion to radiance, by inversion.
 
-use super::contract::{Entry, EnvSample, EnvSamples, Method, SurfaceSampler};
+use super::contract::{Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::EnvMap;
-use crate::sampling::batch::{BATCH, Batch};
 use crate::sampling::table::Table2;
 use glam::DVec3;
 use std::sync::Arc;
@@ -47,13 +45,6 @@ impl SurfaceSampler for TexelSampler {
         Some(EnvSample { wi, pdf: at.probability() * g.inverse_solid_angle(y), radiance: self.map.texel(x, y) })
     }
 
-    /// The code is compiled twice, once for AVX2. Both do the same operations in the same order, and none is contracted,
-    /// so every machine gets the same bits.
-    fn sample_many_for(&self, u: &[[f64; 2]], _normal: DVec3, out: &mut EnvSamples) {
-        out.resize(if self.has_samples() { u.len() } else { 0 });
-        pulp::Arch::new().dispatch(Fill { sampler: self, u, out });
-    }
-
     fn map(&self) -> &EnvMap {
         &self.map
     }
@@ -70,32 +61,5 @@ impl SurfaceSampler for TexelSampler {
     #[inline]
     fn pdf_in_texel(&self, (x, y): (usize, usize), _normal: DVec3) -> f64 {
         self.table.probability(x, y) * self.map.geometry().inverse_solid_angle(y)
-    }
-}
-
-/// Many samples of a map, as many as `out` has room for.
-struct Fill<'a> {
-    sampler: &'a TexelSampler,
-    u: &'a [[f64; 2]],
-    out: &'a mut EnvSamples,
-}
-
-impl pulp::WithSimd for Fill<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<Simd: pulp::Simd>(self, _: Simd) {
-        let Self { sampler: TexelSampler { map, table }, u, out } = self;
-        let (geometry, pixels) = (map.geometry(), map.image().pixels());
-        let mut samples = Batch::default();
-        for (i, u) in u[..out.len()].chunks(BATCH).enumerate() {
-            let part = i * BATCH..i * BATCH + u.len();
-            table.sample_batch(u, pixels, &mut samples);
-            let [x, y, z, pdf] = [&mut out.x, &mut out.y, &mut out.z, &mut out.pdf].map(|v| &mut v[part.clone()]);
-            geometry.directions_in_texels(&samples, [x, y, z, pdf]);
-            for (radiance, &cell) in out.radiance[part].iter_mut().zip(&samples.cell) {
-                *radiance = pixels[cell];
-            }
-        }
     }
 }

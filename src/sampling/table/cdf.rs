@@ -25,13 +25,13 @@ pub(super) struct Cdf<'a> {
 }
 
 /// Cell ends that are compared with `u` without a branch; buckets with more are bisected.
-pub(super) const PROBES: usize = 4;
+const PROBES: usize = 4;
 
 /// The bucket of `u` in a guide of B = `buckets`: u · B, which is exact, to the nearest integer.
 ///
 /// Adding 2⁵² + 2⁵¹ rounds, and leaves the integer in the lowest bits: unlike a cast it vectorizes.
 #[inline]
-pub(super) fn bucket(u: f64, buckets: f64) -> usize {
+fn bucket(u: f64, buckets: f64) -> usize {
     const ROUND: f64 = 6_755_399_441_055_744.0;
     (u * buckets + ROUND).to_bits() as u32 as usize
 }
@@ -43,11 +43,21 @@ impl Cdf<'_> {
     }
 
     /// The cell for `u`, its start and its probability.
+    ///
+    /// The guide gives a few candidates. Which of them it is the processor cannot predict, so the common case has no branch that
+    /// depends on it.
     #[inline]
-    pub fn find(self, u: f64) -> (usize, f64, f64) {
+    fn find(self, u: f64) -> (usize, f64, f64) {
         let bucket = bucket(u, (self.guide.len() - 2) as f64);
-        let bracket = [self.guide[bucket], self.guide[bucket + 1]];
-        find(self.cdf, 0, self.cdf.len() - cdf_len(0), bracket, u)
+        let [first, last] = [self.guide[bucket], self.guide[bucket + 1]];
+        let first_cell = usize::from(first);
+        if last - first > PROBES as u16 || last == u16::MAX {
+            let last_cell = if last == u16::MAX { self.cdf.len() - cdf_len(1) } else { usize::from(last) };
+            return bisect(&self.cdf[..last_cell + 2], first_cell, u);
+        }
+        let near = &self.cdf[first_cell..][..PROBES + 2];
+        let passed: usize = near[1..=PROBES].iter().map(|&end| usize::from(end <= u)).sum();
+        (first_cell + passed, near[passed], near[passed + 1] - near[passed])
     }
 
     /// The cell for `u` in \[0, 1) and the position inside it, of a table whose weights are not all 0.
@@ -63,22 +73,6 @@ impl Cdf<'_> {
     }
 }
 
-/// The cell for `u` in the table of n `cells` at `base`, its start and its probability.
-///
-/// The guide gives a few candidates. Which of them it is the processor cannot predict, so the common case has no branch that
-/// depends on it, and the look-ups of many samples overlap.
-#[inline(always)]
-pub(super) fn find(tables: &[f64], base: usize, cells: usize, [first, last]: [u16; 2], u: f64) -> (usize, f64, f64) {
-    let first_cell = usize::from(first);
-    if last - first > PROBES as u16 || last == u16::MAX {
-        let last_cell = if last == u16::MAX { cells - 1 } else { usize::from(last) };
-        return bisect(&tables[base..base + last_cell + 2], first_cell, u);
-    }
-    let near = &tables[base + first_cell..][..PROBES + 2];
-    let passed: usize = near[1..=PROBES].iter().map(|&end| usize::from(end <= u)).sum();
-    (first_cell + passed, near[passed], near[passed + 1] - near[passed])
-}
-
 /// The cell for `u` from `first` to the last of a table.
 #[cold]
 #[inline(never)]
@@ -89,7 +83,7 @@ fn bisect(cdf: &[f64], first: usize, u: f64) -> (usize, f64, f64) {
 
 /// A position in a cell, clamped away from its borders.
 #[inline]
-pub(crate) fn inside(offset: f64) -> f64 {
+pub(super) fn inside(offset: f64) -> f64 {
     offset.clamp(BORDER, 1.0 - BORDER)
 }
 

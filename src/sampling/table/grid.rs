@@ -1,8 +1,6 @@
 //! Distributions over the cells of a grid: a table of rows, and one for each row.
 
-use super::super::batch::{BATCH, Batch};
-use super::super::prefetch::prefetch;
-use super::cdf::{Cdf, CellSample, PROBES, bucket, cdf_len, fill, find, guide_len, inside};
+use super::cdf::{Cdf, CellSample, cdf_len, fill, guide_len};
 use super::line::Table1;
 use rayon::prelude::*;
 
@@ -84,53 +82,6 @@ impl Table2 {
     pub fn sample(&self, u: [f64; 2]) -> Option<GridSample> {
         let y = self.rows.sample(u[0])?;
         Some(GridSample { x: self.row(y.cell).sample(u[1]), y })
-    }
-
-    /// [`Table2::sample`] for up to [`BATCH`] pairs at once, to the same bits, from weights that are not all 0. `values`
-    /// has one value per cell, row by row; those of the sampled cells are prefetched.
-    ///
-    /// A sample takes four dependent look-ups, and in a large map each waits for memory. So each step is done for all
-    /// samples before the next one, and prefetches what that needs. The remaining arithmetic runs over plain arrays.
-    #[inline(always)]
-    pub fn sample_batch<T>(&self, u: &[[f64; 2]], values: &[T], out: &mut Batch) {
-        let n = u.len().min(BATCH);
-        let u = &u[..n];
-        let (stride, guide_stride) = (cdf_len(self.width), guide_len(self.width));
-        let buckets = (guide_stride - 2) as f64;
-        let rows = self.rows.view();
-        let (cell, x, y, bracket) = (&mut out.cell[..n], &mut out.x[..n], &mut out.y[..n], &mut out.bracket[..n]);
-        let (fx, fy) = (&mut out.fx[..n], &mut out.fy[..n]);
-        let (px, py) = (&mut out.column[..n], &mut out.probability[..n]);
-        // Find the rows, and the places in the guides of their columns.
-        for i in 0..n {
-            let [v, u] = u[i];
-            let (row, start, probability) = rows.find(v);
-            (y[i], fy[i], py[i]) = (row as u32, v - start, probability);
-            cell[i] = row * guide_stride + bucket(u, buckets);
-            prefetch(&self.guide, cell[i]);
-        }
-        // Read from the guides which columns come into question.
-        for i in 0..n {
-            bracket[i] = [self.guide[cell[i]], self.guide[cell[i] + 1]];
-            let first = y[i] as usize * stride + usize::from(bracket[i][0]);
-            prefetch(&self.cdf, first);
-            prefetch(&self.cdf, first + PROBES + 1);
-        }
-        // Find the columns.
-        for i in 0..n {
-            let u = u[i][1];
-            let row = y[i] as usize;
-            let (column, start, probability) = find(&self.cdf, row * stride, self.width, bracket[i], u);
-            (x[i], fx[i], px[i]) = (column as u32, u - start, probability);
-            cell[i] = row * self.width + column;
-            prefetch(values, cell[i]);
-        }
-        // Compute positions inside the cells and the cells' probabilities.
-        for i in 0..n {
-            fx[i] = inside(fx[i] / px[i]);
-            fy[i] = inside(fy[i] / py[i]);
-            py[i] *= px[i];
-        }
     }
 
     /// Probability of a cell (not per area).

@@ -23,7 +23,7 @@ impl Table1 {
     }
 
     #[inline]
-    pub(super) fn view(&self) -> Cdf<'_> {
+    fn view(&self) -> Cdf<'_> {
         Cdf { cdf: &self.cdf, guide: &self.guide }
     }
 
