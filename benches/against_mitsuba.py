@@ -140,11 +140,11 @@ def run(options):
                 writer.writeheader(), writer.writerows(rows)
     print(f"\n| geometric mean of | scenes | {' | '.join(columns[2:-1])} |\n|{'---|' * (len(columns) - 1)}")
     for name in [*SETS, "all"]:
-        chosen = [row for row in rows if name in (row["set"], "all")]
+        if not (chosen := [row for row in rows if name in (row["set"], "all")]):
+            continue
         mean = lambda key, spp: np.exp(np.mean([np.log(row[key]) for row in chosen if row["spp"] == spp and row[key] > 0]))
         means = [mean("ratio", spp) for spp in LEVELS] + [mean(key, spp) for key in ("trimmed", "set_up") for spp in LEVELS[-2:]]
-        if chosen:
-            print(f"| {name} | {len(chosen) // len(LEVELS)} | {' | '.join(f'{value:.2f}' for value in means)} |")
+        print(f"| {name} | {len(chosen) // len(LEVELS)} | {' | '.join(f'{value:.2f}' for value in means)} |")
 
 
 if __name__ == "__main__":

@@ -347,6 +347,7 @@ impl Bench {
             "\n| kind | left out | best without it over the best, {JUDGED} samples per pixel | of each case |\n|---|---|---|---|"
         );
         let mut kinds: Vec<String> = cases.iter().map(Case::group).collect();
+        kinds.sort();
         kinds.dedup();
         for kind in &kinds {
             for technique in JUDGED_TECHNIQUES {

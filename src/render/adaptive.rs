@@ -19,9 +19,9 @@ use rayon::prelude::*;
 
 /// The first samples of every pixel, which have one path each in every render: a render of more samples may continue one of fewer.
 pub const UNIFORM: u32 = 8;
-/// From here on a pixel has as many paths as its number says for each sample.
+/// From this sample on each has n paths; those between have 2n − 1.
 const CAUGHT_UP: u32 = 2 * UNIFORM;
-/// The largest number of paths for each sample.
+/// The largest n.
 pub const MOST_PATHS: u32 = 64;
 /// Neighbours of the other colour, by column and row, in two halves that mirror each other: an edge through a pixel passes both.
 /// The variance of a neighbour counts by the inverse of its squared distance.

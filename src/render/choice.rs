@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::scene::{Emission, EmitterVisibility, Material, Request, Scene};
 use rayon::prelude::*;
 
-/// Columns and rows of the pixels on which densities of a map are tried, at most, and the samples of each.
+/// Columns and rows of the pixels on which candidates are tried, at most, and the samples of each.
 const TRIAL_GRID: [usize; 2] = [20, 15];
 const TRIAL: u32 = 4;
 
@@ -27,7 +27,7 @@ impl Settings {
         Self { sampling, density: Some(density), ..self }
     }
 
-    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none for area lights without a map, where
+    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map where rays can hit lights: there
     /// the default is light and BSDF sampling combined with light tracing.
     ///
     /// Lights that no ray can hit are found by light samples alone. At a diffuse surface that sees the whole map, radiance times cosine is the
@@ -42,7 +42,7 @@ impl Settings {
         const CAUSTICS: (Sampling, MapSampling) = (Sampling::MisLt, MapSampling::COSINE_COMPENSATED);
         let is_diffuse = scene.objects.iter().all(|object| matches!(object.material, Material::Diffuse { .. }));
         match &scene.environment {
-            None if !scene.objects.iter().any(|object| object.emission.is_some_and(is_sampled)) => &[LIGHT],
+            None if !scene.objects.iter().any(|object| object.emission.is_some_and(can_be_hit)) => &[LIGHT],
             None => &[],
             Some(_) if lone_convex_from_outside(scene) => &[LIGHT, MIS],
             Some(_) if is_diffuse => &[LIGHT, MIS, COMPENSATED],
@@ -51,8 +51,8 @@ impl Settings {
     }
 }
 
-/// Whether rays that hit an emitter find light that light samples find, too.
-fn is_sampled(emission: Emission) -> bool {
+/// Whether a ray that hits the emitter counts its light.
+fn can_be_hit(emission: Emission) -> bool {
     emission.visibility == EmitterVisibility::Sampled
 }
 

@@ -21,6 +21,8 @@ pub struct GlassRow {
     pub glass_pixels: usize,
     /// Their mean radiance, of all channels.
     pub glass: f64,
+    /// The root mean square of the standard errors of these pixels, over their mean radiance.
+    pub noise: f64,
     /// The same by the reference path tracer, with fewer samples.
     pub glass_by_reference: f64,
     /// The difference in standard errors, of the channel where it is largest.
@@ -88,6 +90,7 @@ pub fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha
     let seed = settings.seed.wrapping_add(1);
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
     let reference = Mean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
+    let square = glass.error.iter().map(|error| error * error).sum::<f64>() / 3.0;
     let walls = objects.mask(Kind::Diffuse);
     let light = inside(rendered.image.pixels(), &walls).map(|p| f64::from(p.element_sum())).collect();
     let row = GlassRow {
@@ -95,6 +98,7 @@ pub fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha
         spp: request.spp,
         glass_pixels: glass.pixels,
         glass: glass.mean_rgb(),
+        noise: (square * glass.pixels as f64).sqrt() / glass.mean_rgb(),
         glass_by_reference: reference.mean_rgb(),
         z: glass.z(&reference),
         brightest_percent: brightest_percent(light),

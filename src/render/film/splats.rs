@@ -3,8 +3,8 @@
 //! Light paths are traced with the samples of one pixel and contribute to any pixel. They are scaled so that the mean of a
 //! pixel is the sum of its contributions over the number of samples per pixel, whichever pixels the paths belong to.
 //!
-//! Contributions of one path to several pixels depend on each other. The variance of a pixel is that of a bound: for a path that contributes
-//! xₖ to pixel k, (Σ aₖ xₖ)² ≤ Σ aₖ² xₖ X with X = Σ xₖ, for any numbers aₖ (Cauchy's inequality). With xₖ X in place of xₖ² for each
+//! Contributions of one path to several pixels depend on each other. What stands for the variance of a pixel is a bound: for a path that contributes
+//! xₖ ≥ 0 to pixel k, (Σ aₖ xₖ)² ≤ Σ aₖ² xₖ X with X = Σ xₖ, for any numbers aₖ (Cauchy's inequality). With xₖ X in place of xₖ² for each
 //! path, the variance of any weighted sum of pixels is at most what it would be if pixels were independent.
 
 use super::fixed::{Fixed, FixedRgb};
@@ -96,8 +96,8 @@ impl Splats {
 }
 
 impl Received {
-    /// The variance of the light of a pixel after as many `paths` for each pixel, in an image of `pixels`, most of which contribute nothing
-    /// here; for a sum of pixels as if they were independent.
+    /// The variance of the light of a pixel after `paths` light paths for each of `pixels`, most of which contribute nothing here; added over
+    /// pixels as if they were independent, a bound for their sum.
     pub fn variance(&self, paths: f64, pixels: f64) -> [f64; 3] {
         std::array::from_fn(|c| {
             if self.square.0[c] == Fixed::MAX {
