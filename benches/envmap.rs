@@ -61,7 +61,7 @@ fn single(group: &mut BenchmarkGroup<WallTime>, name: &str, sample: impl Fn(u32)
 
 /// Every sampler of directions in the registry, by inversion first.
 fn sampled() -> impl Iterator<Item = MapSampling> {
-    let all = samplers::ALL.iter().map(|entry| MapSampling::with_regions(entry, 64));
+    let all = samplers::ALL.iter().map(|entry| MapSampling::new(entry));
     all.filter(|sampling| !sampling.has_fixed_lights())
 }
 

@@ -306,13 +306,11 @@ impl Bench {
         let mut ratios: HashMap<u32, Vec<f64>> = HashMap::new();
         for case in cases {
             let cell = |&spp: &u32| {
-                let found = self.ratio(case, spp);
-                let text = found.map_or(String::new(), |(best, [ratio, width])| {
-                    ratios.entry(spp).or_default().push(ratio);
-                    let [low, middle, high] = [ratio - width, ratio, ratio + width].map(f64::exp);
-                    format!("{middle:.2} ({low:.2} to {high:.2}) of {best}")
-                });
-                text.replace(&format!(" of {DEFAULT}"), "")
+                let Some((best, [ratio, width])) = self.ratio(case, spp) else { return String::new() };
+                ratios.entry(spp).or_default().push(ratio);
+                let [low, middle, high] = [ratio - width, ratio, ratio + width].map(f64::exp);
+                let of = if best == DEFAULT { String::new() } else { format!(" of {best}") };
+                format!("{middle:.2} ({low:.2} to {high:.2}){of}")
             };
             let cells: Vec<String> = self.spp.iter().map(cell).collect();
             println!("| {} | {} |", case.name, cells.join(" | "));

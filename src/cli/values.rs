@@ -36,9 +36,8 @@ pub fn map_sampling(text: &str) -> std::result::Result<MapSampling, String> {
 /// The environment-map samplers among some, each with what it does.
 pub fn map_samplers(among: impl Fn(MapSampling) -> bool) -> String {
     let line = |entry: &Entry| {
-        let number = if entry.has_fixed_lights() { "-K" } else { "" };
         let density = if entry.density == entry.name { String::new() } else { format!(" ({})", entry.density) };
-        format!("{}{number}{density}: {}", entry.name, entry.doc)
+        format!("{}{density}: {}", entry.name_with_k(), entry.doc)
     };
     let some = samplers::ALL.iter().filter(|entry| among(MapSampling::new(entry)));
     some.map(|entry| line(entry)).collect::<Vec<_>>().join("; ")

@@ -27,8 +27,7 @@ impl Settings {
         Self { sampling, density: Some(density), ..self }
     }
 
-    /// The techniques and densities of the map among which a render of a scene chooses, by theory; none without a map where rays can hit lights: there
-    /// the default is light and BSDF sampling combined with light tracing.
+    /// The techniques and densities of the map among which a render of a scene chooses, by theory.
     ///
     /// Lights that no ray can hit are found by light samples alone. At a diffuse surface that sees the whole map, radiance times cosine is the
     /// integrand: light samples in proportion to it are all that it needs. BSDF samples help where cosines vary within a block of the map or a cell of
@@ -43,10 +42,9 @@ impl Settings {
         let is_diffuse = scene.objects.iter().all(|object| matches!(object.material, Material::Diffuse { .. }));
         match &scene.environment {
             None if !scene.objects.iter().any(|object| object.emission.is_some_and(can_be_hit)) => &[LIGHT],
-            None => &[],
             Some(_) if lone_convex_from_outside(scene) => &[LIGHT, MIS],
             Some(_) if is_diffuse => &[LIGHT, MIS, COMPENSATED],
-            Some(_) => &[CAUSTICS],
+            _ => &[CAUSTICS],
         }
     }
 }
@@ -60,12 +58,11 @@ impl Job<'_> {
     /// Chooses the candidate with the least variance in a few pixels; the scene is prepared for the first. The image does not contain
     /// their paths, so that it is unbiased.
     pub(super) fn choose(&mut self, candidates: &[(Sampling, MapSampling)]) -> Result<()> {
-        let [_, others @ ..] = candidates else { return Ok(()) };
-        if others.is_empty() {
+        if candidates.len() < 2 {
             return Ok(());
         }
         let mut least = self.variance_of_trial();
-        for &candidate in others {
+        for &candidate in &candidates[1..] {
             let settings = self.settings.with(candidate);
             // Candidates of one density share its table.
             let table = match settings.density == self.settings.density {

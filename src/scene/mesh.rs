@@ -33,8 +33,7 @@ impl Surface {
     #[inline]
     pub(super) fn on(corners: [Vec3; 3], normal: Vec3, corner_normals: [Vec3; 3], [u, v]: [f32; 2]) -> Self {
         // In f64, so that only the result is rounded.
-        let [a, b, c] = corners;
-        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+        let [a, b, c] = in_f64(corners);
         let point = (a + f64::from(u) * (b - a) + f64::from(v) * (c - a)).as_vec3();
         let [na, nb, nc] = corner_normals;
         let shading = na * (1.0 - u - v) + nb * u + nc * v;
@@ -205,9 +204,15 @@ pub(super) fn normal_of(corners: [Vec3; 3]) -> Option<Vec3> {
         return None;
     }
     // In f64 no product under- or overflows.
-    let [a, b, c] = corners;
-    let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+    let [a, b, c] = in_f64(corners);
     Some((b - a).cross(c - a).try_normalize()?.as_vec3())
+}
+
+/// The corners in double precision. Here and in the other loops over all triangles each element is written out: compilers do not
+/// always inline `map` of arrays, and the preparation of a mesh then takes a quarter longer.
+#[inline(always)]
+fn in_f64([a, b, c]: [Vec3; 3]) -> [DVec3; 3] {
+    [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()]
 }
 
 fn usable(position: Vec3) -> bool {

@@ -96,6 +96,7 @@ mod tests {
     use crate::errata::Conventions;
     use crate::math::Rgb;
     use crate::raster::Image;
+    use crate::sampling::warp::uniform_sphere;
     use std::f64::consts::PI;
     use std::sync::Arc;
 
@@ -108,8 +109,7 @@ mod tests {
 
     impl SurfaceSampler for Uniform {
         fn sample_for(&self, u: [f64; 2], normal: DVec3) -> Option<EnvSample> {
-            let [x, y] = [u[0] * 64.0, (1.0 - 2.0 * u[1]).acos() / PI * 32.0];
-            let wi = self.0.geometry().direction(x, y);
+            let wi = uniform_sphere(u);
             Some(EnvSample { wi, pdf: self.pdf_for(wi, normal), radiance: self.0.radiance(wi) })
         }
 

@@ -30,6 +30,12 @@ impl Entry {
     pub const fn has_fixed_lights(&self) -> bool {
         matches!(self.method, Method::FixedLights(_))
     }
+
+    /// The name, with `K` for the number of regions.
+    #[must_use]
+    pub fn name_with_k(&self) -> String {
+        format!("{}{}", self.name, if self.has_fixed_lights() { "-K" } else { "" })
+    }
 }
 
 /// Makes a sampler of a map.

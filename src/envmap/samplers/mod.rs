@@ -22,7 +22,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Every sampler. Where a density has several, the first one stands for it.
+/// Every sampler.
 pub const ALL: &[&Entry] =
     &[texels::ENTRY, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
 
@@ -123,9 +123,7 @@ impl MapSampling {
     /// The names of all samplers, `K` standing for a number of regions.
     #[must_use]
     pub fn names() -> Vec<String> {
-        ALL.iter()
-            .map(|entry| if entry.has_fixed_lights() { format!("{}-K", entry.name) } else { entry.name.into() })
-            .collect()
+        ALL.iter().map(|entry| entry.name_with_k()).collect()
     }
 }
 
@@ -152,7 +150,7 @@ impl fmt::Debug for MapSampling {
 impl FromStr for MapSampling {
     type Err = Error;
 
-    /// The sampler of that name, or the first one of that density.
+    /// The sampler of that name, or of that density.
     fn from_str(text: &str) -> Result<Self> {
         let of = |name: fn(&Entry) -> &'static str| {
             ALL.iter().find_map(|entry| {

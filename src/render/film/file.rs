@@ -75,8 +75,8 @@ impl Part {
         attributes = attributes
             .with(ERRORS_OF_SUMS[0], ERRORS_OF_SUMS[1])
             .with(NONFINITE, dropped.nonfinite)
-            .with(NEGATIVE, dropped.negative);
-        attributes = attributes.with(FAINT, dropped.faint);
+            .with(NEGATIVE, dropped.negative)
+            .with(FAINT, dropped.faint);
         match dropped.first_pixel {
             Some((x, y)) => attributes.with(FIRST, format!("{x} {y}")),
             None => attributes,

@@ -95,17 +95,19 @@ impl<'a> Row<'a> {
     /// count as black.
     pub fn splat(&mut self, splats: &[Splat]) {
         let mut of_path = vec![Rgb::ZERO; splats.iter().map(|splat| splat.path + 1).max().unwrap_or(0)];
-        let possible = || splats.iter().filter(|splat| is_light(splat.value));
-        possible().for_each(|splat| of_path[splat.path] += splat.value);
-        self.splats.extend(possible().map(|&splat| (splat, of_path[splat.path])));
         for splat in splats {
             if !is_light(splat.value) {
                 let [x, y] = splat.pixel.map(|at| at as usize);
                 self.dropped = self.dropped.merge(Dropped::one(splat.value, (x, y)));
-            } else if is_faint(splat.value) {
+                continue;
+            }
+            if is_faint(splat.value) {
                 self.dropped = self.dropped.merge(Dropped::FAINT);
             }
+            of_path[splat.path] += splat.value;
         }
+        let possible = splats.iter().filter(|splat| is_light(splat.value));
+        self.splats.extend(possible.map(|&splat| (splat, of_path[splat.path])));
         if self.splats.len() >= SPLATS {
             self.flush();
         }

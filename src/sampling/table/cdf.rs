@@ -29,7 +29,7 @@ const PROBES: usize = 4;
 
 /// The bucket of `u` in a guide of B = `buckets`: u · B, which is exact, to the nearest integer.
 ///
-/// Adding 2⁵² + 2⁵¹ rounds, and leaves the integer in the lowest bits: unlike a cast it vectorizes.
+/// Adding 2⁵² + 2⁵¹ rounds, and leaves the integer in the lowest bits.
 #[inline]
 fn bucket(u: f64, buckets: f64) -> usize {
     const ROUND: f64 = 6_755_399_441_055_744.0;

@@ -49,7 +49,7 @@ pub fn methods() -> Vec<(String, String)> {
         let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
         if entry.has_fixed_lights() {
-            names.push((format!("{name}-K"), format!("light; the environment: {doc}")));
+            names.push((entry.name_with_k(), format!("light; the environment: {doc}")));
             continue;
         }
         if entry.complete {

@@ -65,7 +65,7 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
     })
 }
 
-/// The cell.
+/// The cell of an alias table.
 fn alias(name: String, shape: Weights, n: usize) -> Case {
     Case::of(name, Discrete { outcomes: n }, move || {
         let weights = weights(shape, n);
