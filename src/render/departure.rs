@@ -123,7 +123,7 @@ impl PreparedScene<'_> {
     /// What the environment contributes to the density of light tracing at a point, in direction `wi`.
     pub fn density_of_light_paths(&self, point: Vec3, wi: Vec3) -> f32 {
         let tracing = self.light_tracing.as_ref();
-        tracing.map_or(0.0, |tracing| tracing.density_of_environment(self.environment.as_ref(), point, wi))
+        tracing.map_or(0.0, |tracing| tracing.density_of_environment(self.environment.as_deref(), point, wi))
     }
 
     /// The environment's light on a ray from `origin`, times its MIS weight.

@@ -5,7 +5,7 @@ use super::light_sample::{LightSample, LightSampleLanes};
 use super::needs::Needs;
 use super::settings::{Sampling, Settings};
 use super::shaders::Kind;
-use crate::envmap::samplers::{BATCH, EnvSample, SurfaceSampler};
+use crate::envmap::samplers::{BATCH, EnvSample, MapSampling, SurfaceSampler};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::sampling::warp;
@@ -15,6 +15,7 @@ use glam::{DVec3, Vec3};
 /// Light samples of the environment.
 pub struct EnvironmentSampling<'a> {
     environment: &'a Environment,
+    density: MapSampling,
     sampler: Box<dyn SurfaceSampler>,
     /// Whether the sampler looks at the surface's normal.
     needs_normal: bool,
@@ -26,18 +27,24 @@ impl<'a> EnvironmentSampling<'a> {
     /// # Errors
     /// [`Error::Parameter`] for a sampler that misses part of the light and is used alone; those of the sampler.
     pub fn new(scene: &'a Scene, settings: &Settings, needs: &Needs) -> Result<Option<Self>> {
-        let by_light = settings.map_sampling();
+        let density = settings.map_sampling();
         let Some(environment) = &scene.environment else { return Ok(None) };
         // Fixed lights are among the scene's lights.
-        if !settings.sampling.by_light() || !needs.environment_table || by_light.has_fixed_lights() {
+        if !settings.sampling.by_light() || !needs.environment_table || density.has_fixed_lights() {
             return Ok(None);
         }
-        if !settings.sampling.is_mis() && !by_light.entry().complete {
-            return Err(Error::parameter("density", format!("the density {by_light} misses part of the light"))
+        if !settings.sampling.is_mis() && !density.entry().complete {
+            return Err(Error::parameter("density", format!("the density {density} misses part of the light"))
                 .with_hint("it is correct only together with BSDF sampling: use `sampling` mis"));
         }
-        let sampler = by_light.sampler(environment.map.clone())?;
-        Ok(sampler.has_samples().then_some(Self { environment, sampler, needs_normal: by_light.needs_normal() }))
+        let sampler = density.sampler(environment.map.clone())?;
+        let needs_normal = density.needs_normal();
+        Ok(sampler.has_samples().then_some(Self { environment, density, sampler, needs_normal }))
+    }
+
+    /// Whether these are the samples that the settings ask for.
+    pub fn is_for(&self, settings: &Settings) -> bool {
+        settings.sampling.by_light() && settings.map_sampling() == self.density
     }
 
     /// Whether directions to both sides of a surface are sampled, each with probability ½ and by the normal on its side: light

@@ -16,7 +16,6 @@ use crate::interrupt;
 use crate::math::Rgb;
 use crate::memory;
 use crate::raster::{Image, Metadata};
-use crate::sampling::{hash::mix64, stream::StreamKind};
 use crate::scene::{Request, Scene};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -166,7 +165,7 @@ impl<'a> Job<'a> {
             let variances: Vec<f32> = if has_first {
                 pixels.par_iter().map(variance).collect()
             } else {
-                let row = |y: usize| self.variances(y, &|_, n| n..UNIFORM, Pass::Variance, control);
+                let row = |y: usize| self.variances(y, control);
                 (0..height).into_par_iter().flat_map_iter(row).collect()
             };
             if control.stop() {
@@ -177,10 +176,10 @@ impl<'a> Job<'a> {
         self.counts.get()
     }
 
-    /// The variances of the pixels of row `y`, from samples that are not for the image.
-    pub(super) fn variances(&self, y: usize, left: Left, pass: Pass, control: &dyn Control) -> Vec<f32> {
+    /// The variances of the pixels of row `y`, from the first samples again.
+    fn variances(&self, y: usize, control: &dyn Control) -> Vec<f32> {
         let mut pixels = vec![Pixel::default(); self.scene.request.width];
-        self.row(&mut Row::new(y, &mut pixels, &mut []), left, pass, control);
+        self.row(&mut Row::new(y, &mut pixels, &mut []), &|_, n| n..UNIFORM, Pass::Variance, control);
         pixels.iter().map(variance).collect()
     }
 
@@ -218,13 +217,11 @@ type Left<'a> = &'a dyn Fn(usize, u32) -> Range<u32>;
 
 /// What samples are for.
 #[derive(Clone, Copy)]
-pub(super) enum Pass<'a> {
+enum Pass<'a> {
     /// For the image, with so many paths or one each.
     Image(Option<&'a PathCounts>),
     /// For the variance of pixels, the first samples again: without light paths.
     Variance,
-    /// To choose among techniques: with independent random numbers, and without light paths.
-    Trial,
 }
 
 impl Pass<'_> {
@@ -232,7 +229,7 @@ impl Pass<'_> {
     fn paths(self, pixel: usize, sample: u32) -> (u32, u32) {
         match self {
             Self::Image(Some(counts)) => counts.of(pixel, sample),
-            Self::Image(None) | Self::Variance | Self::Trial => (1, sample),
+            Self::Image(None) | Self::Variance => (1, sample),
         }
     }
 }
@@ -276,9 +273,6 @@ impl<'a> Batch<'a> {
     fn new(job: &'a Job<'a>, pass: Pass) -> Self {
         let Settings { stream, seed, .. } = job.settings;
         let light_tracing = matches!(pass, Pass::Image(_)) && job.scene.light_tracing.is_some();
-        // Samples that are well distributed together say too little of the variance of one.
-        let is_trial = matches!(pass, Pass::Trial);
-        let (stream, seed) = if is_trial { (StreamKind::Independent, mix64(!seed)) } else { (stream, seed) };
         Self {
             samples: Vec::with_capacity(LANES),
             numbers: SampleLanes::new(stream, seed),

@@ -19,6 +19,7 @@ use crate::sampling::stream::DIMENSIONS;
 use crate::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
 use pulp::Arch;
+use std::sync::Arc;
 
 /// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
 /// would cause fireflies.
@@ -36,13 +37,13 @@ pub struct PreparedScene<'a> {
     /// What of the renderer the scene needs.
     pub needs: Needs,
     /// Shapes prepared for intersection.
-    pub geometry: Geometry<'a>,
+    pub geometry: Arc<Geometry<'a>>,
     /// BSDF and emission by object.
     pub shaders: Vec<SurfaceShader>,
     /// The lights that are sampled.
     pub lights: Lights,
     /// Light samples of the environment, if they are taken.
-    pub environment: Option<EnvironmentSampling<'a>>,
+    pub environment: Option<Arc<EnvironmentSampling<'a>>>,
     /// Light tracing, if it is one of the techniques.
     pub light_tracing: Option<LightTracing>,
     /// Which techniques find the light.
@@ -68,7 +69,30 @@ impl<'a> PreparedScene<'a> {
             let bytes = scene.objects.iter().map(|object| Bvh::bytes(&object.shape)).sum();
             memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
         }
-        let geometry = Geometry::new(scene, needs.tree);
+        let geometry = Arc::new(Geometry::new(scene, needs.tree));
+        let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
+        Self::with_techniques(scene, request, settings, (needs, geometry, environment))
+    }
+
+    /// The same scene for another technique or density of the map.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::new`].
+    pub fn with(&self, settings: &Settings) -> Result<Self> {
+        let Self { scene, ref request, needs, ref geometry, ref environment, .. } = *self;
+        let environment = match environment.as_ref().filter(|environment| environment.is_for(settings)) {
+            Some(environment) => Some(environment.clone()),
+            None => EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new),
+        };
+        Self::with_techniques(scene, request, settings, (needs, geometry.clone(), environment))
+    }
+
+    fn with_techniques(
+        scene: &'a Scene,
+        request: &Request,
+        settings: &Settings,
+        (needs, geometry, environment): (Needs, Arc<Geometry<'a>>, Option<Arc<EnvironmentSampling<'a>>>),
+    ) -> Result<Self> {
         let fixed = cut_lights::of(scene, settings)?;
         let lights = Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples);
         let rounds = lights.rounds().len();
@@ -77,9 +101,8 @@ impl<'a> PreparedScene<'a> {
             return Err(Error::parameter("max_depth", message).with_hint("each sample needs random numbers of its own"));
         }
         let shaders = SurfaceShader::all(scene, settings, &lights.all);
-        let environment = EnvironmentSampling::new(scene, settings, &needs)?;
         let light_tracing = match settings.sampling {
-            Sampling::MisLt => LightTracing::new(scene, request, &shaders, &lights, environment.as_ref(), &geometry),
+            Sampling::MisLt => LightTracing::new(scene, request, &shaders, &lights, environment.as_deref(), &geometry),
             _ => None,
         };
         Ok(Self {

@@ -7,6 +7,7 @@ use super::step::Step;
 use super::{diffuse, general};
 use crate::render::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
 use crate::render::light_sample::LightSampleLanes;
+use crate::render::light_selection::Round;
 use crate::render::mis::balance_heuristic;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};
@@ -146,6 +147,10 @@ fn emission_density(scene: &PreparedScene, vertex: &Vertex, samples: &LightSampl
 
 /// Traces the rays of a source and adds their values where they find its light.
 fn add_light(scene: &PreparedScene, source: Source, shadows: &Shadows, hits: &mut Hits, radiance: &mut Radiance) {
+    radiance.work.rays += shadows.count;
+    if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
+        radiance.work.choices += shadows.count;
+    }
     match source {
         Source::Lights(..) | Source::Environment => add_unoccluded(scene, shadows, radiance),
         Source::BsdfOnly(_) => add_emission_found(scene, shadows, hits, radiance),

@@ -52,6 +52,8 @@ pub struct LightPathBuffers {
     connections: Connections,
     /// The BSDFs of vertices on an object with textures.
     varying: Vec<Bsdf>,
+    /// How many rays were traced.
+    pub traced: usize,
 }
 
 /// Directions at the vertices on one object, in their shading frames.
@@ -77,6 +79,8 @@ struct Contribution {
     class: usize,
     /// What it adds to a pixel whose filter has the value 1 there.
     value: Rgb,
+    /// [`Splat::others`].
+    others: f32,
 }
 
 /// Rays to the camera, and what each adds to the image if it is not occluded.
@@ -102,13 +106,14 @@ pub fn trace_light_paths(
     splats: &mut Vec<Splat>,
 ) {
     let Some(tracing) = &scene.light_tracing else { return };
-    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections, varying } = buffers;
+    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections, varying, traced } = buffers;
     start(scene, tracing, (numbers, count), paths, rays);
     for scatterings in 0..scene.request.max_depth {
         if paths.is_empty() {
             return;
         }
         scene.geometry.nearest(rays, paths.len(), hits);
+        *traced += paths.len();
         let step = Step { scene, numbers, scatterings };
         vertices.clear();
         vertices.extend((0..paths.len()).filter_map(|i| Vertex::new(scene, rays, hits, i, paths[i])));
@@ -121,6 +126,7 @@ pub fn trace_light_paths(
             let bsdfs = Bsdfs::of(shader, group.iter().map(|vertex| vertex.uv), varying);
             scatter(step, (shader, bsdfs), group, local, (paths, rays));
         }
+        *traced += connections.contributions.len();
         connections.splat(scene, lens, splats);
     }
     paths.clear();
@@ -139,7 +145,7 @@ fn start(
     for slot in 0..count as u32 {
         let pair = |dimension| numbers.pair(slot, dimension, (0, 1));
         let u = [dimensions.choice(), dimensions.bsdf_direct(), dimensions.bsdf()].map(pair);
-        let Some(start) = tracing.start(&scene.lights, scene.environment.as_ref(), u) else { continue };
+        let Some(start) = tracing.start(&scene.lights, scene.environment.as_deref(), u) else { continue };
         let offset = |light: u32| scene.lights.all[light as usize].offset(start.origin);
         let offset = start.light.map_or(0.0, offset).copysign(start.normal.dot(start.direction));
         set(&mut rays.origin, paths.len(), start.origin + start.normal * offset);
@@ -253,6 +259,7 @@ fn connect(
                 film: view.film,
                 class: scene.classes.map_or(0, |classes| classes.index(path_class)),
                 value: vertex.path.power * f * (factor / (1.0 + others)),
+                others,
             },
         );
     }
@@ -335,9 +342,9 @@ impl Connections {
     fn splat(&mut self, scene: &PreparedScene, lens: &Lens, splats: &mut Vec<Splat>) {
         let mut blocked = [0; LANES];
         scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
-        for (Contribution { slot, film, class, value }, blocked) in self.contributions.drain(..).zip(blocked) {
+        for (Contribution { slot, film, class, value, others }, blocked) in self.contributions.drain(..).zip(blocked) {
             if blocked == 0 {
-                let splat = |pixel, weight| Splat { path: slot as usize, pixel, class, value: value * weight };
+                let splat = |pixel, weight| Splat { path: slot as usize, pixel, class, value: value * weight, others };
                 lens.pixels_around(film, |pixel, weight| splats.push(splat(pixel, weight)));
             }
         }

@@ -16,8 +16,8 @@ mod step;
 
 pub(crate) use diffuse::ExtendPaths;
 pub use light_paths::{LightPathBuffers, trace_light_paths};
-pub use paths::Radiance;
 pub(crate) use paths::{Paths, Points};
+pub use paths::{Radiance, Work};
 pub(crate) use rough::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 
 use super::departure::{Departure, EmitterHit};
@@ -72,6 +72,7 @@ pub fn trace(
             break;
         }
         scene.geometry.nearest(&paths.rays, paths.count, hits);
+        radiance.work.rays += paths.count;
         add_emission(scene, paths, hits, radiance);
         if scatterings == scene.request.max_depth {
             break;

@@ -75,7 +75,17 @@ pub struct Radiance {
     pub sum: Lane3,
     /// The same by path class, the classes of a slot side by side; empty without path classes.
     pub layers: Vec<Rgb>,
+    pub work: Work,
     classes: Option<PathClasses>,
+}
+
+/// What was done for camera samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Work {
+    /// Rays and shadow rays.
+    pub rays: usize,
+    /// Light samples for which a light or a place in the map was chosen.
+    pub choices: usize,
 }
 
 impl Default for Paths {
@@ -179,11 +189,12 @@ impl Shadows {
 impl Radiance {
     pub fn new(classes: Option<PathClasses>) -> Self {
         let layers = vec![Rgb::ZERO; LANES * classes.map_or(0, PathClasses::count)];
-        Self { sum: ZERO3, layers, classes }
+        Self { sum: ZERO3, layers, work: Work::default(), classes }
     }
 
     /// Sets the first `count` slots to black.
     pub fn clear(&mut self, count: usize) {
+        self.work = Work::default();
         for channel in &mut self.sum {
             channel[..count].fill(0.0);
         }

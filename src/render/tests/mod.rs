@@ -1,6 +1,7 @@
 //! Renders against exact answers, and against each other.
 
 mod adaptive;
+mod choice;
 mod filters;
 mod light_tracing;
 mod near;

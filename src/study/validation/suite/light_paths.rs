@@ -81,7 +81,7 @@ fn case(
 
 /// A light path from the first light, or from the environment.
 fn start(scene: &PreparedScene, u: [[f64; 2]; 3]) -> Option<Start> {
-    let start = scene.light_tracing.as_ref()?.start(&scene.lights, scene.environment.as_ref(), u)?;
+    let start = scene.light_tracing.as_ref()?.start(&scene.lights, scene.environment.as_deref(), u)?;
     start.light.is_none_or(|light| light == 0).then_some(start)
 }
 

@@ -1,0 +1,55 @@
+//! What a render chooses by itself.
+
+use super::light_tracing::{WIDE, box_with, sphere};
+use super::*;
+
+const SMALL: Request = Request { width: 40, height: 30, spp: 4, light_samples: 1, max_depth: 5 };
+
+fn chosen(scene: &Scene, seed: u64) -> Settings {
+    *Job::new(scene, &SMALL, &Settings { seed, ..Settings::usual() }).unwrap().settings()
+}
+
+fn glass() -> Material {
+    Material::Dielectric(Dielectric::clear(1.5))
+}
+
+/// A diffuse sphere in a sphere that emits the same light everywhere.
+fn within_light() -> Scene {
+    let mut scene = box_with(vec![sphere(Material::Diffuse { albedo: Rgb::splat(0.5) })], WIDE);
+    let around = Object::new(ball(Vec3::ZERO, 50.0), Material::Diffuse { albedo: Rgb::ZERO });
+    scene.objects.truncate(1);
+    let emission = Emission { two_sided: true, ..Emission::of_front(Rgb::ONE) };
+    scene.objects.push(Object { emission: Some(emission), ..around });
+    scene
+}
+
+/// Glass behind the wall of a box, where no light falls on it.
+fn hidden_glass() -> Scene {
+    let mut scene = box_with(Vec::new(), WIDE);
+    scene.objects.push(Object::new(ball(Vec3::new(0.0, -20.0, 0.0), 0.5), glass()));
+    scene
+}
+
+#[test]
+fn techniques_that_find_nothing_are_left_out() {
+    for seed in 0..8 {
+        assert_eq!(chosen(&within_light(), seed).sampling, Sampling::Bsdf);
+        assert_ne!(chosen(&hidden_glass(), seed).sampling, Sampling::MisLt);
+        assert_eq!(chosen(&box_with(vec![sphere(glass())], WIDE), seed).sampling, Sampling::MisLt);
+    }
+}
+
+#[test]
+fn what_is_chosen_renders_as_if_it_were_asked_for() {
+    let (under_map, _) = super::sphere(busy());
+    for scene in [within_light(), hidden_glass(), box_with(vec![sphere(glass())], WIDE), under_map] {
+        let named = chosen(&scene, 3);
+        assert!(!named.choose);
+        let usual = Settings { seed: 3, ..Settings::usual() };
+        let [a, b, c] = [usual, named, Settings { general: true, ..usual }]
+            .map(|settings| render(&scene, &SMALL, &settings, &Silent).unwrap());
+        assert_eq!(a.image, b.image, "{named:?}");
+        assert_eq!(a.image, c.image, "{named:?}");
+        assert_eq!(a.part.fingerprint, b.part.fingerprint);
+    }
+}
