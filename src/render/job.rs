@@ -49,6 +49,8 @@ impl Control for Silent {
 pub struct Job<'a> {
     pub(super) scene: PreparedScene<'a>,
     pub(super) settings: Settings,
+    /// Whether it chose the techniques.
+    pub(super) chooses: bool,
     pub(super) lens: Lens,
     /// How many paths the samples of each pixel have, after the first samples.
     counts: OnceLock<PathCounts>,
@@ -77,10 +79,11 @@ impl<'a> Job<'a> {
             return Err(Error::parameter("spp", message).with_hint("render with `uniform`"));
         }
         let start = Instant::now();
+        let chooses = settings.choose;
         let (settings, candidates) = settings.with_first_candidate(scene);
         let prepared = PreparedScene::new(scene, request, &settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
-        let mut job = Self { scene: prepared, settings, lens, counts: OnceLock::new(), start };
+        let mut job = Self { scene: prepared, settings, chooses, lens, counts: OnceLock::new(), start };
         job.choose(candidates)?;
         Ok(job)
     }
@@ -121,12 +124,6 @@ impl<'a> Job<'a> {
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
-    }
-
-    /// The parts that the scene does not need and that are therefore skipped.
-    #[must_use]
-    pub fn left_out(&self) -> Vec<&'static str> {
-        self.scene.needs.left_out(self.scene.scene, &self.settings)
     }
 
     /// Renders the samples of the range that `part` does not have yet, until `control` stops it. The part must be one of

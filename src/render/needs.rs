@@ -1,8 +1,7 @@
 //! The parts of the renderer that a scene needs; the others are neither built nor run.
 
 use super::geometry::Geometry;
-use super::settings::{Sampling, Settings};
-use crate::envmap::samplers::MapSampling;
+use super::settings::Settings;
 use crate::scene::{Material, Projection, Request, Scene, Shape};
 
 /// The parts of the renderer that a scene needs.
@@ -35,21 +34,15 @@ impl Needs {
         }
     }
 
-    /// Names of the parts, and of the techniques of the default, that are left out.
-    #[must_use]
-    pub fn left_out(&self, scene: &Scene, settings: &Settings) -> Vec<&'static str> {
-        let light_alone = scene.environment.is_some()
-            && lone_convex_from_outside(scene)
-            && (settings.sampling, settings.density) == (Sampling::Light, Some(MapSampling::COSINE));
+    /// Names of the parts that are left out.
+    pub fn left_out(&self, scene: &Scene) -> impl Iterator<Item = &'static str> {
         let parts = [
             (self.environment_table || scene.environment.is_none(), "environment sampling table"),
             (self.tree, "BVH"),
             (self.occlusion, "shadow rays"),
             (self.occlusion, "further bounces"),
-            (!light_alone, "BSDF sampling"),
-            (!light_alone, "light tracing"),
         ];
-        parts.into_iter().filter(|(needed, _)| !needed).map(|(_, name)| name).collect()
+        parts.into_iter().filter(|(needed, _)| !needed).map(|(_, name)| name)
     }
 }
 
@@ -75,19 +68,6 @@ mod tests {
     use crate::scene::{Environment, Sphere, builtin};
     use glam::{DVec3, Vec3};
     use std::sync::Arc;
-
-    #[test]
-    fn a_lone_sphere_under_a_map_takes_light_samples_alone() {
-        let map = Arc::new(EnvMap::new(Image::new(2, 1)));
-        let (scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
-        let (usual, _) = Settings::usual().with_first_candidate(&scene);
-        let left_out = |settings: &Settings| Needs::of(&scene, &request, settings).left_out(&scene, settings);
-        let techniques = ["BSDF sampling", "light tracing"];
-        assert!(techniques.iter().all(|name| left_out(&usual).contains(name)));
-        assert_eq!(left_out(&Settings { adaptive: false, ..usual }), left_out(&usual), "that is another choice");
-        let other = Settings { adaptive: true, ..Settings::default() };
-        assert!(techniques.iter().all(|name| !left_out(&other).contains(name)), "the user asked for them");
-    }
 
     #[test]
     fn only_a_lone_sphere_seen_from_outside_goes_without_occlusion() {

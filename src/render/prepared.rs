@@ -41,7 +41,7 @@ pub struct PreparedScene<'a> {
     /// BSDF and emission by object.
     pub shaders: Vec<SurfaceShader>,
     /// The lights that are sampled.
-    pub lights: Lights,
+    pub lights: Arc<Lights>,
     /// Light samples of the environment, if they are taken.
     pub environment: Option<Arc<EnvironmentSampling<'a>>>,
     /// Light tracing, if it is one of the techniques.
@@ -71,41 +71,48 @@ impl<'a> PreparedScene<'a> {
         }
         let geometry = Arc::new(Geometry::new(scene, needs.tree));
         let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
-        Self::with_techniques(scene, request, settings, (needs, geometry, environment))
-    }
-
-    /// The same scene for another technique or density of the map.
-    ///
-    /// # Errors
-    /// As [`PreparedScene::new`].
-    pub fn with(&self, settings: &Settings) -> Result<Self> {
-        let Self { scene, ref request, needs, ref geometry, ref environment, .. } = *self;
-        let environment = match environment.as_ref().filter(|environment| environment.is_for(settings)) {
-            Some(environment) => Some(environment.clone()),
-            None => EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new),
-        };
-        Self::with_techniques(scene, request, settings, (needs, geometry.clone(), environment))
-    }
-
-    fn with_techniques(
-        scene: &'a Scene,
-        request: &Request,
-        settings: &Settings,
-        (needs, geometry, environment): (Needs, Arc<Geometry<'a>>, Option<Arc<EnvironmentSampling<'a>>>),
-    ) -> Result<Self> {
         let fixed = cut_lights::of(scene, settings)?;
-        let lights = Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples);
+        let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
         let rounds = lights.rounds().len();
         if !Dimensions::suffice(request.max_depth, rounds) {
             let message = format!("{} scatterings with {rounds} light samples each are too many", request.max_depth);
             return Err(Error::parameter("max_depth", message).with_hint("each sample needs random numbers of its own"));
         }
+        Ok(Self::assemble(scene, request, settings, needs, geometry, lights, environment))
+    }
+
+    /// The same scene for another technique or density of the map, neither of which has fixed lights.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::new`].
+    pub fn with(&self, settings: &Settings) -> Result<Self> {
+        let Self { scene, ref request, needs, ref geometry, ref lights, ref environment, sampling, .. } = *self;
+        let environment = match environment.as_ref().filter(|environment| environment.is_for(settings)) {
+            Some(environment) => Some(environment.clone()),
+            None => EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new),
+        };
+        let lights = match settings.sampling.by_light() == sampling.by_light() {
+            true => lights.clone(),
+            false => Arc::new(Lights::new(Sampled::all(scene, settings, &[]), request.light_samples)),
+        };
+        Ok(Self::assemble(scene, request, settings, needs, geometry.clone(), lights, environment))
+    }
+
+    fn assemble(
+        scene: &'a Scene,
+        request: &Request,
+        settings: &Settings,
+        needs: Needs,
+        geometry: Arc<Geometry<'a>>,
+        lights: Arc<Lights>,
+        environment: Option<Arc<EnvironmentSampling<'a>>>,
+    ) -> Self {
         let shaders = SurfaceShader::all(scene, settings, &lights.all);
         let light_tracing = match settings.sampling {
             Sampling::MisLt => LightTracing::new(scene, request, &shaders, &lights, environment.as_deref(), &geometry),
             _ => None,
         };
-        Ok(Self {
+        Self {
             scene,
             request: *request,
             needs,
@@ -119,7 +126,7 @@ impl<'a> PreparedScene<'a> {
             has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
             classes: settings.paths.map(PathClasses::up_to),
             arch: Arch::new(),
-        })
+        }
     }
 
     /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.

@@ -123,7 +123,7 @@ impl SurfaceShader {
 }
 
 /// The material, or what textures vary.
-fn plain(material: &Material) -> &Material {
+pub(super) fn plain(material: &Material) -> &Material {
     match material {
         Material::Textured(textured) => &textured.base,
         plain => plain,

@@ -272,7 +272,7 @@ mod tests {
                     let paths = light(x, row.y(), s);
                     row.add(x, paths.iter().sum(), &paths);
                     let pixel = [(3 * x as u32 + s) % SIZE.0 as u32, (row.y() as u32 + s) % SIZE.1 as u32];
-                    row.splat(&[Splat { path: 0, pixel, class: s as usize % 4, value: paths[0], others: 1.0 }]);
+                    row.splat(&[Splat { path: 0, pixel, class: s as usize % 4, value: paths[0], spared: 0.0 }]);
                 }
             }
         });
@@ -369,7 +369,7 @@ mod tests {
                 row.add(0, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
                 row.add(1, Rgb::ONE, &[Rgb::ONE, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO]);
                 if s % 2 == 0 {
-                    row.splat(&[Splat { path: 0, pixel: [0, 0], class: 2, value, others: 1.0 }]);
+                    row.splat(&[Splat { path: 0, pixel: [0, 0], class: 2, value, spared: 0.0 }]);
                 }
             }
         });

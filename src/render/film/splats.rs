@@ -24,8 +24,8 @@ pub struct Splat {
     pub class: usize,
     /// What is added to the pixel.
     pub value: Rgb,
-    /// The densities of the other techniques, summed, over that of light tracing.
-    pub others: f32,
+    /// What it takes off the variance of the camera samples at the pixel, which would find the light alone without it.
+    pub spared: f32,
 }
 
 /// The sums of the contributions to each pixel.
@@ -125,7 +125,7 @@ mod tests {
             for (x, s) in (0..64).flat_map(|x| (0..n).map(move |s| (x, s))) {
                 row.add(x, Rgb::ZERO, &[]);
                 if x == 7 && s % 2 == 0 {
-                    let splat = |at| Splat { path: s as usize % 3, pixel: [at, 0], class: 0, value, others: 1.0 };
+                    let splat = |at| Splat { path: s as usize % 3, pixel: [at, 0], class: 0, value, spared: 0.0 };
                     row.splat(&[splat(0), splat(1)]);
                 }
             }

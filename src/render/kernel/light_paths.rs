@@ -79,7 +79,7 @@ struct Contribution {
     class: usize,
     /// What it adds to a pixel whose filter has the value 1 there.
     value: Rgb,
-    /// [`Splat::others`].
+    /// Σ density of other techniques / density of light tracing.
     others: f32,
 }
 
@@ -344,7 +344,13 @@ impl Connections {
         scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
         for (Contribution { slot, film, class, value, others }, blocked) in self.contributions.drain(..).zip(blocked) {
             if blocked == 0 {
-                let splat = |pixel, weight| Splat { path: slot as usize, pixel, class, value: value * weight, others };
+                // Camera samples of a pixel come with the density of its filter. With the densities c of camera paths and l of light paths, and
+                // the light f of a path, their variance is ∫ f² c/(c + l)² beside light paths and ∫ f²/c without: for
+                // each light path, which contributes v = f/(c + l), that is v² (2 + l/c) more.
+                let spared = value.length_squared() * (2.0 + 1.0 / others);
+                let path = slot as usize;
+                let splat =
+                    |pixel, weight| Splat { path, pixel, class, value: value * weight, spared: spared * weight };
                 lens.pixels_around(film, |pixel, weight| splats.push(splat(pixel, weight)));
             }
         }

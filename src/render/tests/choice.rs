@@ -32,6 +32,15 @@ fn hidden_glass() -> Scene {
 
 #[test]
 fn techniques_that_find_nothing_are_left_out() {
+    let left_out = |scene: &Scene, settings: Settings| Job::new(scene, &SMALL, &settings).unwrap().left_out();
+    for (scene, techniques) in [
+        (within_light(), &["light sampling", "light tracing"][..]),
+        (super::sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE)).0, &["BSDF sampling", "light tracing"]),
+        (box_with(vec![sphere(glass())], WIDE), &[]),
+    ] {
+        let parts = left_out(&scene, Settings::default());
+        assert_eq!(left_out(&scene, Settings::usual()), [&parts, techniques].concat());
+    }
     for seed in 0..8 {
         assert_eq!(chosen(&within_light(), seed).sampling, Sampling::Bsdf);
         assert_ne!(chosen(&hidden_glass(), seed).sampling, Sampling::MisLt);

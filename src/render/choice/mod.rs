@@ -1,0 +1,286 @@
+//! Which technique, and which density of the environment map, a render chooses for its scene: by theory where it says so, or else by
+//! the error and the counted work of a few pixels.
+
+use super::film::{PathClasses, Splat};
+use super::job::Job;
+use super::kernel::{Buffers, LightPathBuffers, Radiance, Work, trace, trace_light_paths};
+use super::lanes::{LANES, at};
+use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
+use super::needs::lone_convex_from_outside;
+use super::prepared::PreparedScene;
+use super::sample_lanes::SampleLanes;
+use super::settings::{Sampling, Settings};
+use super::shaders::plain;
+use crate::envmap::samplers::MapSampling;
+use crate::error::Result;
+use crate::math::Rgb;
+use crate::sampling::hash::mix64;
+use crate::sampling::stream::StreamKind;
+use crate::scene::{Emission, EmitterVisibility, Material, Object, Request, Scene};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Columns and rows of the pixels on which candidates are tried, at most, and the samples of each.
+const GRID: [usize; 2] = [20, 15];
+const SAMPLES: u32 = 4;
+const N: f64 = SAMPLES as f64;
+/// Columns and rows of blocks of the image. Variances are averaged over a block: a few samples of a pixel mostly understate its variance.
+const BLOCKS: usize = 5;
+/// A candidate whose light has a larger relative error is not taken: fewer than 16 equal events would decide.
+const LARGEST_ERROR: f64 = 0.25;
+/// Costs in rays, with the shading of their hits: of the choice of a light, or of a place in the map, for a light sample; of a ray of a light path
+/// or from it to the camera. The ignored test `costs_of_operations` measures them.
+const LIGHT_CHOICE: f64 = 2.0;
+const LIGHT_PATH_RAY: f64 = 4.0;
+
+/// A technique, and the density of the map for its light samples.
+type Candidate = (Sampling, MapSampling);
+
+impl Settings {
+    /// The settings with the first candidate for a scene, if they leave the choice to the render, and all candidates.
+    pub(super) fn with_first_candidate(&self, scene: &Scene) -> (Self, &'static [Candidate]) {
+        let candidates = if self.choose { Self::candidates(scene) } else { &[] };
+        let fixed = Self { choose: false, ..*self };
+        (candidates.first().map_or(fixed, |&first| fixed.with(first)), candidates)
+    }
+
+    /// The settings with a candidate.
+    fn with(self, (sampling, density): (Sampling, MapSampling)) -> Self {
+        Self { sampling, density: Some(density), ..self }
+    }
+
+    /// The techniques and densities of the map among which a render of a scene chooses.
+    ///
+    /// Theory says where no more is needed, and which is the first, which has to be right for every scene of its kind:
+    /// - Lights that no ray can hit are found by light samples alone.
+    /// - At a diffuse surface that sees the whole map, radiance times cosine is the integrand: light samples in proportion to it are all
+    ///   that it needs. BSDF samples help where cosines vary within a block of the map or a cell of normals.
+    /// - Among several objects the brightest light may be occluded; BSDF samples then find the rest, and light samples leave to
+    ///   them what is dimmer than the mean of the map. Where most of the light is occluded, light samples are in vain.
+    /// - Surfaces that are not diffuse need BSDF samples, and may cast caustics.
+    #[must_use]
+    pub fn candidates(scene: &Scene) -> &'static [Candidate] {
+        const LIGHT: Candidate = (Sampling::Light, MapSampling::COSINE);
+        const BSDF: Candidate = (Sampling::Bsdf, MapSampling::MAP);
+        const MIS: Candidate = (Sampling::Mis, MapSampling::COSINE);
+        const COMPENSATED: Candidate = (Sampling::Mis, MapSampling::COSINE_COMPENSATED);
+        const MIS_LT: Candidate = (Sampling::MisLt, MapSampling::COSINE_COMPENSATED);
+        let is_diffuse = |object: &Object| matches!(plain(&object.material), Material::Diffuse { .. });
+        let is_diffuse = scene.objects.iter().all(is_diffuse);
+        match &scene.environment {
+            None if !scene.objects.iter().any(|object| object.emission.is_some_and(can_be_hit)) => &[LIGHT],
+            None if is_diffuse => &[MIS, LIGHT, BSDF],
+            None => &[MIS_LT, COMPENSATED, LIGHT, BSDF],
+            Some(_) if lone_convex_from_outside(scene) => &[LIGHT, MIS],
+            Some(_) if is_diffuse => &[LIGHT, MIS, COMPENSATED, BSDF],
+            Some(_) => &[MIS_LT, COMPENSATED, BSDF],
+        }
+    }
+}
+
+/// Whether a ray that hits the emitter counts its light.
+fn can_be_hit(emission: Emission) -> bool {
+    emission.visibility == EmitterVisibility::Sampled
+}
+
+/// What a few samples of a candidate say.
+#[derive(Default)]
+struct Trial {
+    /// The light that surfaces scatter, summed over pixels and channels, and the variance of that.
+    light: f64,
+    light_variance: f64,
+    blocks: [Block; BLOCKS * BLOCKS],
+    /// The costs of the camera samples, and of the light paths that come with them.
+    cost: f64,
+    cost_of_light_paths: f64,
+}
+
+/// Pixels of a trial: sums over them, for one camera sample and the light paths that come with it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    pixels: f64,
+    /// The variance of camera samples.
+    variance: f64,
+    /// The variance that light paths add.
+    of_light_paths: f64,
+    /// The variance that camera samples would have besides, without light paths.
+    spared: f64,
+}
+
+/// How good a candidate is.
+struct Score {
+    /// The logarithm of error times cost.
+    log_product: f64,
+    /// By how much each block of pixels changes it, as a share.
+    shares: Vec<f64>,
+}
+
+impl Job<'_> {
+    /// The parts that the scene does not need and that are therefore skipped, and the techniques that the render did not choose.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let sampling = self.settings.sampling;
+        let techniques = [
+            (sampling != Sampling::Light, "BSDF sampling"),
+            (sampling.by_light(), "light sampling"),
+            (self.scene.light_tracing.is_some(), "light tracing"),
+        ];
+        let left_out = techniques.into_iter().filter(|(is_used, _)| self.chooses && !is_used);
+        self.scene.needs.left_out(self.scene.scene).chain(left_out.map(|(_, name)| name)).collect()
+    }
+
+    /// Chooses the candidate with the least error times cost in a few pixels; the scene is prepared for the first. The image does not
+    /// contain their paths, so that it is unbiased.
+    pub(super) fn choose(&mut self, candidates: &[Candidate]) -> Result<()> {
+        let Some((_, others)) = candidates.split_first().filter(|(_, others)| !others.is_empty()) else {
+            return Ok(());
+        };
+        if self.scene.light_tracing.is_none() && self.settings.sampling == Sampling::MisLt {
+            (self.settings.sampling, self.scene.sampling) = (Sampling::Mis, Sampling::Mis);
+        }
+        let adaptive = self.settings.adaptive;
+        let first = self.trial(&self.scene);
+        let (mut best, mut chosen) = (first.score(adaptive), None);
+        for &candidate in others {
+            let settings = self.settings.with(candidate);
+            let scene = self.scene.with(&settings)?;
+            // The first trial knows what the camera samples are without light paths.
+            let is_first_alone = settings == Settings { sampling: Sampling::Mis, ..self.settings };
+            let own = (!is_first_alone).then(|| self.trial(&scene));
+            let trial = own.as_ref().unwrap_or(&first);
+            let score = trial.score_alone(&first, adaptive);
+            if score.is_better_than(&best) && !trial.may_miss_light_of(&first) {
+                (best, chosen) = (score, Some((settings, scene)));
+            }
+        }
+        if let Some(chosen) = chosen {
+            (self.settings, self.scene) = chosen;
+        }
+        Ok(())
+    }
+
+    /// Traces a few samples of pixels on a grid over the image, and as many light paths.
+    fn trial(&self, scene: &PreparedScene) -> Trial {
+        let Request { width, height, .. } = scene.request;
+        let [column, row] = [width.div_ceil(GRID[0]), height.div_ceil(GRID[1])];
+        let columns: Vec<usize> = (column / 2..width).step_by(column).collect();
+        let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
+        let block = |x: usize, y: usize| y * BLOCKS / height * BLOCKS + x * BLOCKS / width;
+        let mut trial = Trial::default();
+        let traced: Vec<_> = rows.par_iter().map(|&y| self.trace_row(scene, &columns, y)).collect();
+        for (traced, y) in traced.iter().zip(rows) {
+            for (values, &x) in traced.values.chunks(SAMPLES as usize).zip(&columns) {
+                let [(_, all), (light, scattered)] = [0, 1].map(|i| mean_and_variance(values.iter().map(|v| v[i])));
+                trial.light += light;
+                // The variance of a sum of three channels is at most three times the sum of theirs.
+                trial.light_variance += 3.0 * scattered / N;
+                let block = &mut trial.blocks[block(x, y)];
+                block.pixels += 1.0;
+                block.variance += all;
+            }
+            // A light path stands for as many samples of every pixel as an image has for each of its light paths.
+            let share = 1.0 / (N * f64::from(SAMPLES_PER_LIGHT_PATH));
+            for splats in traced.splats.chunk_by(|a, b| a.path == b.path) {
+                let light = share * splats.iter().map(|splat| splat.value.as_dvec3().element_sum()).sum::<f64>();
+                trial.light += light;
+                trial.light_variance += light * light;
+                for splat in splats {
+                    let [x, y] = splat.pixel.map(|at| at as usize);
+                    let block = &mut trial.blocks[block(x, y)];
+                    block.of_light_paths += share * splat.value.as_dvec3().length_squared();
+                    block.spared += share * f64::from(splat.spared);
+                }
+            }
+            trial.cost += traced.work.rays as f64 + LIGHT_CHOICE * traced.work.choices as f64;
+            trial.cost_of_light_paths +=
+                LIGHT_PATH_RAY * traced.light_path_rays as f64 / f64::from(SAMPLES_PER_LIGHT_PATH);
+        }
+        trial
+    }
+
+    /// Traces the samples of pixels of a row, and a light path for each.
+    fn trace_row(&self, scene: &PreparedScene, columns: &[usize], y: usize) -> Traced {
+        // Samples that are well distributed together say too little of the variance of one.
+        let mut numbers = SampleLanes::new(StreamKind::Independent, mix64(!self.settings.seed));
+        let (mut column, mut count) = ([0; LANES], 0);
+        for (&x, sample) in columns.iter().flat_map(|x| (0..SAMPLES).map(move |sample| (x, sample))) {
+            numbers.assign(count, (y * scene.request.width + x) as u64, sample);
+            column[count] = x as u32;
+            count += 1;
+        }
+        // Light that the camera sees directly is apart from the rest.
+        let mut radiance = Radiance::new(Some(PathClasses::up_to(0)));
+        trace(scene, &self.lens, (&column, y as u32, count), &numbers, &mut Buffers::default(), &mut radiance);
+        let values = |slot| [at(&radiance.sum, slot), radiance.by_class(slot)[1]].map(Rgb::as_dvec3);
+        let values = (0..count).map(values).collect();
+        let (mut light_paths, mut splats) = (LightPathBuffers::default(), Vec::new());
+        trace_light_paths(scene, &self.lens, (&numbers, count), &mut light_paths, &mut splats);
+        Traced { values, work: radiance.work, splats, light_path_rays: light_paths.traced }
+    }
+}
+
+/// Samples of a row.
+struct Traced {
+    /// The radiance of the samples, pixel by pixel, and the part of it that surfaces have scattered.
+    values: Vec<[DVec3; 2]>,
+    work: Work,
+    splats: Vec<Splat>,
+    light_path_rays: usize,
+}
+
+/// The sum of the channels of the mean, and of their variances, of the samples of a pixel.
+fn mean_and_variance(values: impl Iterator<Item = DVec3> + Clone) -> (f64, f64) {
+    let mean = values.clone().sum::<DVec3>() / N;
+    (mean.element_sum(), values.map(|v| (v - mean).length_squared()).sum::<f64>() / (N - 1.0))
+}
+
+impl Trial {
+    /// Whether it may miss light that it finds rarely: it has found less light than the first candidate by two standard errors, or knows
+    /// its light badly.
+    fn may_miss_light_of(&self, first: &Self) -> bool {
+        first.light - self.light > 2.0 * (first.light_variance + self.light_variance).sqrt()
+            || self.light_variance.sqrt() > LARGEST_ERROR * self.light
+    }
+
+    /// How good the candidate is, with its light paths.
+    fn score(&self, adaptive: bool) -> Score {
+        let noise = |block: &Block| (block.pixels, block.variance, block.of_light_paths);
+        Score::new(self.blocks.iter().map(noise), self.cost + self.cost_of_light_paths, adaptive)
+    }
+
+    /// How good its camera samples are without light paths, of which those of the first candidate spare variance: that is added, also if
+    /// the trial has seen some of it by chance.
+    fn score_alone(&self, first: &Self, adaptive: bool) -> Score {
+        let noise = |(block, of_first): (&Block, &Block)| (block.pixels, block.variance + of_first.spared, 0.0);
+        Score::new(self.blocks.iter().zip(&first.blocks).map(noise), self.cost, adaptive)
+    }
+}
+
+impl Score {
+    /// From blocks of pixels: their number, the variance of camera samples, and that of light paths.
+    fn new(blocks: impl Iterator<Item = (f64, f64, f64)> + Clone, cost: f64, adaptive: bool) -> Self {
+        // Adaptive sampling gives pixels camera paths in proportion to their standard deviation σ: of n pixels, Σ σ² becomes (Σ σ)²/n.
+        let pixels: f64 = blocks.clone().map(|(pixels, ..)| pixels).sum();
+        let deviations: f64 = blocks.clone().map(|(pixels, variance, _)| (pixels * variance).sqrt()).sum();
+        let of_block = |(n, variance, of_light_paths): (f64, f64, f64)| match adaptive {
+            true => [deviations * (n * variance).sqrt() / pixels, of_light_paths],
+            false => [variance, of_light_paths],
+        };
+        let error: f64 = blocks.clone().flat_map(of_block).sum();
+        // To the first order, a block changes a square by twice its share.
+        let power = if adaptive { 2.0 } else { 1.0 };
+        let share = |[camera, light]: [f64; 2]| if error > 0.0 { (power * camera + light) / error } else { 0.0 };
+        let shares = blocks.filter(|(pixels, ..)| *pixels > 0.0).map(of_block).map(share);
+        Self { log_product: (error * cost).ln(), shares: shares.collect() }
+    }
+
+    /// Whether it is better than another one by more than the standard error of the difference, by the spread of the blocks.
+    fn is_better_than(&self, other: &Self) -> bool {
+        let squares: f64 = self.shares.iter().zip(&other.shares).map(|(a, b)| (a - b).powi(2)).sum();
+        let blocks = self.shares.len() as f64;
+        self.log_product < other.log_product - (squares * blocks / (blocks - 1.0)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests;
