@@ -85,7 +85,7 @@ fn neighbours(variances: &[f32], width: usize, pixel: usize) -> (f32, f32) {
 }
 
 /// The numbers of paths for pixels whose variances two halves estimate.
-fn allocate(a: &[f32], b: &[f32]) -> Vec<u8> {
+pub(super) fn allocate(a: &[f32], b: &[f32]) -> Vec<u8> {
     let both: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
     let uniform = || vec![1; both.len()];
     let (mut accepted, mut candidate, mut halves, mut least) =

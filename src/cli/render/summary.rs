@@ -109,7 +109,7 @@ impl<'a> Summary<'a> {
         let [of_mean, of_pixel] = [self.standard_error_mean_rgb, self.standard_error_pixel_rgb].map(rgb);
         text += &format!("mean {}, standard error {of_mean} (of a pixel {of_pixel})\n", rgb(self.mean_rgb));
         if !self.left_out.is_empty() {
-            text += &format!("left out, as the scene does not need it: {}\n", self.left_out.join(", "));
+            text += &format!("left out for this scene: {}\n", self.left_out.join(", "));
         }
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));

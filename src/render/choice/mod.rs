@@ -1,7 +1,8 @@
 //! Which technique, and which density of the environment map, a render chooses for its scene: by theory where it says so, or else by
 //! the error and the counted work of a few pixels.
 
-use super::film::{PathClasses, Splat};
+use super::adaptive::allocate;
+use super::film::Splat;
 use super::job::Job;
 use super::kernel::{Buffers, LightPathBuffers, Radiance, Work, trace, trace_light_paths};
 use super::lanes::{LANES, at};
@@ -26,8 +27,6 @@ const SAMPLES: u32 = 4;
 const N: f64 = SAMPLES as f64;
 /// Columns and rows of blocks of the image. Variances are averaged over a block: a few samples of a pixel mostly understate its variance.
 const BLOCKS: usize = 5;
-/// A candidate whose light has a larger relative error is not taken: fewer than 16 equal events would decide.
-const LARGEST_ERROR: f64 = 0.25;
 /// Costs in rays, with the shading of their hits: of the choice of a light, or of a place in the map, for a light sample; of a ray of a light path
 /// or from it to the camera. The ignored test `costs_of_operations` measures them.
 const LIGHT_CHOICE: f64 = 2.0;
@@ -57,7 +56,8 @@ impl Settings {
     ///   that it needs. BSDF samples help where cosines vary within a block of the map or a cell of normals.
     /// - Among several objects the brightest light may be occluded; BSDF samples then find the rest, and light samples leave to
     ///   them what is dimmer than the mean of the map. Where most of the light is occluded, light samples are in vain.
-    /// - Surfaces that are not diffuse need BSDF samples, and may cast caustics.
+    /// - Surfaces that are not diffuse need BSDF samples, and may cast caustics. Light samples alone rarely meet the peak of a glossy BSDF, which
+    ///   a trial may not show.
     #[must_use]
     pub fn candidates(scene: &Scene) -> &'static [Candidate] {
         const LIGHT: Candidate = (Sampling::Light, MapSampling::COSINE);
@@ -70,7 +70,7 @@ impl Settings {
         match &scene.environment {
             None if !scene.objects.iter().any(|object| object.emission.is_some_and(can_be_hit)) => &[LIGHT],
             None if is_diffuse => &[MIS, LIGHT, BSDF],
-            None => &[MIS_LT, COMPENSATED, LIGHT, BSDF],
+            None => &[MIS_LT, COMPENSATED, BSDF],
             Some(_) if lone_convex_from_outside(scene) => &[LIGHT, MIS],
             Some(_) if is_diffuse => &[LIGHT, MIS, COMPENSATED, BSDF],
             Some(_) => &[MIS_LT, COMPENSATED, BSDF],
@@ -86,9 +86,6 @@ fn can_be_hit(emission: Emission) -> bool {
 /// What a few samples of a candidate say.
 #[derive(Default)]
 struct Trial {
-    /// The light that surfaces scatter, summed over pixels and channels, and the variance of that.
-    light: f64,
-    light_variance: f64,
     blocks: [Block; BLOCKS * BLOCKS],
     /// The costs of the camera samples, and of the light paths that come with them.
     cost: f64,
@@ -111,7 +108,7 @@ struct Block {
 struct Score {
     /// The logarithm of error times cost.
     log_product: f64,
-    /// By how much each block of pixels changes it, as a share.
+    /// By how much it would change, to the first order, without each of the blocks.
     shares: Vec<f64>,
 }
 
@@ -147,9 +144,9 @@ impl Job<'_> {
             // The first trial knows what the camera samples are without light paths.
             let is_first_alone = settings == Settings { sampling: Sampling::Mis, ..self.settings };
             let own = (!is_first_alone).then(|| self.trial(&scene));
-            let trial = own.as_ref().unwrap_or(&first);
-            let score = trial.score_alone(&first, adaptive);
-            if score.is_better_than(&best) && !trial.may_miss_light_of(&first) {
+            let unseen = if candidate.0 == Sampling::Bsdf { unseen(scene.scene) } else { 0.0 };
+            let score = own.as_ref().unwrap_or(&first).score_alone(&first, unseen, adaptive);
+            if score.is_better_than(&best) {
                 (best, chosen) = (score, Some((settings, scene)));
             }
         }
@@ -170,26 +167,17 @@ impl Job<'_> {
         let traced: Vec<_> = rows.par_iter().map(|&y| self.trace_row(scene, &columns, y)).collect();
         for (traced, y) in traced.iter().zip(rows) {
             for (values, &x) in traced.values.chunks(SAMPLES as usize).zip(&columns) {
-                let [(_, all), (light, scattered)] = [0, 1].map(|i| mean_and_variance(values.iter().map(|v| v[i])));
-                trial.light += light;
-                // The variance of a sum of three channels is at most three times the sum of theirs.
-                trial.light_variance += 3.0 * scattered / N;
                 let block = &mut trial.blocks[block(x, y)];
                 block.pixels += 1.0;
-                block.variance += all;
+                block.variance += variance(values);
             }
             // A light path stands for as many samples of every pixel as an image has for each of its light paths.
             let share = 1.0 / (N * f64::from(SAMPLES_PER_LIGHT_PATH));
-            for splats in traced.splats.chunk_by(|a, b| a.path == b.path) {
-                let light = share * splats.iter().map(|splat| splat.value.as_dvec3().element_sum()).sum::<f64>();
-                trial.light += light;
-                trial.light_variance += light * light;
-                for splat in splats {
-                    let [x, y] = splat.pixel.map(|at| at as usize);
-                    let block = &mut trial.blocks[block(x, y)];
-                    block.of_light_paths += share * splat.value.as_dvec3().length_squared();
-                    block.spared += share * f64::from(splat.spared);
-                }
+            for splat in &traced.splats {
+                let [x, y] = splat.pixel.map(|at| at as usize);
+                let block = &mut trial.blocks[block(x, y)];
+                block.of_light_paths += share * splat.value.as_dvec3().length_squared();
+                block.spared += share * f64::from(splat.spared);
             }
             trial.cost += traced.work.rays as f64 + LIGHT_CHOICE * traced.work.choices as f64;
             trial.cost_of_light_paths +=
@@ -208,11 +196,9 @@ impl Job<'_> {
             column[count] = x as u32;
             count += 1;
         }
-        // Light that the camera sees directly is apart from the rest.
-        let mut radiance = Radiance::new(Some(PathClasses::up_to(0)));
+        let mut radiance = Radiance::new(None);
         trace(scene, &self.lens, (&column, y as u32, count), &numbers, &mut Buffers::default(), &mut radiance);
-        let values = |slot| [at(&radiance.sum, slot), radiance.by_class(slot)[1]].map(Rgb::as_dvec3);
-        let values = (0..count).map(values).collect();
+        let values = (0..count).map(|slot| at(&radiance.sum, slot).as_dvec3()).collect();
         let (mut light_paths, mut splats) = (LightPathBuffers::default(), Vec::new());
         trace_light_paths(scene, &self.lens, (&numbers, count), &mut light_paths, &mut splats);
         Traced { values, work: radiance.work, splats, light_path_rays: light_paths.traced }
@@ -221,57 +207,64 @@ impl Job<'_> {
 
 /// Samples of a row.
 struct Traced {
-    /// The radiance of the samples, pixel by pixel, and the part of it that surfaces have scattered.
-    values: Vec<[DVec3; 2]>,
+    /// The radiance of the samples, pixel by pixel.
+    values: Vec<DVec3>,
     work: Work,
     splats: Vec<Splat>,
     light_path_rays: usize,
 }
 
-/// The sum of the channels of the mean, and of their variances, of the samples of a pixel.
-fn mean_and_variance(values: impl Iterator<Item = DVec3> + Clone) -> (f64, f64) {
-    let mean = values.clone().sum::<DVec3>() / N;
-    (mean.element_sum(), values.map(|v| (v - mean).length_squared()).sum::<f64>() / (N - 1.0))
+/// The variance of the samples of a pixel, all channels together.
+fn variance(samples: &[DVec3]) -> f64 {
+    let mean = samples.iter().sum::<DVec3>() / N;
+    samples.iter().map(|&v| (v - mean).length_squared()).sum::<f64>() / (N - 1.0)
+}
+
+/// The variance that BSDF samples may have without a sign of it in a trial, at a pixel. What none of n samples has met has a probability below
+/// 3/n with 95 % confidence, and brings at most the brightest light.
+fn unseen(scene: &Scene) -> f64 {
+    let square = |radiance: Rgb| radiance.as_dvec3().length_squared();
+    let of_objects =
+        scene.objects.iter().filter_map(|object| object.emission).map(|emission| square(emission.radiance));
+    let of_map = scene.environment.iter().flat_map(|environment| {
+        environment.map.image().pixels().iter().map(|&texel| square(environment.scale * texel))
+    });
+    3.0 / (N * (GRID[0] * GRID[1]) as f64) * of_objects.chain(of_map).fold(0.0, f64::max)
 }
 
 impl Trial {
-    /// Whether it may miss light that it finds rarely: it has found less light than the first candidate by two standard errors, or knows
-    /// its light badly.
-    fn may_miss_light_of(&self, first: &Self) -> bool {
-        first.light - self.light > 2.0 * (first.light_variance + self.light_variance).sqrt()
-            || self.light_variance.sqrt() > LARGEST_ERROR * self.light
-    }
-
     /// How good the candidate is, with its light paths.
     fn score(&self, adaptive: bool) -> Score {
         let noise = |block: &Block| (block.pixels, block.variance, block.of_light_paths);
-        Score::new(self.blocks.iter().map(noise), self.cost + self.cost_of_light_paths, adaptive)
+        Score::new(&self.blocks.each_ref().map(noise), [self.cost, self.cost_of_light_paths], adaptive)
     }
 
     /// How good its camera samples are without light paths, of which those of the first candidate spare variance: that is added, also if
-    /// the trial has seen some of it by chance.
-    fn score_alone(&self, first: &Self, adaptive: bool) -> Score {
-        let noise = |(block, of_first): (&Block, &Block)| (block.pixels, block.variance + of_first.spared, 0.0);
-        Score::new(self.blocks.iter().zip(&first.blocks).map(noise), self.cost, adaptive)
+    /// the trial has seen some of it by chance; and so is what a pixel may have `unseen`.
+    fn score_alone(&self, first: &Self, unseen: f64, adaptive: bool) -> Score {
+        let noise = |i: usize| {
+            let Block { pixels, variance, .. } = self.blocks[i];
+            (pixels, variance + first.blocks[i].spared + pixels * unseen, 0.0)
+        };
+        Score::new(&std::array::from_fn::<_, { BLOCKS * BLOCKS }, _>(noise), [self.cost, 0.0], adaptive)
     }
 }
 
 impl Score {
-    /// From blocks of pixels: their number, the variance of camera samples, and that of light paths.
-    fn new(blocks: impl Iterator<Item = (f64, f64, f64)> + Clone, cost: f64, adaptive: bool) -> Self {
-        // Adaptive sampling gives pixels camera paths in proportion to their standard deviation σ: of n pixels, Σ σ² becomes (Σ σ)²/n.
-        let pixels: f64 = blocks.clone().map(|(pixels, ..)| pixels).sum();
-        let deviations: f64 = blocks.clone().map(|(pixels, variance, _)| (pixels * variance).sqrt()).sum();
-        let of_block = |(n, variance, of_light_paths): (f64, f64, f64)| match adaptive {
-            true => [deviations * (n * variance).sqrt() / pixels, of_light_paths],
-            false => [variance, of_light_paths],
-        };
-        let error: f64 = blocks.clone().flat_map(of_block).sum();
-        // To the first order, a block changes a square by twice its share.
-        let power = if adaptive { 2.0 } else { 1.0 };
-        let share = |[camera, light]: [f64; 2]| if error > 0.0 { (power * camera + light) / error } else { 0.0 };
-        let shares = blocks.filter(|(pixels, ..)| *pixels > 0.0).map(of_block).map(share);
-        Self { log_product: (error * cost).ln(), shares: shares.collect() }
+    /// From blocks: the number of pixels, and sums over them of the variances of camera samples and of light paths; and the costs of both kinds of paths.
+    fn new(blocks: &[(f64, f64, f64)], [of_camera, of_light]: [f64; 2], adaptive: bool) -> Self {
+        let blocks: Vec<_> = blocks.iter().filter(|(pixels, ..)| *pixels > 0.0).collect();
+        // The camera paths of a sample, as adaptive sampling would have them; light paths are as many as ever.
+        let variances: Vec<f32> =
+            blocks.iter().map(|(pixels, variance, _)| ((variance / pixels) as f32).min(f32::MAX)).collect();
+        let counts = if adaptive { allocate(&variances, &variances) } else { vec![1; blocks.len()] };
+        let terms = blocks.iter().zip(counts).map(|((pixels, variance, of_light_paths), count)| {
+            let count = f64::from(count);
+            [variance / count + of_light_paths, pixels * (count * of_camera + of_light)]
+        });
+        let [error, cost] = [0, 1].map(|i| terms.clone().map(|term| term[i]).sum::<f64>());
+        let share = |[a, b]: [f64; 2]| if error > 0.0 { a / error + b / cost } else { 0.0 };
+        Self { log_product: (error * cost).ln(), shares: terms.map(share).collect() }
     }
 
     /// Whether it is better than another one by more than the standard error of the difference, by the spread of the blocks.
