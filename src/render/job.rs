@@ -68,10 +68,6 @@ impl<'a> Job<'a> {
     pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         check(request)?;
         Film::check(request.width, request.height)?;
-        if settings.kernel == Kernel::Reference && settings.sampling == Sampling::MisLt {
-            return Err(Error::parameter("kernel", "the reference has no light tracing")
-                .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
-        }
         // The random sequences repeat after 2^32 numbers.
         let draws = u64::from(request.spp) * u64::from(request.light_samples) * u64::from(MOST_PATHS);
         if settings.adaptive && draws > 1 << 32 {
@@ -81,6 +77,10 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let chooses = settings.choose;
         let (settings, candidates) = settings.with_first_candidate(scene);
+        if settings.kernel == Kernel::Reference && settings.sampling == Sampling::MisLt {
+            return Err(Error::parameter("kernel", "the reference has no light tracing")
+                .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
+        }
         let prepared = PreparedScene::new(scene, request, &settings)?;
         let lens = Lens::new(&scene.camera, request.width, request.height);
         let mut job = Self { scene: prepared, settings, chooses, lens, counts: OnceLock::new(), start };

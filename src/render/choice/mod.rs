@@ -144,8 +144,9 @@ impl Job<'_> {
             // The first trial knows what the camera samples are without light paths.
             let is_first_alone = settings == Settings { sampling: Sampling::Mis, ..self.settings };
             let own = (!is_first_alone).then(|| self.trial(&scene));
-            let unseen = if candidate.0 == Sampling::Bsdf { unseen(scene.scene) } else { 0.0 };
-            let score = own.as_ref().unwrap_or(&first).score_alone(&first, unseen, adaptive);
+            let trial = own.as_ref().unwrap_or(&first);
+            let unseen = if candidate.0 == Sampling::Bsdf { trial.unseen(scene.scene) } else { 0.0 };
+            let score = trial.score_alone(&first, unseen, adaptive);
             if score.is_better_than(&best) {
                 (best, chosen) = (score, Some((settings, scene)));
             }
@@ -220,19 +221,20 @@ fn variance(samples: &[DVec3]) -> f64 {
     samples.iter().map(|&v| (v - mean).length_squared()).sum::<f64>() / (N - 1.0)
 }
 
-/// The variance that BSDF samples may have without a sign of it in a trial, at a pixel. What none of n samples has met has a probability below
-/// 3/n with 95 % confidence, and brings at most the brightest light.
-fn unseen(scene: &Scene) -> f64 {
-    let square = |radiance: Rgb| radiance.as_dvec3().length_squared();
-    let of_objects =
-        scene.objects.iter().filter_map(|object| object.emission).map(|emission| square(emission.radiance));
-    let of_map = scene.environment.iter().flat_map(|environment| {
-        environment.map.image().pixels().iter().map(|&texel| square(environment.scale * texel))
-    });
-    3.0 / (N * (GRID[0] * GRID[1]) as f64) * of_objects.chain(of_map).fold(0.0, f64::max)
-}
-
 impl Trial {
+    /// The variance that BSDF samples may have at a pixel without a sign of it. What none of n samples has met has a probability below
+    /// 3/n, with 95 % confidence, and brings at most the brightest light of the scene.
+    fn unseen(&self, scene: &Scene) -> f64 {
+        let square = |radiance: Rgb| radiance.as_dvec3().length_squared();
+        let emissions = scene.objects.iter().filter_map(|object| object.emission);
+        let of_map = scene.environment.iter().flat_map(|environment| {
+            environment.map.image().pixels().iter().map(|&texel| square(environment.scale * texel))
+        });
+        let brightest = emissions.map(|emission| square(emission.radiance)).chain(of_map).fold(0.0, f64::max);
+        let samples = N * self.blocks.iter().map(|block| block.pixels).sum::<f64>();
+        3.0 / samples * brightest
+    }
+
     /// How good the candidate is, with its light paths.
     fn score(&self, adaptive: bool) -> Score {
         let noise = |block: &Block| (block.pixels, block.variance, block.of_light_paths);
