@@ -14,7 +14,6 @@ use super::settings::{Sampling, Settings};
 use super::shaders::plain;
 use crate::envmap::samplers::MapSampling;
 use crate::error::Result;
-use crate::math::Rgb;
 use crate::sampling::hash::mix64;
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Emission, EmitterVisibility, Material, Object, Request, Scene};
@@ -225,44 +224,43 @@ impl Trial {
     /// The variance that BSDF samples may have at a pixel without a sign of it. What none of n samples has met has a probability below
     /// 3/n, with 95 % confidence, and brings at most the brightest light of the scene.
     fn unseen(&self, scene: &Scene) -> f64 {
-        let square = |radiance: Rgb| radiance.as_dvec3().length_squared();
-        let emissions = scene.objects.iter().filter_map(|object| object.emission);
-        let of_map = scene.environment.iter().flat_map(|environment| {
-            environment.map.image().pixels().iter().map(|&texel| square(environment.scale * texel))
-        });
-        let brightest = emissions.map(|emission| square(emission.radiance)).chain(of_map).fold(0.0, f64::max);
+        let of_objects = scene.objects.iter().filter_map(|object| object.emission).map(|emission| emission.radiance);
+        let of_map = scene.environment.iter().map(|environment| environment.scale * environment.map.found().max);
+        let squares = of_objects.chain(of_map).map(|radiance| radiance.as_dvec3().length_squared());
+        let brightest = squares.fold(0.0, f64::max);
         let samples = N * self.blocks.iter().map(|block| block.pixels).sum::<f64>();
         3.0 / samples * brightest
     }
 
     /// How good the candidate is, with its light paths.
     fn score(&self, adaptive: bool) -> Score {
-        let noise = |block: &Block| (block.pixels, block.variance, block.of_light_paths);
-        Score::new(&self.blocks.each_ref().map(noise), [self.cost, self.cost_of_light_paths], adaptive)
+        Score::new(&self.blocks, [self.cost, self.cost_of_light_paths], adaptive)
     }
 
     /// How good its camera samples are without light paths, of which those of the first candidate spare variance: that is added, also if
     /// the trial has seen some of it by chance; and so is what a pixel may have `unseen`.
     fn score_alone(&self, first: &Self, unseen: f64, adaptive: bool) -> Score {
-        let noise = |i: usize| {
-            let Block { pixels, variance, .. } = self.blocks[i];
-            (pixels, variance + first.blocks[i].spared + pixels * unseen, 0.0)
-        };
-        Score::new(&std::array::from_fn::<_, { BLOCKS * BLOCKS }, _>(noise), [self.cost, 0.0], adaptive)
+        let mut blocks = self.blocks;
+        for (block, of_first) in blocks.iter_mut().zip(&first.blocks) {
+            block.variance += of_first.spared;
+            block.variance += block.pixels * unseen;
+            block.of_light_paths = 0.0;
+        }
+        Score::new(&blocks, [self.cost, 0.0], adaptive)
     }
 }
 
 impl Score {
-    /// From blocks: the number of pixels, and sums over them of the variances of camera samples and of light paths; and the costs of both kinds of paths.
-    fn new(blocks: &[(f64, f64, f64)], [of_camera, of_light]: [f64; 2], adaptive: bool) -> Self {
-        let blocks: Vec<_> = blocks.iter().filter(|(pixels, ..)| *pixels > 0.0).collect();
+    /// From blocks of pixels, and the costs of camera samples and of light paths.
+    fn new(blocks: &[Block], [of_camera, of_light]: [f64; 2], adaptive: bool) -> Self {
+        let blocks: Vec<&Block> = blocks.iter().filter(|block| block.pixels > 0.0).collect();
         // The camera paths of a sample, as adaptive sampling would have them; light paths are as many as ever.
-        let variances: Vec<f32> =
-            blocks.iter().map(|(pixels, variance, _)| ((variance / pixels) as f32).min(f32::MAX)).collect();
+        let variance = |block: &&Block| ((block.variance / block.pixels) as f32).min(f32::MAX);
+        let variances: Vec<f32> = blocks.iter().map(variance).collect();
         let counts = if adaptive { allocate(&variances, &variances) } else { vec![1; blocks.len()] };
-        let terms = blocks.iter().zip(counts).map(|((pixels, variance, of_light_paths), count)| {
+        let terms = blocks.iter().zip(counts).map(|(block, count)| {
             let count = f64::from(count);
-            [variance / count + of_light_paths, pixels * (count * of_camera + of_light)]
+            [block.variance / count + block.of_light_paths, block.pixels * (count * of_camera + of_light)]
         });
         let [error, cost] = [0, 1].map(|i| terms.clone().map(|term| term[i]).sum::<f64>());
         let share = |[a, b]: [f64; 2]| if error > 0.0 { a / error + b / cost } else { 0.0 };

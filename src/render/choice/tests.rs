@@ -50,10 +50,10 @@ fn bsdf_samples_are_not_taken_where_bright_light_may_be_unseen() {
     let first = trial(|_| 1.0);
     assert!(replaces_with(&first, &trial(|_| 0.1), 0.01) && !replaces_with(&first, &trial(|_| 0.1), 1.0));
     let (mut scene, _) = builtin::cornell_lambert();
-    let of_lamp = first.unseen(&scene);
-    let lamp = scene.objects.iter_mut().find_map(|object| object.emission.as_mut()).unwrap();
-    lamp.radiance *= 10.0;
-    assert!((first.unseen(&scene) / of_lamp - 100.0).abs() < 1e-3, "{of_lamp}");
+    let before = first.unseen(&scene);
+    let emission = scene.objects.iter_mut().find_map(|object| object.emission.as_mut()).unwrap();
+    emission.radiance *= 10.0;
+    assert!((first.unseen(&scene) / before - 100.0).abs() < 1e-3, "{before}");
 }
 
 #[test]

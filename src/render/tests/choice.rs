@@ -38,8 +38,11 @@ fn techniques_that_find_nothing_are_left_out() {
         (super::sphere(Image::from_fn(8, 4, |_, _| Rgb::ONE)).0, &["BSDF sampling", "light tracing"]),
         (box_with(vec![sphere(glass())], WIDE), &[]),
     ] {
-        let parts = left_out(&scene, Settings::default());
+        let parts = left_out(&scene, Settings { adaptive: true, ..Settings::default() });
+        assert!(techniques.iter().all(|name| !parts.contains(name)), "the user asked for them");
         assert_eq!(left_out(&scene, Settings::usual()), [&parts, techniques].concat());
+        let uniform = Settings { adaptive: false, ..Settings::usual() };
+        assert_eq!(left_out(&scene, uniform), [&parts, techniques].concat(), "that is another choice");
     }
     for seed in 0..8 {
         assert_eq!(chosen(&within_light(), seed).sampling, Sampling::Bsdf);
