@@ -36,8 +36,8 @@ use super::solids;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::Rgb;
 use crate::math::circular::Circular;
-use crate::sampling::alias::AliasTable;
 use crate::sampling::hash::mix64;
+use crate::sampling::table::Table1;
 use crate::scene::{Request, Scene, Shape, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -54,7 +54,7 @@ const MOST_TARGETS: usize = 8;
 /// Where light paths start.
 pub struct LightTracing {
     /// Chooses a light by its power; the environment comes last.
-    table: AliasTable,
+    table: Table1,
     /// Number of the lights, which the environment follows.
     lights: usize,
     /// Bounding spheres of the objects that are not diffuse.
@@ -120,11 +120,11 @@ impl LightTracing {
             }
             _ => 0.0,
         };
-        let power = |i: usize| match lights.all.get(i) {
-            Some(light) => light.emitted().map_or(0.0, |(radiance, area)| PI * area * radiance.element_sum()),
-            None => of_environment,
-        };
-        let table = AliasTable::from_fn(lights.all.len() + 1, |i| f64::from(power(i)));
+        let powers = lights
+            .all
+            .iter()
+            .map(|light| light.emitted().map_or(0.0, |(radiance, area)| PI * area * radiance.element_sum()));
+        let table = Table1::new(&powers.chain([of_environment]).map(f64::from).collect::<Vec<_>>());
         let (lights, extent) = (lights.all.len(), geometry.extent());
         (table.total() > 0.0).then_some(Self { table, lights, targets, discs, extent })
     }
@@ -151,7 +151,7 @@ impl LightTracing {
         environment: Option<&EnvironmentSampling>,
         [choice, place, within]: [[f64; 2]; 3],
     ) -> Option<Start> {
-        let (number, _) = self.table.sample(choice[0])?;
+        let number = self.table.sample(choice[0])?.cell;
         let short = |u: [f64; 2]| u.map(|u| u as f32);
         if number == self.lights {
             let sample = environment?.sample(within, ANY, Kind::Reflecting)?;

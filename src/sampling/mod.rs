@@ -1,6 +1,5 @@
 //! Sampling: random number streams, warps, tables, pixel filters, normals of microfacets, rectangles, triangles.
 
-pub mod alias;
 pub mod filter;
 pub mod normals;
 pub(crate) mod prefetch;

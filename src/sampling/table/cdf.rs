@@ -145,7 +145,7 @@ pub(super) fn fill(weights: &[f64], cdf: &mut [f64], guide: &mut [u16]) -> f64 {
 
 /// Weights that tables of every kind are tested with.
 #[cfg(test)]
-pub(in super::super) fn weights() -> Vec<Vec<f64>> {
+pub(super) fn weights() -> Vec<Vec<f64>> {
     vec![
         vec![1.0],
         vec![0.0, 1.0],

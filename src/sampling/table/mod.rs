@@ -14,6 +14,3 @@ pub use cdf::CellSample;
 pub use grid::{GridSample, Table2};
 pub use line::Table1;
 pub use short::ShortTables;
-
-#[cfg(test)]
-pub(super) use cdf::weights;

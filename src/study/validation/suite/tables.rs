@@ -1,9 +1,8 @@
-//! Test cases: tabulated distributions: cumulative tables with their guides in one and two dimensions, and alias tables.
+//! Test cases: tabulated distributions: cumulative tables with their guides in one and two dimensions.
 
 use super::super::case::Case;
-use crate::sampling::alias::AliasTable;
 use crate::sampling::table::{Table1, Table2};
-use etalon_stats::{Discrete, Line, Sample, Square, density, sampler};
+use etalon_stats::{Line, Sample, Square, density, sampler};
 
 type Weights = fn(usize, usize) -> f64;
 
@@ -36,7 +35,6 @@ pub fn cases() -> Vec<Case> {
         // A single cell is uniform whatever its weight.
         for n in CELLS.into_iter().filter(|n| *n > 2 || name == "even") {
             cases.push(cumulative(format!("table/cdf/{name}/{n}"), shape, n));
-            cases.push(alias(format!("table/alias/{name}/{n}"), shape, n));
         }
         for (width, height) in [(16, 8), (5, 63), (300, 200)] {
             cases.push(grid(format!("table/grid/{name}/{width}x{height}"), shape, width, height));
@@ -62,17 +60,6 @@ fn cumulative(name: String, shape: Weights, n: usize) -> Case {
             vec![back.invert(cell, x * cells - cell as f64)]
         };
         (sampler(1, draw).with_inverse(invert), density(pdf).with_steps([steps(n), Vec::new()]))
-    })
-}
-
-/// The cell of an alias table.
-fn alias(name: String, shape: Weights, n: usize) -> Case {
-    Case::of(name, Discrete { outcomes: n }, move || {
-        let weights = weights(shape, n);
-        let table = AliasTable::from_fn(n, |i| weights[i]);
-        let of = table.clone();
-        let draw = move |u: &[f64]| table.sample(u[0]).map(|(cell, probability)| Sample::with_pdf(cell, probability));
-        (sampler(1, draw), density(move |cell: usize| of.probability(cell)))
     })
 }
 
