@@ -27,7 +27,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Images on each side.
-const REPLICATES: u64 = 16;
+const REPLICATES: usize = 16;
+/// Other numbers of images of A and B, with the largest uniform bias.
+const FEW: [[usize; 2]; 5] = [[2, 2], [2, 16], [3, 64], [4, 4], [4, 16]];
+/// Images of B, of which the comparisons take the first.
+const MOST: u64 = 64;
 /// Samples per pixel.
 const SPP: [u32; 3] = [16, 64, 256];
 /// Relative changes of the image's mean.
@@ -53,6 +57,8 @@ enum Fault {
     Shifted,
     /// Values are encoded by the sRGB curve.
     Encoded,
+    /// The light is too bright by the largest size; the numbers of images are [`FEW`].
+    Few(usize),
     /// No bias: replicate k has the samples k, k + 1, …, as if the number of a sample were added to the seed.
     Overlapping,
     /// The light is too bright, and A has the seeds of B.
@@ -67,15 +73,25 @@ impl Fault {
     fn all() -> Vec<Self> {
         let sized = [Self::Scaled, Self::Short, Self::Clamped, Self::SameSeeds as fn(usize) -> Self];
         let sized = sized.into_iter().flat_map(|fault| (0..SIZES.len()).map(fault));
+        let few = (0..FEW.len()).map(Self::Few);
         let others = [Self::Shifted, Self::Encoded, Self::Overlapping, Self::OneSeed, Self::Identical];
-        [Self::None].into_iter().chain(sized).chain(others).collect()
+        [Self::None].into_iter().chain(sized).chain(few).chain(others).collect()
     }
 
     /// Its size in percent of the mean, where it has one.
     fn size(self) -> Option<f64> {
         match self {
             Self::Scaled(i) | Self::Short(i) | Self::Clamped(i) | Self::SameSeeds(i) => Some(100.0 * SIZES[i]),
+            Self::Few(_) => Some(100.0 * SIZES[SIZES.len() - 1]),
             _ => None,
+        }
+    }
+
+    /// Images of A and B that are compared.
+    fn numbers(self) -> [usize; 2] {
+        match self {
+            Self::Few(i) => FEW[i],
+            _ => [REPLICATES; 2],
         }
     }
 }
@@ -84,18 +100,22 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match self {
             Self::None => "none",
-            Self::Scaled(_) => "light too bright",
+            Self::Scaled(_) | Self::Few(_) | Self::SameSeeds(_) => "light too bright",
             Self::Short(_) => "missing bounce",
             Self::Clamped(_) => "samples clamped",
             Self::Shifted => "half a pixel of shift",
             Self::Encoded => "sRGB written as linear",
             Self::Overlapping => "overlapping seeds, no bias",
-            Self::SameSeeds(_) => "light too bright, A has the seeds of B",
             Self::OneSeed => "one seed for all of A",
             Self::Identical => "A has the seeds of B, no bias",
         };
         let size = self.size().map_or(String::new(), |size| format!(" by {size} %"));
-        write!(f, "{name}{size}")
+        let addition = match self {
+            Self::Few(_) => format!(", {} images of A, {} of B", self.numbers()[0], self.numbers()[1]),
+            Self::SameSeeds(_) => ", A has the seeds of B".into(),
+            _ => String::new(),
+        };
+        write!(f, "{name}{size}{addition}")
     }
 }
 
@@ -217,6 +237,7 @@ impl Setup {
         let (width, height) = (self.request.width, self.request.height);
         let of = |a: &Replicate| match fault {
             Fault::Scaled(i) => scaled(&a.plain, i),
+            Fault::Few(_) => scaled(&a.plain, SIZES.len() - 1),
             Fault::Short(i) => {
                 let share = (SIZES[i] / self.short.1) as f32;
                 Image::from_fn(width, height, |x, y| a.plain.get(x, y).lerp(a.short.get(x, y), share))
@@ -231,7 +252,7 @@ impl Setup {
             Fault::SameSeeds(i) => b.iter().map(|image| scaled(image, i)).collect(),
             Fault::Identical => b.to_vec(),
             Fault::OneSeed => a.iter().map(|_| a[0].plain.clone()).collect(),
-            _ => a.iter().map(of).collect(),
+            _ => a[..fault.numbers()[0]].iter().map(of).collect(),
         }
     }
 }
@@ -262,6 +283,7 @@ impl Row {
             Some(Answer::Different) => "different",
             Some(Answer::NoDifferenceFound) => "no difference found",
             Some(Answer::CannotTell) => "cannot tell",
+            Some(Answer::NotIndependent) => "not independent",
         };
         Self {
             scene: setup.scene.name.clone(),
@@ -281,22 +303,25 @@ impl Row {
 /// All faults of one repetition at `spp` samples per pixel.
 fn repetition(setup: &Setup, spp: u32, repetition: u64, keep: Option<&Path>) -> Result<Vec<Row>, Box<dyn Error>> {
     let first = 1_000_000 * u64::from(spp) + 100 * repetition;
-    let replicate = |k: u64| setup.replicate(spp, first + k, k as u32, first + 2 * REPLICATES);
-    let a: Vec<Replicate> = (0..REPLICATES).into_par_iter().map(replicate).collect::<Result<_, _>>()?;
-    let other = |k: u64| render(&setup.scene, &setup.request, first + REPLICATES + k, 0..spp);
-    let b: Vec<Image> = (0..REPLICATES).into_par_iter().map(other).collect::<Result<_, _>>()?;
+    let replicates = REPLICATES as u64;
+    let replicate = |k: u64| setup.replicate(spp, first + k, k as u32, first + replicates + MOST);
+    let a: Vec<Replicate> = (0..replicates).into_par_iter().map(replicate).collect::<Result<_, _>>()?;
+    let other = |k: u64| render(&setup.scene, &setup.request, first + replicates + k, 0..spp);
+    let all: Vec<Image> = (0..MOST).into_par_iter().map(other).collect::<Result<_, _>>()?;
+    let b = &all[..REPLICATES];
     if let Some(folder) = keep {
-        write(folder, "b", &b)?;
+        write(folder, "b", b)?;
     }
     let mut rows = Vec::new();
     for fault in Fault::all() {
-        let images = setup.plant(fault, &a, &b);
+        let images = setup.plant(fault, &a, b);
         if let Some(folder) = keep {
             let name = fault.to_string().replace(" %", "").replace(", ", "-").replace(' ', "-");
             write(&folder.join(name), "a", &images)?;
         }
         // Images of a seed that is used twice are refused.
-        let compared = compare(Side::replicates(images), Side::replicates(b.clone()), PLAN).ok();
+        let others = all[..fault.numbers()[1]].to_vec();
+        let compared = compare(Side::replicates(images), Side::replicates(others), PLAN).ok();
         rows.push(Row::new(setup, fault, spp, repetition, compared.as_ref()));
     }
     Ok(rows)
@@ -314,8 +339,10 @@ fn write(folder: &Path, side: &str, images: &[Image]) -> Result<(), Box<dyn Erro
 /// how often they were refused.
 fn cell(rows: &[&Row]) -> String {
     let count = |answer: &str| rows.iter().filter(|row| row.answer == answer).count();
-    if count("refused") == rows.len() {
-        return "refused".into();
+    for answer in ["refused", "not independent"] {
+        if count(answer) == rows.len() {
+            return answer.into();
+        }
     }
     let found = count("different");
     let by = |name: &str, p: fn(&Row) -> Option<f64>| {

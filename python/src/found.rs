@@ -78,6 +78,12 @@ impl Found {
         }
     }
 
+    /// The same for this reason, if there is one.
+    pub fn because(self, reason: Option<String>) -> Self {
+        let Some(reason) = reason else { return self };
+        Self { text: format!("{reason}\n{}", self.text), reason: Some(reason), ..self }
+    }
+
     /// One test, with `text` in place of its summary's, if given.
     pub fn of_test(tested: Tested, text: Option<String>) -> Self {
         let outcome = tested.outcome.clone();
@@ -131,7 +137,7 @@ impl Found {
         let verdict = match compared.answer {
             Answer::Different => Verdict::Reject,
             Answer::NoDifferenceFound => Verdict::Accept,
-            Answer::CannotTell => Verdict::Inconclusive,
+            Answer::CannotTell | Answer::NotIndependent => Verdict::Inconclusive,
         };
         let (text, level) = (compared.text(), compared.plan.level);
         let worst = compared.families.iter().filter(|family| family.adjusted_p.is_some_and(|p| p < level));

@@ -1,12 +1,13 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values and as a table.
 
-use super::text::{p_value, power_of_ten};
+use super::text::{p_value, power_of_ten, rounded};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::compare::{Answer, Compared, Functional, Tested};
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// Longest side of the drawing of the difference, in pixels.
 const LONGEST_SIDE: usize = 2048;
@@ -116,7 +117,7 @@ fn tiles(compared: &Compared) -> Vec<Tile> {
     let tile = |tests: &[Tested]| {
         let Functional::Tile(place) = tests[0].functional else { return None };
         let usable = tests.iter().filter(|test| !test.dominated).copied();
-        let worst = usable.max_by(|a, b| a.difference.t().abs().total_cmp(&b.difference.t().abs()));
+        let worst = usable.min_by(Tested::by_p);
         Some(Tile { place, worst })
     };
     tests.filter_map(tile).collect()
@@ -132,9 +133,8 @@ pub fn drawing(compared: &Compared) -> Drawing {
     } else {
         z_map(compared, &tiles)
     };
-    let order = |tile: &Tile| tile.worst.map_or(0.0, |worst| -worst.difference.t().abs());
-    tiles.sort_by(|a, b| order(a).total_cmp(&order(b)));
     tiles.retain(|tile| tile.worst.is_some());
+    tiles.sort_by(|a, b| a.worst.iter().zip(&b.worst).map(|(a, b)| a.by_p(b)).next().unwrap_or(Ordering::Equal));
     tiles.truncate(ENLARGED);
     let map = tiles.iter().enumerate().fold(map, |panel, (i, tile)| {
         let [x, y, w, h] = tile.place.map(|v| v as f64);
@@ -184,19 +184,20 @@ fn p_values(compared: &Compared) -> Panel {
             first = first.min(point[0]);
             foot = foot.min(point[1]).min(compared.plan.level / (3 * tests) as f64);
             let limit = compared.plan.level / (3 * tests) as f64;
-            let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { format!("{limit:.1e}") };
+            let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { rounded(limit, 2) };
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }
     }
     let foot = 10f64.powf(foot.log10().floor() - 0.5);
     let panel = Panel::new(
         Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
-        Axis::log("/{p}-value (smaller ones at 10^{−12})").range(foot, 1.0),
+        Axis::log("/{p}-value, not corrected (least: 10^{−12})").range(foot, 1.0),
     )
     .title(match compared.answer {
         Answer::Different => "Different",
         Answer::NoDifferenceFound => "No difference found",
         Answer::CannotTell => "Cannot tell",
+        Answer::NotIndependent => "Not independent",
     })
     .line(
         "uniform: one expectation",
@@ -228,7 +229,8 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         let channel = compared.channels[worst.channel];
         cells.push((format!("{}: image A, {channel} = {mean_a}", i + 1), shown(&a)));
         cells.push((format!("image B, {channel} = {mean_b}"), shown(&b)));
-        cells.push((format!("A − B, ±{limit:.2e}; {}", p_value(worst.difference.p())), map.image()));
+        let p = compared.families[2].adjusted(worst);
+        cells.push((format!("A − B, ±{limit:.2e}; corrected {}", p_value(p)), map.image()));
     }
     contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)
 }

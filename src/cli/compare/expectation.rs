@@ -6,7 +6,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::compare::{Answer, Compared, FamilyResult, Plan, Side, compare};
+use crate::study::compare::{Answer, Compared, FamilyResult, Needed, Plan, Side, compare};
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
 use crate::view::compare_text::{sentence, text};
@@ -29,6 +29,10 @@ struct Output {
     images_b: usize,
     non_finite: usize,
     tile_side: usize,
+    /// What would find a bias of `detect`, if this does not.
+    needed: Option<Needed>,
+    /// Variance of the noise of an image declared exact, by that of the other side's mean.
+    noise_of_exact: Option<f64>,
     families: Vec<Family>,
 }
 
@@ -44,6 +48,10 @@ struct Family {
     mean_a: Option<f64>,
     mean_b: Option<f64>,
     standard_error: Option<f64>,
+    /// A − B in parts of the mean of B, and the ends of its interval.
+    bias: Option<f64>,
+    bias_low: Option<f64>,
+    bias_high: Option<f64>,
     untested: Option<&'static str>,
 }
 
@@ -79,6 +87,13 @@ impl Compare {
                 if tiles == 1 { "one tile is equal".into() } else { format!("{tiles} tiles are equal") }
             ));
         }
+        if let Some(ratio) = compared.noise_of_exact {
+            console.warn(&format!(
+                "the image of B is not exact: its pixels have noise of {} times the variance of the mean of A, which the test \
+                 allows for; give replicates, or an image with a layer of standard errors",
+                rounded(ratio, 2)
+            ));
+        }
         if compared.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
         }
@@ -87,13 +102,17 @@ impl Compare {
         Ok(match compared.answer {
             Answer::Different => Verdict::Rejected,
             Answer::NoDifferenceFound => Verdict::Good,
-            Answer::CannotTell => Verdict::Inconclusive,
+            Answer::CannotTell | Answer::NotIndependent => Verdict::Inconclusive,
         })
     }
 }
 
 fn result(compared: &Compared) -> Output {
+    let bias = |family: &FamilyResult| compared.bias(family, &family.worst?);
     let family = |family: &FamilyResult| Family {
+        bias: bias(family).map(|bias| bias.value),
+        bias_low: bias(family).map(|bias| bias.low),
+        bias_high: bias(family).map(|bias| bias.high),
         family: family.family.name(),
         tests: family.tests.len(),
         dominated: family.dominated,
@@ -116,33 +135,39 @@ fn result(compared: &Compared) -> Output {
         images_b: compared.images[1],
         non_finite: compared.non_finite,
         tile_side: compared.tile_side,
+        needed: compared.needed,
+        noise_of_exact: compared.noise_of_exact,
         families: compared.families.iter().map(family).collect(),
     }
 }
 
-/// A check for each family of tests, and one for what would have been found if that is too little.
+/// A check for each family of tests, and one for the run's answer where that is none.
 fn checks(compared: &Compared, seconds: f64) -> Checks {
     let mut checks: Vec<Check> = compared.families.iter().map(|family| check(compared, family)).collect();
-    if compared.answer == Answer::CannotTell {
-        checks.push(Check {
-            group: "compare".into(),
-            name: "power".into(),
-            verdict: Some(etalon_stats::Verdict::Inconclusive),
-            message: sentence(compared),
-            details: String::new(),
-            seconds: None,
-        });
-    }
+    let name = match compared.answer {
+        Answer::CannotTell => Some("power"),
+        Answer::NotIndependent => Some("independence"),
+        Answer::Different | Answer::NoDifferenceFound => None,
+    };
+    checks.extend(name.map(|name| Check {
+        group: "compare".into(),
+        name: name.into(),
+        verdict: Some(etalon_stats::Verdict::Inconclusive),
+        message: sentence(compared),
+        details: String::new(),
+        seconds: None,
+    }));
     Checks { title: "etalon compare".into(), list: checks, seconds }
 }
 
+/// A family is rejected if its p is below the level; it is skipped where nothing can be said of it.
 fn check(compared: &Compared, family: &FamilyResult) -> Check {
-    let verdict = match family.adjusted_p {
-        Some(p) if p < compared.plan.level => etalon_stats::Verdict::Reject,
-        Some(_) if family.dominated == 0 => etalon_stats::Verdict::Accept,
-        _ => etalon_stats::Verdict::Inconclusive,
+    let verdict = match (compared.answer, family.adjusted_p) {
+        (Answer::NotIndependent, _) | (_, None) => None,
+        (_, Some(p)) if p < compared.plan.level => Some(etalon_stats::Verdict::Reject),
+        (_, Some(_)) => Some(etalon_stats::Verdict::Accept),
     };
-    let p = family.adjusted_p.map_or("not tested".into(), p_is);
+    let p = family.adjusted_p.map_or(family.untested.unwrap_or("nothing that can be tested").into(), p_is);
     let worst = family.worst.map_or(String::new(), |test| {
         let ([a, b], channel) = (test.means.map(|mean| rounded(mean, 5)), compared.channels[test.channel]);
         format!("; most at {}, {channel}: A {a}, B {b}", test.functional)
@@ -151,9 +176,9 @@ fn check(compared: &Compared, family: &FamilyResult) -> Check {
     Check {
         group: "compare".into(),
         name: family.family.name().into(),
-        verdict: Some(verdict),
+        verdict,
         message,
-        details: if verdict == etalon_stats::Verdict::Accept { String::new() } else { sentence(compared) },
+        details: if verdict == Some(etalon_stats::Verdict::Reject) { sentence(compared) } else { String::new() },
         seconds: None,
     }
 }

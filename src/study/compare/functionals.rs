@@ -58,7 +58,7 @@ const MOST_TILES: f64 = 192.0;
 /// Half waves of the highest mode.
 const HIGHEST: usize = 2;
 /// The mean and the modes.
-const WAVES: usize = (HIGHEST + 1) * (HIGHEST + 1);
+pub const WAVES: usize = (HIGHEST + 1) * (HIGHEST + 1);
 
 /// The functionals of images of one size.
 pub struct Layout<'a> {
@@ -68,6 +68,40 @@ pub struct Layout<'a> {
     /// Pixels of the image and of each tile that count.
     pixels: usize,
     in_tile: Vec<usize>,
+}
+
+/// An image in 4 × 4 blocks, as many as there can be: correlations of noise are short beside a block.
+pub struct Blocks<'a> {
+    size: [usize; 2],
+    valid: &'a [bool],
+    /// Of each block, the pixels that count.
+    pub pixels: Vec<Vec<usize>>,
+}
+
+impl<'a> Blocks<'a> {
+    const PER_SIDE: usize = 4;
+
+    pub fn new(size: [usize; 2], valid: &'a [bool]) -> Self {
+        let block = |pixel: usize| {
+            let at = [pixel % size[0] * Self::PER_SIDE / size[0], pixel / size[0] * Self::PER_SIDE / size[1]];
+            at[1] * Self::PER_SIDE + at[0]
+        };
+        let mut pixels = vec![Vec::new(); Self::PER_SIDE * Self::PER_SIDE];
+        (0..valid.len()).filter(|&pixel| valid[pixel]).for_each(|pixel| pixels[block(pixel)].push(pixel));
+        Self { size, valid, pixels }
+    }
+
+    /// The pixels left, right, above and below, if all of them count.
+    pub fn neighbours(&self, pixel: usize) -> Option<[usize; 4]> {
+        let [width, height] = self.size;
+        let inside = (1..width.saturating_sub(1)).contains(&(pixel % width))
+            && (1..height.saturating_sub(1)).contains(&(pixel / width));
+        if !inside {
+            return None;
+        }
+        let near = [pixel - 1, pixel + 1, pixel - width, pixel + width];
+        near.iter().all(|&pixel| self.valid[pixel]).then_some(near)
+    }
 }
 
 /// A weighted sum of independent pixels: Σ w²σ², Σ w⁴σ⁴ and the largest w²σ².
@@ -207,6 +241,25 @@ impl<'a> Layout<'a> {
         self.weights(|pixel, i, weight| {
             let error = error.pixels()[pixel];
             (0..3).for_each(|c| sums[i][c].add((weight * f64::from(error[c])).powi(2)));
+        });
+        sums
+    }
+
+    /// The covariances of the mean and the modes, by channel, of independent pixels of these variances.
+    pub fn covariances(&self, variances: &[[f64; 3]]) -> [[[f64; WAVES]; WAVES]; 3] {
+        let mut sums = [[[0.0; WAVES]; WAVES]; 3];
+        let mut weights = [0.0; WAVES];
+        // The tile comes last of a pixel's functionals.
+        self.weights(|pixel, i, weight| {
+            if i < WAVES {
+                weights[i] = weight;
+                return;
+            }
+            for (sums, variance) in sums.iter_mut().zip(variances[pixel]) {
+                for (row, a) in sums.iter_mut().zip(weights) {
+                    row.iter_mut().zip(weights).for_each(|(sum, b)| *sum += a * b * variance);
+                }
+            }
         });
         sums
     }

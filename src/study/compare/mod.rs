@@ -5,15 +5,21 @@
 //! replicates must be independent. Source of the test by tiles: Jung, Hanika & Dachsbacher, "Detecting Bias in Monte Carlo
 //! Renderers using Welch's t-test", JCGT 9(2), 2020.
 
+mod exact;
 mod explain;
 mod functionals;
+mod independence;
+mod needed;
+mod pooled;
 mod side;
 
 pub use self::explain::{Explanation, explain};
 pub use self::functionals::{Family, Functional};
-pub use self::side::{Noise, Side};
+pub use self::independence::Related;
+pub use self::needed::Needed;
+pub use self::side::{Noise, PRECISION, Side};
 
-use self::functionals::Layout;
+use self::functionals::{Blocks, Layout};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::Image;
@@ -21,10 +27,7 @@ use etalon_stats::difference::{Difference, is_dominated};
 use etalon_stats::welch::Mean;
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// Differences up to this fraction of what is measured do not count: half floats, in which many images are stored, are no
-/// more precise.
-pub const PRECISION: f64 = 1.0 / 2048.0;
+use std::cmp::Ordering;
 
 /// What to test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +48,8 @@ pub enum Answer {
     NoDifferenceFound,
     /// No difference found, and such a bias might have gone unnoticed.
     CannotTell,
+    /// Nothing can be said: the images of a side are no replicates.
+    NotIndependent,
 }
 
 /// One functional in one channel.
@@ -100,6 +105,12 @@ pub struct Compared {
     pub tile_side: usize,
     /// Images on each side.
     pub images: [usize; 2],
+    /// Two images of a side that are no replicates of one another.
+    pub related: [Option<Related>; 2],
+    /// The variance of the noise of an image that is declared exact, by that of the other side's mean, if it has noise.
+    pub noise_of_exact: Option<f64>,
+    /// What it would take to find the bias that is asked for; none where it would be found, or if the means are dominated.
+    pub needed: Option<Needed>,
     /// Tiles of each side that are equal in all replicates, and not black, though they vary on the other side: their noise is
     /// the same in all images, unless the side has none there.
     pub constant_tiles: [usize; 2],
@@ -111,6 +122,9 @@ pub struct Compared {
 
 /// Number of families, which share the level.
 const FAMILIES: f64 = 3.0;
+
+/// The share of the level at which images count as no replicates, or as not exact: such an alarm hides what the tests say.
+const OF_PREMISES: f64 = 0.1;
 
 /// Tests whether `a` and `b` have the same expectation.
 ///
@@ -135,6 +149,20 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let mut observed: Vec<Vec<[Observed; 3]>> =
         sides.iter().map(|side| observe(side, &layout, plan.level)).collect::<Result<_>>()?;
     let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
+    let blocks = Blocks::new(sides[0].size(), &valid);
+    let related = sides.each_ref().map(|side| independence::related(&side.images, &blocks, OF_PREMISES * plan.level));
+    let exact = sides.iter().position(|side| side.noise == Noise::None);
+    let noise_of_exact = exact.and_then(|k| {
+        exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level).map(|r| (k, r))
+    });
+    if let Some((k, ratio)) = noise_of_exact {
+        // Noise of the same pixels: each functional has as much more of it.
+        let noise: Vec<[Mean; 3]> =
+            observed[1 - k].iter().map(|of| of.each_ref().map(|channel| channel.mean)).collect();
+        for (observed, noise) in observed[k].iter_mut().flatten().zip(noise.iter().flatten()) {
+            observed.mean = Mean { variance: ratio * noise.variance, dof: noise.dof, ..observed.mean };
+        }
+    }
     observed.iter_mut().for_each(|side| widen(side, &layout));
     let scales = layout.scales(&side::mean_image(&sides[1]));
     let families: Vec<FamilyResult> = Family::ALL
@@ -175,10 +203,14 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         usable.map(|test| relative(test, level_of(&families[2]))).filter(|b| b.is_finite()).collect();
     tile_biases.sort_unstable_by(f64::total_cmp);
     let answer = match uniform_bias {
+        _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
         _ if different => Answer::Different,
         Some(bias) if bias <= plan.detect => Answer::NoDifferenceFound,
         _ => Answer::CannotTell,
     };
+    let of_image = [0, 1].map(|side| observed[side][0].each_ref().map(|channel| channel.mean));
+    let is_noisy = answer == Answer::CannotTell && whole.dominated == 0;
+    let needed = if is_noisy { needed::needed(&sides, of_image, level_of(whole), plan.detect) } else { None };
     Ok(Compared {
         plan,
         answer,
@@ -189,10 +221,46 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         size: sides[0].size(),
         tile_side: layout.side(),
         images: sides.each_ref().map(|side| side.images.len()),
+        related,
+        noise_of_exact: noise_of_exact.map(|(_, ratio)| ratio),
+        needed,
         constant_tiles,
         non_finite: valid.iter().filter(|v| !**v).count(),
         means: sides.each_ref().map(side::mean_image),
     })
+}
+
+/// A difference in parts of the mean of B in its channel, with an interval. The intervals of a family hold together with
+/// the probability 1 − level/3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bias {
+    /// A − B.
+    pub value: f64,
+    /// Its lower end.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+}
+
+impl Compared {
+    /// The difference of a test of `family`; nothing where B is black.
+    #[must_use]
+    pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
+        let mean = self.families[0].tests[test.channel].means[1].abs();
+        let half = test.difference.half_width(self.plan.level / FAMILIES / family.tests.len() as f64);
+        let relative = |value: f64| value / mean;
+        let value = test.difference.value;
+        (mean > 0.0).then(|| Bias { value: relative(value), low: relative(value - half), high: relative(value + half) })
+    }
+}
+
+impl Tested {
+    /// The order of tests, the least likely first: by t where p is too small for a double.
+    #[must_use]
+    pub fn by_p(&self, other: &Self) -> Ordering {
+        let [a, b] = [self, other].map(|test| test.difference);
+        a.p().total_cmp(&b.p()).then(b.t().abs().total_cmp(&a.t().abs()))
+    }
 }
 
 impl FamilyResult {
@@ -200,12 +268,7 @@ impl FamilyResult {
     fn judge(&mut self) {
         self.dominated = self.tests.iter().filter(|test| test.dominated).count();
         let usable = self.tests.iter().filter(|test| !test.dominated);
-        // By t where p is too small for a double.
-        let order = |a: &&Tested, b: &&Tested| {
-            let [x, y] = [a, b].map(|test| (test.difference.p(), -test.difference.t().abs()));
-            x.0.total_cmp(&y.0).then(x.1.total_cmp(&y.1))
-        };
-        self.worst = usable.min_by(order).copied();
+        self.worst = usable.min_by(|a, b| a.by_p(b)).copied();
         self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
     }
 
@@ -245,7 +308,15 @@ fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]
             (Noise::None | Noise::PerPixel, None) => Observed { mean: Mean::exact(replicates[0]), dominated: false },
         }
     };
-    Ok((0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect())
+    let mut observed: Vec<[Observed; 3]> =
+        (0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect();
+    if side.has_few_replicates() {
+        let own: Vec<[Mean; 3]> = observed.iter().map(|channels| channels.each_ref().map(|of| of.mean)).collect();
+        for (observed, means) in observed.iter_mut().zip(pooled::pool(side, layout, &own)) {
+            observed.iter_mut().zip(means).for_each(|(of, mean)| of.mean = mean);
+        }
+    }
+    Ok(observed)
 }
 
 /// How many tiles of a side are equal in all replicates, and not black, though they vary on the other side.

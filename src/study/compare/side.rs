@@ -7,9 +7,13 @@ use crate::render::film::ERRORS_OF_SUMS;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Replicates on each side from which tiles are tested. The test of a tile is far out in the tail of Student's t, where a
-/// handful of replicates says nothing.
-const REPLICATES_FOR_TILES: usize = 16;
+/// Differences up to this fraction of what is measured do not count: half floats, in which many images are stored, are no
+/// more precise.
+pub const PRECISION: f64 = 1.0 / 2048.0;
+
+/// Replicates of a side from which each functional has its own variance, and tiles are tested: their test is far out in the tail
+/// of Student's t, where a handful of replicates says nothing.
+const ENOUGH_REPLICATES: usize = 16;
 
 /// What is known of the noise of a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -169,7 +173,13 @@ impl Side {
     }
 
     pub(super) fn has_few_replicates(&self) -> bool {
-        self.noise == Noise::Replicates && self.images.len() < REPLICATES_FOR_TILES
+        self.noise == Noise::Replicates && self.images.len() < ENOUGH_REPLICATES
+    }
+
+    /// Degrees of freedom of the image's mean if there were `n` replicates, from those that it has.
+    pub(super) fn dof_of(&self, n: usize, dof: f64) -> f64 {
+        let own = n as f64 - 1.0;
+        if n < ENOUGH_REPLICATES { dof * own / (self.images.len() as f64 - 1.0) } else { own }
     }
 }
 

@@ -1,5 +1,7 @@
 //! False alarms and planted biases: estimators of one expectation, and of expectations that differ by a known amount.
 
+mod levels;
+
 use super::*;
 use crate::math::Rgb;
 use crate::render::{Sampling, Settings, Silent, render};
