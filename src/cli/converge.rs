@@ -12,7 +12,7 @@ use crate::raster::{self, ReadOptions};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::answer::Answer;
 use crate::study::converge::contender::{Contender, Fault};
-use crate::study::converge::curve::{Curve, CurveVerdict};
+use crate::study::converge::curve::{BIAS_LEVEL, Curve, CurveVerdict, SLOPE_MARGIN};
 use crate::study::converge::recorded::Recorded;
 use crate::study::converge::reference::Reference;
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
@@ -87,12 +87,15 @@ fn after_help() -> String {
          sphere), else against two\nlong renders that take half of the budget; images are at most \
          {LONGEST_SIDE} pixels long unless -r says\nmore, and have the scene's own size if a renderer does not take \
          {{width}} and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv and \
-         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
+         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nA method is called \
+         biased if a t-test of its replicates says so, of the pixels or of the image's mean,\neach at a level of {:.1} %; steeper or flatter if the \
+         interval of its slope is further than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
          nothing is substituted):\n{placeholders}\nExit codes: 0 good, 1 a run of a renderer failed, 2 usage or bad input, \
          3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
          etalon converge sphere-env --envmap sun --strategies light,light-cosine,median-cut-64\n  \
-         etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'"
+         etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'",
+        100.0 * BIAS_LEVEL
     )
 }
 
@@ -164,11 +167,14 @@ impl Converge {
             console.warn(&format!("{strategy}, replicate {replicate} (seed {seed}, {spp} spp): {message}"));
         }
         result.notes.iter().for_each(|note| console.warn(note));
-        let mut files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
-        let table = output::with_extension(&replicates, "csv");
-        files::write_bytes(&table, &output::table(&view::replicate_rows(&result))?)?;
-        files.push(table);
-        files.extend(converge_images::images(&result).write(&images)?);
+        let mut files = Vec::new();
+        if !result.curves.is_empty() {
+            files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
+            let table = output::with_extension(&replicates, "csv");
+            files::write_bytes(&table, &output::table(&view::replicate_rows(&result))?)?;
+            files.push(table);
+            files.extend(converge_images::images(&result).write(&images)?);
+        }
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { answer: Answer::of(&result, 0.95), result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));
@@ -232,7 +238,14 @@ enum Chosen {
 
 fn text(output: &Output<'_>) -> String {
     let Output { answer, result, common_cpu_seconds, common_rmse } = output;
+    let sufficient = result.sufficient_budget.map_or(String::new(), |seconds| {
+        format!("too little time for verdicts: a budget of about {} would do (--budget)\n", duration(seconds))
+    });
+    if result.curves.is_empty() {
+        return format!("no answer: no method has finished a render\n{sufficient}");
+    }
     let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", 100)).collect();
+    text += &sufficient;
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
         None => "no reference\n".to_owned(),
@@ -293,7 +306,7 @@ fn text(output: &Output<'_>) -> String {
 /// A contender's line of the table, but for its end.
 fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
     let Some(level) = curve.levels.last() else { return String::new() };
-    let known = |value: f64, text: String| if value.is_nan() { "unknown".into() } else { text };
+    let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };
     let slope = curve.slope.value;
     format!(
         "{:<width$} {:>6} {:>7} {:>7}  {:<12} {:<8} {:>10} {end:>9}\n",
@@ -301,7 +314,7 @@ fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
         level.spp,
         duration(level.cpu_seconds),
         rounded(level.rmse(), 3),
-        known(slope, format!("{slope:.2} ± {:.2}", curve.slope.half_width)),
+        known(curve.slope.half_width, format!("{slope:.2} ± {:.2}", curve.slope.half_width)),
         word(curve.verdict),
         known(efficiency, rounded(efficiency, 3)),
     )

@@ -4,11 +4,14 @@ use crate::gallery::prelude::*;
 use crate::scene::{Environment, Request, Scene, builtin};
 use crate::study::converge::answer::Answer;
 use crate::study::converge::contender::Contender;
-use crate::study::converge::curve::{Curve, SIGMAS};
+use crate::study::converge::curve::Curve;
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge as view;
 use crate::view::converge_images::sheet;
+
+/// Standard errors beyond which a bias is seen.
+const SIGMAS: f64 = 3.0;
 
 /// Seconds after which a figure is cut short; on a machine of two cores none comes near.
 pub const LIMIT: f64 = 120.0;

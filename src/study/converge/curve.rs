@@ -61,11 +61,11 @@ impl Level {
 pub enum CurveVerdict {
     /// The error of the mean over all replicates is more than chance explains: the curve flattens.
     Biased,
-    /// The slope's interval contains −½.
+    /// The slope's interval comes within [`SLOPE_MARGIN`] of −½.
     MonteCarlo,
-    /// The slope's interval lies below −½.
+    /// The slope's interval lies further below −½.
     Faster,
-    /// The slope's interval lies above −½.
+    /// The slope's interval lies further above −½.
     Slower,
     /// Too few replicates or levels.
     Unknown,
@@ -137,11 +137,10 @@ pub struct Curve {
 pub const FIT_FROM: u32 = 4;
 /// Levels that a slope needs.
 pub const FIT_LEVELS: usize = 3;
-/// Number of standard errors beyond which the error of the mean image is bias.
-pub const SIGMAS: f64 = 3.0;
-
-/// Level of the t-test of the image's mean.
-const MEAN_LEVEL: f64 = 1e-3;
+/// Slopes that differ by less are the same: over a thousand times the samples, errors differ by 15 %.
+pub const SLOPE_MARGIN: f64 = 0.02;
+/// Level of each of both t-tests for bias, of the pixels and of the image's mean.
+pub const BIAS_LEVEL: f64 = 5e-3;
 
 /// The result of one replicate.
 #[derive(Debug, Clone)]
@@ -323,8 +322,8 @@ fn mean(images: &[&Image]) -> Image {
     Image::from_pixels(images[0].width(), images[0].height(), pixels)
 }
 
-/// Bias must be significant: that of the pixels, and then at least a hundredth of the last level's mean squared error, or that of
-/// the whole image, by a t-test of the replicates' means.
+/// Bias must be significant by a t-test of the replicates: that of the pixels, and then at least a hundredth of the last level's
+/// mean squared error, or that of the whole image.
 fn verdict(
     slope: Estimate,
     [bias2, mean_bias]: [Estimate; 2],
@@ -332,17 +331,18 @@ fn verdict(
     last: Option<&Level>,
 ) -> CurveVerdict {
     let last = last.map_or(f64::NAN, |level| level.mse.value);
-    let in_pixels = bias2.value > SIGMAS * bias2.standard_error && bias2.value > 0.01 * last;
-    let t = StudentsT::new(0.0, 1.0, replicates as f64 - 1.0)
-        .map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - MEAN_LEVEL / 2.0));
-    let in_mean = mean_bias.value.abs() > t * mean_bias.standard_error;
-    if in_pixels || in_mean {
+    let beyond = |estimate: Estimate, tail: f64| {
+        let t = StudentsT::new(0.0, 1.0, replicates as f64 - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - tail));
+        estimate.value.abs() > t * estimate.standard_error
+    };
+    let in_pixels = bias2.value > 0.01 * last && beyond(bias2, BIAS_LEVEL);
+    if in_pixels || beyond(mean_bias, 0.5 * BIAS_LEVEL) {
         CurveVerdict::Biased
     } else if !slope.half_width.is_finite() {
         CurveVerdict::Unknown
-    } else if slope.high() < -0.5 {
+    } else if slope.high() < -0.5 - SLOPE_MARGIN {
         CurveVerdict::Faster
-    } else if slope.low() > -0.5 {
+    } else if slope.low() > -0.5 + SLOPE_MARGIN {
         CurveVerdict::Slower
     } else {
         CurveVerdict::MonteCarlo

@@ -128,3 +128,31 @@ fn make_reference(
     }
     Reference::rendered(scene, request, plan.seed, max_spp, deadline)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::curve::CurveVerdict;
+    use super::*;
+    use crate::scene::builtin;
+    use statrs::distribution::{Binomial, DiscreteCDF};
+
+    #[test]
+    #[ignore = "takes minutes: cargo test --release --lib right_methods -- --ignored --nocapture"]
+    fn right_methods_are_called_biased_at_the_level() {
+        const RUNS: u64 = 1000;
+        let (scene, request) = builtin::cornell_lambert();
+        let request = Request { width: 16, height: 12, light_samples: 1, ..request };
+        let strategies: Vec<Strategy> = ["mis", "light", "bsdf+independent"].map(|name| name.parse().unwrap()).into();
+        let (mut biased, mut total) = (0, 0);
+        for run in 0..RUNS {
+            let plan = Plan { budget: 600.0, max_spp: Some(16), replicates: Some(8), seed: 100 * run, keep: None };
+            let found = measure(&scene, &request, &Contender::of(&strategies), &plan, None).unwrap();
+            total += found.curves.len() as u64;
+            biased += found.curves.iter().filter(|curve| curve.verdict == CurveVerdict::Biased).count() as u64;
+        }
+        // Two tests for each method.
+        let limit = Binomial::new(2.0 * curve::BIAS_LEVEL, total).unwrap().inverse_cdf(0.999);
+        println!("{biased} of {total} called biased, limit {limit}");
+        assert!(biased <= limit && total == 3 * RUNS, "{biased} of {total}, limit {limit}");
+    }
+}

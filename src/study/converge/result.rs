@@ -20,6 +20,8 @@ pub struct Convergence {
     pub curves: Vec<Curve>,
     /// What was asked for and left out for lack of time, in words.
     pub cut: Vec<String>,
+    /// Seconds of a budget that would do for all replicates, if this one did not; none where that is not known.
+    pub sufficient_budget: Option<f64>,
     /// Runs of renderers that failed.
     pub faults: Vec<Fault>,
     /// What else must be known of the result, in words.

@@ -13,6 +13,8 @@ use crate::scene::{Request, Scene};
 
 /// The share of the time that is reserved for evaluating errors.
 const RESERVE: f64 = 0.03;
+/// Replicates from which bias can be told from chance.
+const REPLICATES_FOR_VERDICT: usize = 3;
 /// Replicates that may fail before a renderer is given up.
 const FAILURES: usize = 2;
 
@@ -85,12 +87,20 @@ pub fn run(
         }
         if all.is_over() {
             result.cut.extend(plan.replicates.or(Some(replicates).filter(|_| index == 0)).map(|_| left_out()));
+            if index == 0 {
+                longest = time_of_replicate(&growing);
+            }
             break;
         }
         for (entry, one) in entries.iter_mut().zip(growing) {
             result.faults.extend(one.and_then(|one| entry.finish(one, index)));
         }
         longest = longest.max(before - all.left());
+    }
+    let has_verdicts = entries.iter().all(|entry| entry.given_up || entry.runs.len() >= REPLICATES_FOR_VERDICT);
+    if !has_verdicts && longest > 0.0 {
+        // The reference may take half of it.
+        result.sufficient_budget = Some(2.0 * f64::from(replicates) * longest * (1.0 + RESERVE));
     }
     for Entry { contender, runs, .. } in entries {
         let name = contender.name();
@@ -115,6 +125,18 @@ pub fn run(
         result.curves.push(curve);
     }
     Ok(())
+}
+
+/// Seconds that the least levels of a whole replicate take, from those that it has; 0 if it has none.
+fn time_of_replicate(growing: &[Option<Growing<'_>>]) -> f64 {
+    let seconds = growing.iter().flatten().filter_map(|one| {
+        let last = one.levels.last()?;
+        let spp = FIT_FROM << (FIT_LEVELS - 1);
+        Some(last.times.wall * f64::from(spp) / f64::from(last.spp))
+    });
+    let known: Vec<f64> = seconds.collect();
+    let missing = growing.len() as f64 / known.len().max(1) as f64;
+    known.iter().sum::<f64>() * missing
 }
 
 impl Setting<'_> {
