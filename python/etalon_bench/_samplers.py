@@ -37,7 +37,8 @@ class _Sampler:
     pdf: Callable[..., Any]
     invert: Callable[..., Any] | None
     dimension: int | None
-    mass: float | None
+    mass: float | str
+    table: tuple[int, int] | None
     atoms: list[tuple[list[float], float]]
 
 
@@ -47,7 +48,8 @@ def check_sampler(
     domain: str,
     *,
     dimension: int | None = None,
-    mass: float | Literal["at-most-1"] = 1.0,
+    mass: float | Literal["at-most-1", "unknown"] = 1.0,
+    table: tuple[int, int] | None = None,
     atoms: Sequence[tuple[Sequence[float] | float, float]] = (),
     invert: Callable[..., Any] | None = None,
     name: str = "sampler",
@@ -69,7 +71,10 @@ def check_sampler(
         domain: "sphere" (unit vectors, d = 3, per sr), "hemisphere" (those with z >= 0), "square" (d = 2, from 0 to 1),
             "line" (from 0 to 1) or "discrete:N" (the integers below N). Points of the last two have the shape (n,).
         dimension: random numbers of a sample, 0 to 64; by default 2, and 1 on a line and for a discrete domain.
-        mass: what the pdf integrates to, atoms included; below 1 where there may be no sample, "at-most-1" if it is not known.
+        mass: what the pdf integrates to, atoms included; below 1 where there may be no sample, "at-most-1" if it is not known. With
+            "unknown" only the shape of the pdf is tested.
+        table: rows and columns of a table in whose cells the pdf is constant, as `etalon validate --pdf` reads it: equal steps of θ
+            and φ on sphere and hemisphere, of y and x on the square, of x (and 1 column) on the line. Integrals are then exact.
         atoms: points that are sampled with a probability of their own, such as the direction of a mirror, and the probability.
         invert: the inverse of `sample`, to be tested too: points, shape (1, d), to random numbers, shape (1, dimension).
         name: of the test, in messages and figures. The random numbers depend on it.
@@ -80,9 +85,9 @@ def check_sampler(
         seed: of all random numbers.
 
     Raises:
-        ValueError: for an argument out of range, and for an array of a wrong shape or with NaN from a function.
+        ValueError: for an argument out of range, and for an array of a wrong shape from a function.
         TypeError: for an array of something else than real numbers.
-        Exception: whatever a function raises, unchanged.
+        Exception: whatever a function raises that works for no input, unchanged. (One that raises for some inputs is rejected.)
     """
     function(sample, "sample")
     function(pdf, "pdf")
@@ -90,11 +95,13 @@ def check_sampler(
         function(invert, "invert")
     if dimension is not None and not 0 <= dimension <= 64:
         raise ValueError(f"dimension: {dimension}; wanted 0 to 64 random numbers")
-    share = None if mass == "at-most-1" else float(mass)
-    if share is not None and not 0 <= share <= 1:
-        raise ValueError(f'mass: {mass}; wanted a number from 0 to 1, or "at-most-1"')
+    if not (mass in ("at-most-1", "unknown") or 0 <= float(mass) <= 1):
+        raise ValueError(f'mass: {mass}; wanted a number from 0 to 1, "at-most-1" or "unknown"')
+    if table is not None and not all(1 <= side <= 1 << 16 for side in table):
+        raise ValueError(f"table: {table}; wanted two numbers from 1 to 65536")
+    share = mass if isinstance(mass, str) else float(mass)
     points = [([float(x) for x in (at if isinstance(at, Sequence) else [at])], float(share)) for at, share in atoms]
-    sampler = _Sampler(name, sample, pdf, invert, dimension, share, points)
+    sampler = _Sampler(name, sample, pdf, invert, dimension, share, table, points)
     return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
 
 

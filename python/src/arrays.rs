@@ -64,15 +64,6 @@ impl<T> Numbers<T> {
 /// What a function was given, by the names of its arguments: rows of it are named in messages.
 pub type Given<'a, 'py> = &'a [(&'a str, &'a Bound<'py, PyAny>)];
 
-/// One number for each of `n` entries; not NaN.
-///
-/// # Errors
-/// TypeError and ValueError.
-pub fn column(value: &Bound<'_, PyAny>, name: &str, n: usize, given: Given<'_, '_>) -> PyResult<Vec<f64>> {
-    let values = numbers(value, name)?.of_shape(&[&[n]])?;
-    no_nan(&values, 1, name, |_| true, given).map(|()| values)
-}
-
 /// Refuses NaN in rows of `width` numbers that `counts`.
 ///
 /// # Errors

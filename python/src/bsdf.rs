@@ -1,7 +1,8 @@
 //! BSDFs that are functions of Python.
 
-use crate::arrays::{Given, column, flags, no_nan, numbers, rows};
+use crate::arrays::{Given, flags, no_nan, numbers, rows};
 use crate::caller::{Caller, run};
+use crate::calls::Calls;
 use crate::found::Found;
 use crate::sampler::Plan;
 use etalon::import::program::properties::{declare, has_sound_map};
@@ -13,6 +14,7 @@ use etalon_stats::bsdf::{
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A BSDF's functions, and what is declared of it by the keys of the protocol for external programs.
@@ -33,6 +35,9 @@ struct Functions {
     lobes: Option<Py<PyAny>>,
     properties: Properties,
 }
+
+/// Calls of `eval`, `pdf` and `sample`.
+type AllCalls = Arc<[Calls; 3]>;
 
 impl Declared {
     fn checked(self) -> PyResult<Functions> {
@@ -63,9 +68,13 @@ pub struct Bsdfs {
 #[pyfunction]
 pub fn check_bsdf(py: Python<'_>, bsdfs: Bsdfs, plan: Plan) -> PyResult<Found> {
     let (name, protocol) = (bsdfs.name.clone(), plan.protocol());
-    let validation =
-        run(py, move |caller| WholeBsdf::new(PythonFamily::new(bsdfs, caller), Vec::new()).run(&protocol, &|| ()))?;
-    Found::of_run(py, &name, validation)
+    let (validation, raised) = run(py, move |caller| {
+        let family = PythonFamily::new(bsdfs, caller);
+        let calls = Arc::clone(&family.calls);
+        let validation = WholeBsdf::new(family, Vec::new()).run(&protocol, &|| ())?;
+        Ok((validation, calls.iter().find_map(Calls::raised)))
+    })?;
+    Found::of_run(py, &name, validation).map(|found| found.because(raised))
 }
 
 /// What is tabulated.
@@ -114,13 +123,14 @@ struct PythonFamily {
     name: String,
     parameters: Vec<Parameter>,
     make: Arc<Py<PyAny>>,
+    calls: AllCalls,
 }
 
 impl PythonFamily {
     fn new(bsdfs: Bsdfs, caller: Caller) -> Self {
         let parameter = |(name, value, from, to): (String, f64, f64, f64)| Parameter::new(name, value, [from, to]);
         let parameters = bsdfs.parameters.into_iter().map(parameter).collect();
-        Self { caller, name: bsdfs.name, parameters, make: Arc::new(bsdfs.make) }
+        Self { caller, name: bsdfs.name, parameters, make: Arc::new(bsdfs.make), calls: AllCalls::default() }
     }
 }
 
@@ -143,23 +153,25 @@ impl Family for PythonFamily {
         })?;
         let valued = |(parameter, &value): (&Parameter, &f64)| Parameter { value, ..parameter.clone() };
         functions.properties.parameters = self.parameters.iter().zip(values).map(valued).collect();
-        Ok(Box::new(PythonBsdf { caller: self.caller.clone(), functions: Arc::new(functions) }))
+        let calls = Arc::clone(&self.calls);
+        Ok(Box::new(PythonBsdf { caller: self.caller.clone(), functions: Arc::new(functions), calls }))
     }
 }
 
 struct PythonBsdf {
     caller: Caller,
     functions: Arc<Functions>,
+    calls: AllCalls,
 }
 
 impl PythonBsdf {
     /// Has the calling thread run `job` on the functions.
     fn call<T: Send + 'static>(
         &self,
-        job: impl FnOnce(Python<'_>, &Functions) -> PyResult<T> + Send + 'static,
+        job: impl FnOnce(Python<'_>, &Functions, &[Calls; 3]) -> PyResult<T> + Send + 'static,
     ) -> etalon_stats::Result<T> {
-        let functions = Arc::clone(&self.functions);
-        self.caller.call(move |py| job(py, &functions))
+        let (functions, calls) = (Arc::clone(&self.functions), Arc::clone(&self.calls));
+        self.caller.call(move |py| job(py, &functions, &calls))
     }
 
     fn channels(&self) -> usize {
@@ -177,14 +189,18 @@ impl BatchBsdf for PythonBsdf {
         if pairs.is_empty() {
             return Ok(Vec::new());
         }
-        self.call(move |py, functions| {
-            let (n, dimension) = (pairs.len(), functions.properties.eval_dimension);
-            let (wo, wi) = directions_of(py, &pairs)?;
-            let f = match dimension {
-                0 => functions.eval.bind(py).call1((&wo, &wi)),
-                _ => functions.eval.bind(py).call1((&wo, &wi, rows(py, u, dimension)?)),
-            }?;
-            spectra(&f, "eval", &[n], channels, |_| true, &[("wo", &wo), ("wi", &wi)])
+        self.call(move |py, functions, calls| {
+            let dimension = functions.properties.eval_dimension;
+            let some = |range: Range<usize>| {
+                let (wo, wi) = directions_of(py, &pairs[range.clone()])?;
+                let u = u[range.start * dimension..range.end * dimension].to_vec();
+                let f = match dimension {
+                    0 => functions.eval.bind(py).call1((&wo, &wi)),
+                    _ => functions.eval.bind(py).call1((&wo, &wi, rows(py, u, dimension)?)),
+                }?;
+                spectra(&f, "eval", &[range.len()], channels)
+            };
+            calls[0].of_rows(py, ("eval", pairs.len()), [f64::NAN; 3], some, |i| Ok(pair(&pairs[i])))
         })
     }
 
@@ -194,10 +210,13 @@ impl BatchBsdf for PythonBsdf {
             return Ok(vec![0.0; pairs.len()]);
         }
         let pairs = pairs.to_vec();
-        self.call(move |py, functions| {
+        self.call(move |py, functions, calls| {
             let Some(pdf) = &functions.pdf else { return Ok(vec![0.0; pairs.len()]) };
-            let (wo, wi) = directions_of(py, &pairs)?;
-            column(&pdf.bind(py).call1((&wo, &wi))?, "pdf", pairs.len(), &[("wo", &wo), ("wi", &wi)])
+            let some = |range: Range<usize>| {
+                let (wo, wi) = directions_of(py, &pairs[range.clone()])?;
+                numbers(&pdf.bind(py).call1((&wo, &wi))?, "pdf")?.of_shape(&[&[range.len()]])
+            };
+            calls[1].of_rows(py, ("pdf", pairs.len()), f64::NAN, some, |i| Ok(pair(&pairs[i])))
         })
     }
 
@@ -206,16 +225,23 @@ impl BatchBsdf for PythonBsdf {
         if wos.is_empty() {
             return Ok(Vec::new());
         }
-        self.call(move |py, functions| {
-            let (n, dimension) = (wos.len(), functions.properties.dimension);
-            let (wo, u) = (directions(py, wos.into_iter())?, rows(py, u, dimension)?);
-            samples(&functions.sample.bind(py).call1((&wo, &u))?, n, channels, &[("wo", &wo), ("u", &u)])
+        self.call(move |py, functions, calls| {
+            let dimension = functions.properties.dimension;
+            let numbers = |range: &Range<usize>| u[range.start * dimension..range.end * dimension].to_vec();
+            let some = |range: Range<usize>| {
+                let (wo, u) =
+                    (directions(py, wos[range.clone()].iter().copied())?, rows(py, numbers(&range), dimension)?);
+                samples(&functions.sample.bind(py).call1((&wo, &u))?, range.len(), channels)
+            };
+            let nan = BsdfSample::new([f64::NAN; 3], [f64::NAN; 3], Density::Pdf(f64::NAN));
+            let given = |i: usize| Ok(format!("wo = {:?}, u = {:?}", wos[i], numbers(&(i..i + 1))));
+            calls[2].of_rows(py, ("sample", wos.len()), Some(nan), some, given)
         })
     }
 
     fn delta_lobes(&self, wos: &[Direction]) -> etalon_stats::Result<Vec<Vec<DeltaLobe>>> {
         let (wos, channels) = (wos.to_vec(), self.channels());
-        self.call(move |py, functions| {
+        self.call(move |py, functions, _| {
             let Some(lobes) = &functions.lobes else { return Ok(vec![Vec::new(); wos.len()]) };
             let (n, wo) = (wos.len(), directions(py, wos.into_iter())?);
             delta_lobes(&lobes.bind(py).call1((&wo,))?, n, channels, &[("wo", &wo)])
@@ -234,19 +260,16 @@ fn directions_of<'py>(py: Python<'py>, pairs: &[Pair]) -> PyResult<(Bound<'py, P
     Ok((side(0)?, side(1)?))
 }
 
-/// A value in every channel for each entry of an array of the shape `entries`; those that do not count may be NaN.
-fn spectra(
-    value: &Bound<'_, PyAny>,
-    name: &str,
-    entries: &[usize],
-    channels: usize,
-    counts: impl Fn(usize) -> bool,
-    given: Given<'_, '_>,
-) -> PyResult<Vec<Spectrum>> {
+/// A pair as text.
+fn pair([wo, wi]: &Pair) -> String {
+    format!("wo = {wo:?}, wi = {wi:?}")
+}
+
+/// A value in every channel for each entry of an array of the shape `entries`.
+fn spectra(value: &Bound<'_, PyAny>, name: &str, entries: &[usize], channels: usize) -> PyResult<Vec<Spectrum>> {
     let of_all = [entries, &[channels]].concat();
     let wanted: &[&[usize]] = if channels == 1 { &[entries, &of_all] } else { &[&of_all] };
     let values: Vec<f64> = numbers(value, name)?.of_shape(wanted)?;
-    no_nan(&values, channels, name, counts, given)?;
     let spectrum = |row: &[f64]| std::array::from_fn(|c| row[if channels == 1 { 0 } else { c }]);
     Ok(values.chunks_exact(channels).map(spectrum).collect())
 }
@@ -263,27 +286,17 @@ fn parts<'py, const N: usize>(value: &Bound<'py, PyAny>, wanted: &str) -> PyResu
 }
 
 /// The samples that a function has returned as `BsdfSamples`.
-fn samples(
-    value: &Bound<'_, PyAny>,
-    n: usize,
-    channels: usize,
-    given: Given<'_, '_>,
-) -> PyResult<Vec<Option<BsdfSample>>> {
+fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<Option<BsdfSample>>> {
     let [wi, weight, pdf, delta, valid] = parts::<5>(value, "sample: wanted BsdfSamples(wi, weight, …)")?;
     let missing = |what: &str| PyTypeError::new_err(format!("sample: no {what}"));
     let (wi, weight) = (wi.ok_or_else(|| missing("wi"))?, weight.ok_or_else(|| missing("weight"))?);
     let valid = flags(valid.as_ref(), "sample.valid", n, true)?;
     let delta = flags(delta.as_ref(), "sample.delta", n, false)?;
     let wi: Vec<f64> = numbers(&wi, "sample.wi")?.of_shape(&[&[n, 3]])?;
-    no_nan(&wi, 3, "sample.wi", |i| valid[i], given)?;
-    let weight = spectra(&weight, "sample.weight", &[n], channels, |i| valid[i], given)?;
+    let weight = spectra(&weight, "sample.weight", &[n], channels)?;
     let pdf = match pdf {
         None => None,
-        Some(pdf) => {
-            let values: Vec<f64> = numbers(&pdf, "sample.pdf")?.of_shape(&[&[n]])?;
-            no_nan(&values, 1, "sample.pdf", |i| valid[i], given)?;
-            Some(values)
-        }
+        Some(pdf) => Some(numbers::<f64>(&pdf, "sample.pdf")?.of_shape(&[&[n]])?),
     };
     let density = |i: usize| match &pdf {
         Some(pdf) if delta[i] => Ok(Density::Delta(pdf[i])),
@@ -318,7 +331,9 @@ fn delta_lobes(
     let probability: Vec<f64> =
         numbers(&probability.ok_or_else(missing)?, "lobes.probability")?.of_shape(&[&[n, k]])?;
     no_nan(&probability, k, "lobes.probability", |_| true, given)?;
-    let throughput = spectra(&throughput.ok_or_else(missing)?, "lobes.throughput", &[n, k], channels, |_| true, &[])?;
+    let throughput = spectra(&throughput.ok_or_else(missing)?, "lobes.throughput", &[n, k], channels)?;
+    let of_lobes: Vec<f64> = throughput.iter().flatten().copied().collect();
+    no_nan(&of_lobes, 3 * k, "lobes.throughput", |_| true, given)?;
     let lobe = |i: usize| DeltaLobe {
         wi: std::array::from_fn(|c| wi[3 * i + c]),
         probability: probability[i],

@@ -6,6 +6,7 @@
 mod arrays;
 mod bsdf;
 mod caller;
+mod calls;
 mod errors;
 mod found;
 mod images;

@@ -1,7 +1,8 @@
 //! Samplers and pdfs that are functions of Python.
 
-use crate::arrays::{Given, Numbers, column, flags, no_nan, numbers, rows};
+use crate::arrays::{Numbers, flags, numbers, rows};
 use crate::caller::{Caller, run};
+use crate::calls::Calls;
 use crate::found::Found;
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::study::validation::{Case, run as validate};
@@ -10,6 +11,7 @@ use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How a test is done.
@@ -37,10 +39,21 @@ pub struct Declared {
     invert: Option<Py<PyAny>>,
     /// Random numbers of a sample; the coordinates of the domain by default.
     dimension: Option<usize>,
-    /// The integral of the pdf; at most 1 by default.
-    mass: Option<f64>,
+    /// The integral of the pdf, "at-most-1" or "unknown".
+    mass: DeclaredMass,
+    /// Rows and columns of the table in whose cells the pdf is constant.
+    table: Option<(usize, usize)>,
     /// Points with their probabilities.
     atoms: Vec<(Vec<f64>, f64)>,
+}
+
+/// What a pdf integrates to.
+#[derive(FromPyObject)]
+pub enum DeclaredMass {
+    /// This.
+    Exactly(f64),
+    /// In words.
+    Words(String),
 }
 
 /// Tests samples against their pdf.
@@ -70,16 +83,36 @@ impl Visitor for Test<'_> {
         };
         let atoms = declared.atoms.iter().map(atom).collect::<PyResult<Vec<_>>>()?;
         let dimension = declared.dimension.unwrap_or(if D::NAMES[0].len() > 1 { 2 } else { 1 });
-        let mass = declared.mass.map_or(Mass::AtMostOne, Mass::Exactly);
+        let mass = match declared.mass {
+            DeclaredMass::Exactly(mass) => Mass::Exactly(mass),
+            DeclaredMass::Words(words) if words == "unknown" => Mass::Unknown,
+            DeclaredMass::Words(_) => Mass::AtMostOne,
+        };
+        let table = declared.table.map(|(rows, columns)| [rows, columns]);
         let (name, protocol) = (declared.name, plan.protocol());
         let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
         let invert = declared.invert.map(Arc::new);
         let tested = run(py, move |caller| {
-            let functions = Functions { caller, domain, sample, pdf, invert, dimension, mass, atoms };
+            let functions = Functions {
+                caller,
+                domain,
+                sample,
+                pdf,
+                invert,
+                dimension,
+                mass,
+                table,
+                atoms,
+                calls: Default::default(),
+            };
+            let calls = functions.calls.clone();
             // As the command line runs it: the random numbers depend on the name, too
             let case =
                 Case::new(name, move |protocol, round| Ok(examine(&domain, &functions, &functions, protocol, round)?));
-            let tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
+            let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
+            if let (Some(test), Some(raised)) = (&mut tested, calls.iter().find_map(|calls| calls.raised())) {
+                test.outcome.violation = Some(raised);
+            }
             Ok(tested.map(|test| (explain(&domain, &test.outcome, &protocol), test)))
         })?;
         let (text, test) = tested.ok_or_else(|| PyRuntimeError::new_err("no test was done"))?;
@@ -101,7 +134,10 @@ struct Functions<D: Coordinates> {
     invert: Option<Arc<Py<PyAny>>>,
     dimension: usize,
     mass: Mass,
+    table: Option<[usize; 2]>,
     atoms: Vec<Atom<D::Point>>,
+    /// Of `sample` and of `pdf`.
+    calls: Arc<[Calls; 2]>,
 }
 
 impl<D: Coordinates> Functions<D> {
@@ -123,11 +159,15 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
     }
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
-        let (u, dimension) = (u.to_vec(), self.dimension);
+        let (u, dimension, calls) = (u.to_vec(), self.dimension, Arc::clone(&self.calls));
         let call = move |domain: &D, sample: &Bound<'_, PyAny>| {
-            let count = u.len() / dimension;
-            let u = rows(sample.py(), u, dimension)?;
-            samples(domain, &sample.call1((&u,))?, count, &[("u", &u)])
+            let py = sample.py();
+            let some = |range: Range<usize>| {
+                let u = rows(py, u[range.start * dimension..range.end * dimension].to_vec(), dimension)?;
+                samples(domain, &sample.call1((&u,))?, range.len())
+            };
+            let given = |i: usize| Ok(format!("u = {:?}", &u[i * dimension..(i + 1) * dimension]));
+            calls[0].of_rows(py, ("sample", u.len() / dimension), nowhere(domain), some, given)
         };
         self.append(call, out)
     }
@@ -138,7 +178,13 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
         seed: u32,
         out: &mut Vec<Option<Sample<D::Point>>>,
     ) -> etalon_stats::Result<()> {
-        self.append(move |domain, sample| samples(domain, &sample.call1((count, seed))?, count, &[]), out)
+        let calls = Arc::clone(&self.calls);
+        let call = move |domain: &D, sample: &Bound<'_, PyAny>| {
+            let some = |range: Range<usize>| samples(domain, &sample.call1((range.len(), seed))?, range.len());
+            let given = |_: usize| Ok(format!("n = 1, seed = {seed}"));
+            calls[0].of_rows(sample.py(), ("sample", count), nowhere(domain), some, given)
+        };
+        self.append(call, out)
     }
 
     fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
@@ -157,9 +203,14 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
             return Ok(());
         }
         let (count, coordinates, pdf) = (at.len(), coordinates::<D>(at), Arc::clone(&self.pdf));
+        let calls = Arc::clone(&self.calls);
         let job = move |py: Python<'_>| {
-            let x = points::<D>(py, coordinates)?;
-            column(&pdf.bind(py).call1((&x,))?, "pdf", count, &[("x", &x)])
+            let of = |range: Range<usize>| coordinates[range.start * width::<D>()..range.end * width::<D>()].to_vec();
+            let some = |range: Range<usize>| {
+                let x = points::<D>(py, of(range.clone()))?;
+                numbers(&pdf.bind(py).call1((&x,))?, "pdf")?.of_shape(&[&[range.len()]])
+            };
+            calls[1].of_rows(py, ("pdf", count), f64::NAN, some, |i| Ok(format!("x = {:?}", of(i..i + 1))))
         };
         out.append(&mut self.caller.call(job)?);
         Ok(())
@@ -171,6 +222,10 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
 
     fn atoms(&self) -> Vec<Atom<D::Point>> {
         self.atoms.clone()
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        self.table.map(|sides| self.domain.steps(sides))
     }
 }
 
@@ -190,12 +245,17 @@ fn points<D: Coordinates>(py: Python<'_>, coordinates: Vec<f64>) -> PyResult<Bou
     }
 }
 
+/// A sample that is outside of any domain.
+fn nowhere<D: Coordinates>(domain: &D) -> Option<Sample<D::Point>> {
+    let points = [vec![f64::NAN; width::<D>()], vec![f64::from(u32::MAX); width::<D>()]];
+    points.iter().find_map(|point| domain.point(0, point)).map(Sample::new)
+}
+
 /// The samples that a function has returned: an array of points, or `Samples`.
 fn samples<D: Coordinates>(
     domain: &D,
     returned: &Bound<'_, PyAny>,
     n: usize,
-    given: Given<'_, '_>,
 ) -> PyResult<Vec<Option<Sample<D::Point>>>> {
     let [x, pdf, valid, atom] = match returned.cast::<PyTuple>() {
         Err(_) => [Some(returned.clone()), None, None, None],
@@ -214,14 +274,9 @@ fn samples<D: Coordinates>(
     let x: Numbers<f64> = numbers(&x, "sample")?;
     let d = width::<D>();
     let coordinates = if d == 1 { x.of_shape(&[&[n], &[n, 1]])? } else { x.of_shape(&[&[n, d]])? };
-    no_nan(&coordinates, d, "sample", |i| valid[i], given)?;
     let pdf = match pdf {
         None => None,
-        Some(pdf) => {
-            let values: Vec<f64> = numbers(&pdf, "sample.pdf")?.of_shape(&[&[n]])?;
-            no_nan(&values, 1, "sample.pdf", |i| valid[i] && !atom[i], given)?;
-            Some(values)
-        }
+        Some(pdf) => Some(numbers::<f64>(&pdf, "sample.pdf")?.of_shape(&[&[n]])?),
     };
     let of_row = |(i, row): (usize, &[f64])| -> PyResult<_> {
         if !valid[i] {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import sys
 
 import numpy as np
@@ -99,7 +100,6 @@ def test_stochastic_values():
     ("change", "kind", "message"),
     [
         ({"eval": lambda wo, wi: np.zeros((len(wo), 3))}, ValueError, r"eval: shape \(\d+, 3\); wanted \(\d+,\) or \(\d+, 1\)"),
-        ({"eval": lambda wo, wi: np.full(len(wo), np.nan)}, ValueError, "eval: NaN in row 0"),
         ({"pdf": lambda wo, wi: "x"}, TypeError, "pdf: str of dtype"),
         ({"sample": lambda wo, u: wo}, TypeError, "wanted BsdfSamples"),
         ({"sample": lambda wo, u: eb.BsdfSamples(wo, None)}, TypeError, "sample: no weight"),
@@ -115,6 +115,28 @@ def test_stochastic_values():
 def test_errors_name_what_is_wrong(change, kind, message):
     with pytest.raises(kind, match=message):
         eb.check_bsdf(dataclasses.replace(DIFFUSE, **change))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"eval": lambda wo, wi: np.where(wi[:, 2] > 0.99, np.nan, diffuse_eval(wo, wi))}, r"f = \[NaN\]"),
+        ({"pdf": lambda wo, wi: np.where(wi[:, 2] > 0.99, np.nan, np.maximum(wi[:, 2], 0) / np.pi)}, "pdf = NaN"),
+    ],
+)
+def test_nan_is_a_finding(change, reason):
+    result = eb.check_bsdf(dataclasses.replace(DIFFUSE, **change))
+    assert result.verdict == "reject" and any(re.search(reason, str(check)) for check in result.checks), str(result)
+
+
+def test_exceptions_at_some_directions_are_a_finding():
+    def eval(wo, wi):
+        if (wi[:, 2] > 0.9999).any():
+            raise ZeroDivisionError("straight up")
+        return diffuse_eval(wo, wi)
+
+    result = eb.check_bsdf(dataclasses.replace(DIFFUSE, eval=eval))
+    assert result.verdict == "reject" and re.match(r"eval raises ZeroDivisionError: straight up, for wo = \[.*, wi = \[.*0\.9999", result.reason), result.reason
 
 
 def test_functions_are_wanted():

@@ -51,6 +51,7 @@ pub fn assert_samples_follow_pdf_by<D: Domain>(
             let declared = match density.mass() {
                 Mass::Exactly(mass) => format!("declared: {mass}"),
                 Mass::AtMostOne => "declared: at most 1".to_owned(),
+                Mass::Unknown => "not declared".to_owned(),
             };
             // A wrong mass is the violation already.
             let mass = outcome.mass.filter(|_| outcome.violation.is_none());

@@ -41,6 +41,8 @@ pub struct Counting<'a, D: Domain> {
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
+    /// Whether the density has an unknown mass: its integrals are then divided by their sum.
+    pub normalized: bool,
     /// The probability with which the bound of the integral may fail.
     pub risk: f64,
 }
@@ -86,19 +88,23 @@ impl<D: Domain> Counting<'_, D> {
             let tally = self.source.tally(stream, self.samples, &counters)?;
             let mut integrals = integration.integrals();
             let Integration::Refined(refinement) = &mut integration else {
-                let (integral, shares) = (Integral::exact(&integrals), Some((integration.shares(subdivision), 0.0)));
-                let (values, invalid) = (integrals.values, integrals.invalid);
+                let (integral, scale) = (Integral::exact(&integrals), self.scale(&integrals.values));
+                let shares = Some((integration.shares(subdivision).times(scale), 0.0));
+                let (values, invalid) =
+                    (integrals.values.iter().map(|value| scale * value).collect(), integrals.invalid);
                 return Ok(Counted { values, shares, integral, uncertain: false, invalid, tally });
             };
             let check = refinement.check(probes, seed, checks)?;
             let integral = Integral::measured(&integrals, &check, &tally, self.risk);
             let invalid = integrals.invalid.or(check.invalid);
+            let scale = self.scale(&integrals.values);
+            integrals.values.iter_mut().chain(&mut integrals.errors).for_each(|integral| *integral *= scale);
 
             let missed = |cell: usize| tally.missed[cell].sum() / self.samples as f64;
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
-                (difference.abs() - CHANCE * error).max(0.0) + missed(cell)
+                scale * (difference.abs() - CHANCE * error).max(0.0) + missed(cell)
             };
             let error = |cell: usize| match &corrections {
                 Some(corrections) => corrections[cell][1],
@@ -111,7 +117,7 @@ impl<D: Domain> Counting<'_, D> {
                     || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
             if is_good || attempt == attempts || invalid.is_some() {
                 let all_found: f64 = (0..subdivision.grid.len()).map(found).sum();
-                let shares = corrections.is_none().then(|| (refinement.shares(subdivision), all_found));
+                let shares = corrections.is_none().then(|| (refinement.shares(subdivision).times(scale), all_found));
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
                 }
@@ -124,11 +130,18 @@ impl<D: Domain> Counting<'_, D> {
             } else {
                 let correction = |cell: usize| {
                     let ([within_reach, error], missed) = (check.difference(cell), missed(cell));
-                    [within_reach + missed, error.hypot((missed / self.samples as f64).sqrt())]
+                    [scale * within_reach + missed, (scale * error).hypot((missed / self.samples as f64).sqrt())]
                 };
                 corrections = Some((0..subdivision.grid.len()).map(correction).collect());
             }
         }
+    }
+
+    /// What integrals are multiplied by to be probabilities.
+    fn scale(&self, values: &[f64]) -> f64 {
+        let total: f64 = values.iter().sum();
+        let at_atoms: f64 = self.atoms.iter().map(|atom| atom.probability).sum();
+        if self.normalized && total > 0.0 { (1.0 - at_atoms) / total } else { 1.0 }
     }
 
     /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it

@@ -9,6 +9,8 @@ pub enum Mass {
     Exactly(f64),
     /// An unknown value of at most 1: the integral then gives the probability of "no sample".
     AtMostOne,
+    /// An unknown value: only the shape of the density is tested, and "no sample" is left out.
+    Unknown,
 }
 
 /// A point that is sampled with a probability of its own: a Dirac delta of the distribution.

@@ -11,9 +11,9 @@ use crate::text::{count, tuple};
 use std::fmt::Debug;
 
 /// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
-/// carries another one.
+/// carries another one. At single points a pdf may be infinite.
 pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64) -> Option<String> {
-    if !(pdf.is_finite() && pdf >= 0.0) {
+    if pdf.is_nan() || pdf < 0.0 {
         return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
     }
     let claimed = sample.pdf?;
@@ -27,16 +27,25 @@ pub fn outside<P: Debug>(sample: &Sample<P>) -> String {
     format!("the sample {} is outside of the domain", tuple(&sample.point))
 }
 
-/// Tests the sampler with random numbers at the edges of \[0, 1), which a generator hardly ever returns.
+/// What random numbers at the edges of \[0, 1) find, which a generator hardly ever returns.
+#[derive(Default)]
+pub struct Corners {
+    /// What is wrong.
+    pub violation: Option<String>,
+    /// Where the pdf is infinite.
+    pub infinite: Option<String>,
+}
+
+/// Tests the sampler with random numbers at the edges of \[0, 1).
 pub fn corners<D: Domain>(
     domain: &D,
     sampler: &dyn Sampler<D::Point>,
     density: &dyn Density<D::Point>,
-) -> Result<Option<String>> {
+) -> Result<Corners> {
     const EDGES: [f64; 4] = [0.0, 0.5, 1.0 / (1u64 << 53) as f64, 1.0 - 1.0 / (1u64 << 53) as f64];
     let dimension = sampler.dimension();
     if dimension == 0 {
-        return Ok(None);
+        return Ok(Corners::default());
     }
     // All corners of the cube in few dimensions; in many, those where all but one random number are ½.
     let corner = |i: usize| -> Vec<f64> {
@@ -50,19 +59,33 @@ pub fn corners<D: Domain>(
     let numbers: Vec<Vec<f64>> = (0..count).map(corner).collect();
     let mut samples = Vec::with_capacity(count);
     sampler.sample(&numbers.concat(), &mut samples)?;
-    let some: Vec<(&Vec<f64>, Sample<D::Point>)> =
-        numbers.iter().zip(samples).filter_map(|(u, sample)| Some((u, sample?))).collect();
-    let points: Vec<D::Point> = some.iter().map(|(_, sample)| sample.point).collect();
+    let from = |u: &[f64], what: String| format!("{what} (sampled from u = {})", tuple(&u));
+    let mut corners = Corners::default();
+    // A point outside of the domain has no pdf, and an atom none of its own.
+    let (mut spread, mut points) = (Vec::new(), Vec::new());
+    for (u, sample) in numbers.iter().zip(samples) {
+        match sample {
+            Some(sample) if domain.to_chart(sample.point).is_none() => {
+                corners.violation.get_or_insert_with(|| from(u, outside(&sample)));
+            }
+            Some(sample) if !sample.atom => {
+                points.push(sample.point);
+                spread.push((u, sample));
+            }
+            _ => {}
+        }
+    }
     let mut pdfs = Vec::with_capacity(points.len());
     density.pdf(&points, &mut pdfs)?;
-    Ok(some.iter().zip(pdfs).find_map(|((u, sample), pdf)| {
-        let violation = match domain.to_chart(sample.point) {
-            None => Some(outside(sample)),
-            Some(_) if sample.atom => None,
-            Some(_) => pdf_violation(sample, pdf),
-        };
-        violation.map(|violation| format!("{violation} (sampled from u = {})", tuple(u)))
-    }))
+    for ((u, sample), pdf) in spread.iter().zip(pdfs) {
+        if let Some(violation) = pdf_violation(sample, pdf) {
+            corners.violation.get_or_insert_with(|| from(u, violation));
+        }
+        if pdf == f64::INFINITY {
+            corners.infinite.get_or_insert_with(|| from(u, tuple(&sample.point)));
+        }
+    }
+    Ok(corners)
 }
 
 /// Tests whether the density returns the same values when asked again at the points of some probes.

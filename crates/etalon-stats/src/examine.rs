@@ -7,7 +7,7 @@ use crate::density::{Density, Mass};
 use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
-use crate::exact;
+use crate::exact::{self, Corners};
 use crate::grid::{Cell, Grid};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
@@ -159,7 +159,7 @@ pub fn examine<D: Domain>(
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();
-    let corner_violation = if finite.is_none() { exact::corners(domain, sampler, density)? } else { None };
+    let corners = if finite.is_none() { exact::corners(domain, sampler, density)? } else { Corners::default() };
     let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
     let pilot = source.probes(streams(round, 0)[0], pilots)?;
     // Integrals and counts of a density that changes are meaningless, as are the counts of samples that repeat.
@@ -175,16 +175,30 @@ pub fn examine<D: Domain>(
     let shape = shape(domain, protocol.cells);
     let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
     let samples = count(grid.len() + atoms.len());
-    let n = samples as f64;
     let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
     let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
+    let normalized = density.mass() == Mass::Unknown;
     let risk = RISK * protocol.own_level();
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
     let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, samples);
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
     let labels = Labels::new(&subdivision, samples);
-    let counting = Counting { source: &source, subdivision: &subdivision, labels, atoms: &atoms, samples, whole, risk };
+    let counting = Counting {
+        source: &source,
+        subdivision: &subdivision,
+        labels,
+        atoms: &atoms,
+        samples,
+        whole,
+        normalized,
+        risk,
+    };
     let Counted { values, shares, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
+
+    // Leave "no sample" out where its probability is not known.
+    let none = if normalized { 0 } else { tally.none };
+    let samples = samples - (tally.none - none);
+    let n = samples as f64;
 
     // Compare the integral with the declared mass; derive the probability of "no sample".
     let mass = integral.plus(at_atoms);
@@ -196,10 +210,11 @@ pub fn examine<D: Domain>(
             let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
             ((1.0 - at_atoms - values.iter().sum::<f64>()).max(least), mass.value > 1.0 + tolerated)
         }
+        Mass::Unknown => (0.0, false),
     };
     let mass_violation = mass_is_wrong.then(|| match density.mass() {
         Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
-        Mass::AtMostOne => format!("the pdf integrates to {mass}, more than 1"),
+        Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}, more than 1"),
     });
     let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
@@ -212,9 +227,9 @@ pub fn examine<D: Domain>(
         .map(|share| (n * share).max(f64::MIN_POSITIVE))
         .chain([none_expected.max(f64::MIN_POSITIVE)])
         .collect();
-    let observed: Vec<u64> = tally.observed.iter().copied().chain([tally.none]).collect();
+    let observed: Vec<u64> = tally.observed.iter().copied().chain([none]).collect();
     // No sample where there must always be one is as impossible as a sample of pdf 0.
-    let impossible = tally.outside_support + if none_expected == 0.0 { tally.none } else { 0 };
+    let impossible = tally.outside_support + if none_expected == 0.0 { none } else { 0 };
 
     // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
     let certain =
@@ -235,7 +250,10 @@ pub fn examine<D: Domain>(
     let p = p_of_counts
         .filter(|_| !uncertain && pdf_violation.is_none())
         .map(|p| with_impossible(p, impossible, n * ROUNDING));
-    let Structure { scales, words, remarks, .. } = structure.unwrap_or_default();
+    let Structure { scales, words, mut remarks, .. } = structure.unwrap_or_default();
+    remarks.extend(
+        corners.infinite.map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
+    );
     let detectable = match test {
         _ if certain => Some(detectable_share(n)),
         _ => test.map(|test| detectable(test.dof, protocol.level_of_cells(), samples)),
@@ -248,11 +266,19 @@ pub fn examine<D: Domain>(
         }
         Some(_) => None,
     };
-    let violations = [pdf_violation, mass_violation, corner_violation, tally.violation.clone()];
+    // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
+    let infinite_violation = (with_impossible(1.0, tally.infinite, n * ROUNDING) < level)
+        .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
+    let violations = [pdf_violation, mass_violation, corners.violation, tally.violation.clone(), infinite_violation];
     let violation = violations.into_iter().flatten().next();
     let violation =
         violation.or_else(|| exact::same_batches(domain, &tally.serial)).or_else(|| exact::discrete(domain, &pilot));
     let none = tally.none;
+    if normalized {
+        remarks.push(format!(
+            "only the shape of the pdf was tested: it integrates to {mass}, and its mass is not declared"
+        ));
+    }
     let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
     let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
     Ok(Outcome {

@@ -46,6 +46,8 @@ pub struct Tally {
     pub none: u64,
     /// Samples where the pdf is 0.
     pub outside_support: u64,
+    /// Samples where the pdf is infinite.
+    pub infinite: u64,
     /// The share of the pdf at each sample that the cubature misses, summed over the samples of each cell.
     pub missed: Vec<Share>,
     /// Some of the places where the nodes do not predict the pdf, at most [`FOUND`].
@@ -61,6 +63,7 @@ impl Tally {
         self.serial.add(other.serial);
         self.none += other.none;
         self.outside_support += other.outside_support;
+        self.infinite += other.infinite;
         add(&mut self.missed, &other.missed);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
@@ -108,7 +111,9 @@ impl<D: Domain> Source<'_, D> {
                 spread.filter_map(|point| Some((point, self.domain.to_chart(point)?))).unzip();
             let mut pdfs = Vec::with_capacity(points.len());
             self.density.pdf(&points, &mut pdfs)?;
-            Ok(charts.into_iter().zip(pdfs).map(|(at, pdf)| Probe { at, pdf }).collect::<Vec<_>>())
+            // A pdf that is infinite at a single point says nothing of its surroundings.
+            let known = charts.into_iter().zip(pdfs).filter(|(_, pdf)| *pdf != f64::INFINITY);
+            Ok(known.map(|(at, pdf)| Probe { at, pdf }).collect::<Vec<_>>())
         };
         let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
@@ -126,7 +131,7 @@ impl<D: Domain> Source<'_, D> {
         };
         let add_batch = |mut tally: Tally, batch| {
             let (u, samples) = self.batch(stream, batch, count)?;
-            self.count(&samples, counters, &mut tally)?;
+            self.count(&u, &samples, counters, &mut tally)?;
             if batch == 0 && tally.violation.is_none() {
                 tally.violation = self.inverse_violation(&u, &samples)?;
             }
@@ -137,28 +142,47 @@ impl<D: Domain> Source<'_, D> {
         batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
-    fn count(&self, samples: &[Option<Sample<D::Point>>], counters: &Counters<D>, tally: &mut Tally) -> Result<()> {
+    /// Counts the `samples` that were made from `u`.
+    fn count(
+        &self,
+        u: &[f64],
+        samples: &[Option<Sample<D::Point>>],
+        counters: &Counters<D>,
+        tally: &mut Tally,
+    ) -> Result<()> {
         let Counters { subdivision, labels, atoms, integration } = counters;
         let mut past = Past::default();
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
-        // Ask for all pdfs of the batch at once.
-        let spread = || samples.iter().flatten().filter(|sample| !sample.atom);
-        let mut points = Vec::with_capacity(samples.len());
-        points.extend(spread().map(|sample| sample.point));
+        // Samples that are at hand come from no random numbers.
+        let dimension = if self.sampler.finite_len().is_some() { 0 } else { self.sampler.dimension() };
+        let mut first: Option<(usize, String)> = None;
+        let mut note = |i: usize, violation: String| {
+            if first.as_ref().is_none_or(|(known, _)| i < *known) {
+                first = Some((i, violation));
+            }
+        };
+        // Ask for all pdfs of the batch at once; a point outside of the domain has none.
+        let (mut spread, mut points) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
+        for (i, sample) in samples.iter().enumerate() {
+            let Some(sample) = sample.as_ref().filter(|sample| !sample.atom) else { continue };
+            if let Some(at) = self.domain.to_chart(sample.point) {
+                spread.push((i, sample, at));
+                points.push(sample.point);
+            } else {
+                note(i, outside(sample));
+            }
+        }
         let mut pdfs = Vec::with_capacity(points.len());
         self.density.pdf(&points, &mut pdfs)?;
 
         // Check and count samples that have a density.
-        for (sample, pdf) in spread().zip(pdfs) {
-            let Some(at) = self.domain.to_chart(sample.point) else {
-                tally.violation.get_or_insert_with(|| outside(sample));
-                continue;
-            };
+        for ((i, sample, at), pdf) in spread.into_iter().zip(pdfs) {
             if let Some(violation) = pdf_violation(sample, pdf) {
-                tally.violation.get_or_insert(violation);
+                note(i, violation);
             }
             tally.outside_support += u64::from(pdf == 0.0);
+            tally.infinite += u64::from(pdf == f64::INFINITY);
             let (cell, probe) = (subdivision.grid.find(at), Probe { at, pdf });
             tally.observed[cell] += 1;
             tally.parts.cells[subdivision.find(cell, at)] += 1;
@@ -170,6 +194,7 @@ impl<D: Domain> Source<'_, D> {
             tally.serial.count(labels, &mut past, parts, at);
             let within = match integration {
                 Integration::Exact(..) => 1.0,
+                Integration::Refined(_) if pdf == f64::INFINITY => 1.0,
                 Integration::Refined(refinement) if refinement.reaches(cell, pdf) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
             };
@@ -182,6 +207,11 @@ impl<D: Domain> Source<'_, D> {
         }
 
         tally.serial.end(past);
+        if let Some((i, violation)) = first {
+            let from = u.get(i * dimension..(i + 1) * dimension).filter(|_| dimension > 0);
+            let from = from.map_or(String::new(), |u| format!(" (sampled from u = {})", tuple(&u)));
+            tally.violation.get_or_insert(violation + &from);
+        }
 
         // Match samples at atoms with the declared ones.
         for sample in samples.iter().flatten().filter(|sample| sample.atom) {

@@ -55,6 +55,77 @@ fn small_mistakes_are_rejected() {
 }
 
 #[test]
+fn of_an_unknown_mass_the_shape_is_tested() {
+    let sphere = Directions::sphere(Pole::Z);
+    for factor in [1e-6, 1.0, 1e6] {
+        // A lobe, a tenth of whose samples is missing.
+        let some = sampler(3, |u: &[f64]| (u[2] < 0.9).then(|| Sample::new(beckmann(0.3, u))));
+        let pdf = lobe_pdf(0.3);
+        let of = |pdf: f64| density(move |w| factor * lobe_pdf(pdf)(w)).with_mass(Mass::Unknown);
+        let outcome = tested(&sphere, &some, &of(0.3));
+        assert!(outcome.is_accepted() && outcome.remarks.iter().any(|r| r.contains("only the shape")), "{outcome}");
+        assert!((outcome.mass.unwrap().value / factor - 1.0).abs() < 1e-4 && outcome.none > 0, "{outcome:?}");
+        assert_eq!(tested(&sphere, &some, &of(0.29)).verdict, Verdict::Reject);
+        let stairs =
+            density(move |x: f64| factor * if x < 0.3 { 2.0 } else { 4.0 / 7.0 }).with_steps([vec![0.3], vec![]]);
+        let draw = |u: &[f64]| Some(Sample::new(if u[0] < 0.6 { u[0] / 2.0 } else { 0.3 + (u[0] - 0.6) * 1.75 }));
+        let outcome = tested(&Line::UNIT, &sampler(1, draw), &stairs.with_mass(Mass::Unknown));
+        assert!(outcome.is_accepted(), "{outcome}");
+        assert!(tested(&sphere, &some, &density(move |w| factor * pdf(w))).verdict == Verdict::Reject);
+    }
+}
+
+#[test]
+fn nan_of_samples_and_densities_is_a_finding() {
+    let identity = |u: &[f64]| Some(Sample::new(if u[0] > 0.999 { f64::NAN } else { u[0] }));
+    let outcome = tested(&Line::UNIT, &sampler(1, identity), &density(|_: f64| 1.0));
+    assert!(outcome.verdict == Verdict::Reject && outcome.to_string().contains("NaN"), "{outcome}");
+    assert!(outcome.violation.unwrap().contains("sampled from u = (0.999"));
+    let right = sampler(1, |u: &[f64]| Some(Sample::new(u[0])));
+    for wrong in [f64::NAN, -1.0, f64::NEG_INFINITY] {
+        let outcome = tested(&Line::UNIT, &right, &density(|x: f64| if x > 0.999 { wrong } else { 1.0 }));
+        assert!(outcome.verdict == Verdict::Reject && outcome.violation.is_some(), "{wrong}: {outcome}");
+    }
+    let carries = sampler(1, |u: &[f64]| Some(Sample::with_pdf(u[0], if u[0] > 0.999 { f64::NAN } else { 1.0 })));
+    let outcome = tested(&Line::UNIT, &carries, &density(|_: f64| 1.0));
+    assert!(outcome.verdict == Verdict::Reject && outcome.to_string().contains("NaN"), "{outcome}");
+}
+
+#[test]
+fn a_density_may_be_infinite_at_single_points() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let has_remark = |outcome: &Outcome| outcome.remarks.iter().any(|remark| remark.contains("infinite at the point"));
+    // The arcsine distribution, infinite at both ends, which u = 0 and u = 1 return.
+    let arcsine = sampler(1, |u: &[f64]| Some(Sample::new((FRAC_PI_2 * u[0]).sin().powi(2))));
+    let outcome = tested(&Line::UNIT, &arcsine, &density(|x: f64| 1.0 / (PI * (x * (1.0 - x)).sqrt())));
+    assert!(outcome.is_accepted() && has_remark(&outcome), "{outcome}");
+    // Infinite in the middle, where a node of the cubature is, and in single precision.
+    let middle = sampler(1, |u: &[f64]| {
+        let v = 2.0 * u[0] - 1.0;
+        Some(Sample::new(f64::from((v * v).copysign(v) as f32)))
+    });
+    let pdf = |x: f64| 0.25 / x.abs().sqrt();
+    let outcome = tested(&Line { from: -1.0, to: 1.0 }, &middle, &density(pdf));
+    assert!(outcome.is_accepted() && has_remark(&outcome), "{outcome}");
+    // Along lines and at points of a plane: 1/sin θ on the sphere.
+    let poles = sampler(2, |u: &[f64]| {
+        let ((sin, cos), (sin_phi, cos_phi)) = ((PI * u[0]).sin_cos(), (TAU * u[1]).sin_cos());
+        Some(Sample::new([sin * cos_phi, sin * sin_phi, cos]))
+    });
+    let pdf = |w: Vector| 1.0 / (2.0 * PI * PI * w[0].hypot(w[1]));
+    let outcome = tested(&Directions::sphere(Pole::Z), &poles, &density(pdf));
+    assert!(outcome.is_accepted(), "{outcome}");
+    // What is infinite on a set that samples meet, or integrates to another value, is no pdf.
+    let uniform = sampler(1, |u: &[f64]| Some(Sample::new(u[0])));
+    let outcome = tested(&Line::UNIT, &uniform, &density(|x: f64| if x < 0.01 { f64::INFINITY } else { 1.0 }));
+    assert!(outcome.verdict == Verdict::Reject && outcome.to_string().contains("inf"), "{outcome}");
+    let outcome = tested(&Line::UNIT, &arcsine, &density(|x: f64| 0.5 / x.sqrt()));
+    assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
+    let outcome = tested(&Line::UNIT, &arcsine, &density(|x: f64| 1.1 / (PI * (x * (1.0 - x)).sqrt())));
+    assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
+}
+
+#[test]
 fn broken_contracts_are_rejected_and_named() {
     type Draw = Box<dyn Fn(&[f64]) -> Option<Sample<Vector>> + Sync>;
     let half = Directions::hemisphere(Pole::Z);

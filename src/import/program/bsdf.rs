@@ -13,7 +13,7 @@ use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
 use super::properties::declared;
 use crate::error::Result;
-use crate::import::number::real;
+use crate::import::number::{number, real};
 use crate::import::place::quote;
 use crate::import::sampler::write_numbers;
 use etalon_stats::bsdf::{
@@ -169,12 +169,13 @@ impl Configured<'_> {
             let (probability, throughput) = rest.split_first()?;
             Some(DeltaLobe { wi: *wi, probability: *probability, throughput: self.spectrum(throughput)? })
         };
-        numbers(words)?.chunks(4 + self.properties.channels).map(lobe).collect()
+        let numbers = numbers(words).filter(|numbers| !numbers.iter().any(|x| x.is_nan()))?;
+        numbers.chunks(4 + self.properties.channels).map(lobe).collect()
     }
 }
 
 fn numbers(words: &[&str]) -> Option<Vec<f64>> {
-    words.iter().map(|word| real(word)).collect()
+    words.iter().map(|word| number(word)).collect()
 }
 
 fn line(pair: &Pair) -> Vec<f64> {
@@ -199,7 +200,7 @@ impl BatchBsdf for Configured<'_> {
             return Ok(vec![0.0; pairs.len()]);
         }
         let read = |words: &[&str]| match words {
-            [pdf] => real(pdf),
+            [pdf] => number(pdf),
             _ => None,
         };
         Ok(self.ask(["pdf", "a pdf"], pairs.iter().map(line), read)?)

@@ -32,7 +32,7 @@ pub fn ask<T>(
         values.push(read(&words).ok_or_else(|| {
             let asked = request.lines().nth(i + 1).map_or_else(String::new, |asked| format!(" (for {})", quote(asked)));
             let (number, line) = (i + 1, quote(line));
-            wrong(format!("line {number} of the answer is {line}{asked}, not {expected}; NaN is no number"))
+            wrong(format!("line {number} of the answer is {line}{asked}, not {expected}"))
         })?);
     }
     if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }

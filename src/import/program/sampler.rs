@@ -9,7 +9,7 @@
 //! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
 //!
 //! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
-//! to (1, or `at-most-1`); `domain`; `invert=yes`.
+//! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`.
 
 use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
@@ -20,6 +20,8 @@ use crate::import::sampler::{Coordinates, Space, write_numbers};
 use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
 use std::sync::{Mutex, PoisonError};
 
+/// Most rows or columns of a table.
+pub const LONGEST: usize = 1 << 16;
 /// Most random numbers of one sample.
 pub const DIMENSIONS: usize = 64;
 
@@ -33,14 +35,22 @@ struct Description {
     mass: Mass,
     /// If the program names it.
     domain: Option<Space>,
+    /// Rows and columns of the table in whose cells the pdf is constant.
+    table: Option<[usize; 2]>,
     /// Whether it has the inverse of its sampler.
     invert: bool,
 }
 
 impl Description {
     fn of(greeting: &Greeting) -> Result<Self> {
-        let mut found =
-            Self { name: "exec".to_owned(), dimension: 2, mass: Mass::Exactly(1.0), domain: None, invert: false };
+        let mut found = Self {
+            name: "exec".to_owned(),
+            dimension: 2,
+            mass: Mass::Exactly(1.0),
+            domain: None,
+            table: None,
+            invert: false,
+        };
         for (key, value) in &greeting.keys {
             let refused = || greeting.meaningless(key, value);
             match key.as_str() {
@@ -51,6 +61,8 @@ impl Description {
                         dimension.ok_or_else(|| greeting.wrong(&format!("has a dimension not 0 to {DIMENSIONS}")))?;
                 }
                 "mass" if value == "at-most-1" => found.mass = Mass::AtMostOne,
+                "mass" if value == "unknown" => found.mass = Mass::Unknown,
+                "table" => found.table = Some(table(value).ok_or_else(refused)?),
                 "mass" => {
                     let mass = number(value).filter(|mass| (0.0..=1.0).contains(mass));
                     let mass = mass.ok_or_else(|| greeting.wrong("has a mass that is not from 0 to 1"))?;
@@ -69,6 +81,13 @@ impl Description {
         }
         Ok(found)
     }
+}
+
+/// The sides of a table, `ROWSxCOLUMNS`, each from 1 to [`LONGEST`].
+fn table(value: &str) -> Option<[usize; 2]> {
+    let (rows, columns) = value.split_once('x')?;
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=LONGEST).contains(n));
+    Some([side(rows)?, side(columns)?])
 }
 
 /// A program after the handshake; the type of its points is chosen by [`Client::over`].
@@ -118,7 +137,8 @@ impl Client {
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
             let (probability, point) = words.split_last()?;
             let probability = real(probability).filter(|p| (0.0..=1.0).contains(p))?;
-            Some(Atom { point: domain.read(point)?, probability })
+            let point = domain.read(point).filter(|point| domain.to_chart(*point).is_some())?;
+            Some(Atom { point, probability })
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
@@ -163,7 +183,7 @@ impl<D: Coordinates> Program<D> {
             ["none"] => Some(None),
             ["atom", point @ ..] => Some(Some(Sample::atom(self.domain.read(point)?))),
             [point @ .., pdf] if point.len() == D::NAMES[0].len() => {
-                Some(Some(Sample::with_pdf(self.domain.read(point)?, real(pdf)?)))
+                Some(Some(Sample::with_pdf(self.domain.read(point)?, number(pdf)?)))
             }
             point => Some(Some(Sample::new(self.domain.read(point)?))),
         })
@@ -215,7 +235,7 @@ impl<D: Coordinates> Sampler<D::Point> for Program<D> {
         let read = |words: &[&str]| match words {
             ["none"] => Some(None),
             _ if words.len() != dimension => None,
-            _ => words.iter().map(|word| real(word)).collect::<Option<Vec<f64>>>().map(Some),
+            _ => words.iter().map(|word| number(word)).collect::<Option<Vec<f64>>>().map(Some),
         };
         let expected = format!("{dimension} numbers or \"none\"");
         let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
@@ -230,7 +250,7 @@ impl<D: Coordinates> Density<D::Point> for Program<D> {
         }
         let request = self.at_points("pdf", points);
         let read_pdf = |words: &[&str]| match words {
-            [pdf] => real(pdf),
+            [pdf] => number(pdf),
             _ => None,
         };
         out.extend(self.ask("pdf", points.len(), request, "a pdf", read_pdf)?);
@@ -239,6 +259,10 @@ impl<D: Coordinates> Density<D::Point> for Program<D> {
 
     fn mass(&self) -> Mass {
         self.description.mass
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        self.description.table.map(|sides| self.domain.steps(sides))
     }
 
     fn atoms(&self) -> Vec<Atom<D::Point>> {

@@ -1,6 +1,6 @@
 //! Domains that an external sampler can have: their points as words and as rows of a table, their cells in tables of pdfs.
 
-use crate::import::number::real;
+use crate::import::number::number;
 use etalon_stats::{Directions, Discrete, Domain, Line, Pole, Square};
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -26,9 +26,16 @@ pub trait Coordinates: Domain + Copy + Send + 'static {
         t
     }
 
-    /// The point that is written in words.
+    /// The lines of the chart between the cells of a table with so many rows and columns.
+    fn steps(&self, [rows, columns]: [usize; 2]) -> [Vec<f64>; 2] {
+        let divide = |n: usize| (1..n).map(move |i| i as f64 / n as f64);
+        let (first, second) = if Self::TRANSPOSED { (columns, rows) } else { (rows, columns) };
+        [divide(first).map(|t| self.first(t)).collect(), divide(second).collect()]
+    }
+
+    /// The point that is written in words; a coordinate may be NaN, which no point of the domain has.
     fn read(&self, words: &[&str]) -> Option<Self::Point> {
-        let numbers: Vec<f64> = words.iter().map(|word| real(word)).collect::<Option<_>>()?;
+        let numbers: Vec<f64> = words.iter().map(|word| number(word)).collect::<Option<_>>()?;
         if numbers.len() == Self::NAMES[0].len() { self.point(0, &numbers) } else { None }
     }
 }
@@ -141,9 +148,7 @@ mod tests {
         returns(Square, [0.1, f64::MIN_POSITIVE]);
         [0.1, -1e300, -0.0, f64::INFINITY].into_iter().for_each(|x| returns(Line::UNIT, x));
         returns(Discrete { outcomes: 7 }, 1_000_000);
-        assert_eq!(
-            (Line::UNIT.read(&["nan"]), Square.read(&["1", "x"]), Line::UNIT.read(&["1", "2"])),
-            (None, None, None)
-        );
+        assert!(Line::UNIT.read(&["nan"]).is_some_and(|x| Line::UNIT.to_chart(x).is_none()));
+        assert_eq!((Square.read(&["1", "x"]), Line::UNIT.read(&["1", "2"])), (None, None));
     }
 }

@@ -91,8 +91,8 @@ fn programs_that_misbehave_are_named() {
         ("echo 0 0 1 1 1; echo end; cat > /dev/null", "answered only 1 lines"),
         ("yes none", "\"none\" where \"end\" belongs"),
         (
-            "echo 0 0 1 nan 1; yes none | head -n 1059; echo end; cat > /dev/null",
-            "line 1 of the answer is \"0 0 1 nan 1\" (for \"",
+            "echo 0 0 1 x 1; yes none | head -n 1059; echo end; cat > /dev/null",
+            "line 1 of the answer is \"0 0 1 x 1\" (for \"",
         ),
         ("echo 0 0; yes none | head -n 1059; echo end; cat > /dev/null", "\"0 0\""),
         ("echo delta 0 0 1 1; yes none | head -n 1059; echo end; cat > /dev/null", "\"delta 0 0 1 1\""),

@@ -112,7 +112,7 @@ fn what_a_program_left_behind_is_ended() {
         return;
     }
     for (answers, code) in [
-        ("read l; echo nan; echo end; read l", 2),
+        ("read l; echo x; echo end; read l", 2),
         ("read l; exit 1", 2),
         // One outcome: all samples are 0, all densities 1.
         (

@@ -146,3 +146,66 @@ fn usage_is_checked() {
         assert!(ran.stderr.contains(expected), "{args:?}: {}", ran.stderr);
     }
 }
+
+/// A client on a line of which `$GREETING`, `$SAMPLE` and `$PDF` are to be filled in.
+const LINE: &str = "
+import math, sys
+numbers = lambda count: [float(sys.stdin.readline()) for _ in range(count)]
+for request in sys.stdin:
+    verb, *words = request.split()
+    if verb == 'etalon':
+        print('etalon 1 domain=line dimension=1 GREETING')
+    elif verb == 'sample':
+        for u in numbers(int(words[0])):
+            print(SAMPLE)
+    elif verb == 'pdf':
+        for x in numbers(int(words[0])):
+            print(PDF)
+    else:
+        break
+    print('end', flush=True)
+";
+
+#[test]
+fn nan_singularities_tables_and_unknown_masses() {
+    if !has("python3", &["--version"]) {
+        return;
+    }
+    let folder = tempdir().unwrap();
+    let client = folder.path().join("client.py");
+    let run = |greeting: &str, sample: &str, pdf: &str| {
+        let text = LINE.replace("GREETING", greeting).replace("SAMPLE", sample).replace("PDF", pdf);
+        std::fs::write(&client, text).unwrap();
+        validate(&format!("python3 '{}'", client.display()), &[])
+    };
+    // Steps of 1/2 and 3/2: of each pair, a quarter of the random numbers belongs to the first.
+    let bins = "1.5 if int(64 * x) % 2 else 0.5";
+    let of_bins = "(int(32 * u) + (2 * (32 * u % 1) if 32 * u % 1 < 0.25 else 0.5 + (32 * u % 1 - 0.25) / 1.5)) / 32";
+    for (greeting, sample, pdf, code, word) in [
+        ("", "u if u < 0.999 else 'nan'", "1", 1, "the sample NaN is outside of the domain (sampled from u = (0.999"),
+        ("", "u", "1 if x < 0.999 else 'nan'", 1, "is NaN"),
+        ("", "u if u < 0.999 else 'inf'", "1", 1, "the sample inf is outside"),
+        (
+            "",
+            "math.sin(math.pi * u / 2) ** 2",
+            "1 / (math.pi * math.sqrt(x * (1 - x))) if 0 < x < 1 else 'inf'",
+            0,
+            "infinite at the point",
+        ),
+        ("table=64x1", of_bins, bins, 0, "accept"),
+        ("table=64x1", "u", bins, 1, "reject"),
+        ("mass=unknown", "math.sqrt(u)", "1000 * x", 0, "only the shape of the pdf was tested"),
+        ("mass=unknown", "math.sqrt(u)", "1000 * x * x", 1, "reject"),
+        ("table=0x1", "u", "1", 2, "table=0x1"),
+        ("table=64", "u", "1", 2, "table=64"),
+    ] {
+        let ran = run(greeting, sample, pdf);
+        assert_eq!(ran.code, code, "{greeting} {sample} {pdf}: {} {}", ran.stdout, ran.stderr);
+        assert!(
+            (ran.stdout.clone() + &ran.stderr).contains(word),
+            "{greeting} {sample} {pdf}: {} {}",
+            ran.stdout,
+            ran.stderr
+        );
+    }
+}

@@ -32,6 +32,11 @@ enum Fault {
     WrongMap,
     AboveBound,
     Stochastic,
+    NanValue,
+    NanPdf,
+    NanWeight,
+    NanDirection,
+    InfiniteWeight,
 }
 
 /// A Lambertian surface of albedo 0.8 with a fault.
@@ -56,13 +61,18 @@ impl Bsdf for Lambertian {
             Fault::Asymmetric => 0.8 * (1.0 + 0.1 * wo[2]),
             Fault::Bright => 1.5,
             Fault::Stochastic => 1.6 * u[0],
+            Fault::NanValue if wi[2] > 0.99 => f64::NAN,
             _ => 0.8,
         };
         [above * f / PI; 3]
     }
 
     fn pdf(&self, _: Direction, wi: Direction) -> f64 {
-        let wrong = if self.0 == Fault::Pdf { 1.1 } else { 1.0 };
+        let wrong = match self.0 {
+            Fault::Pdf => 1.1,
+            Fault::NanPdf if wi[2] > 0.99 => f64::NAN,
+            _ => 1.0,
+        };
         wrong * wi[2].max(0.0) / PI
     }
 
@@ -73,8 +83,16 @@ impl Bsdf for Lambertian {
         }
         let pdf = self.pdf(wo, wi);
         let f = if self.0 == Fault::Stochastic { 0.8 / PI } else { self.eval(wo, wi, &[0.5])[0] };
-        let weight = if self.0 == Fault::Weight { 0.75 } else { f * wi[2] / pdf };
-        (pdf > 0.0).then(|| BsdfSample::new(wi, [weight; 3], Density::Pdf(pdf)))
+        let weight = match self.0 {
+            Fault::Weight => 0.75,
+            Fault::NanWeight if wi[2] > 0.99 => f64::NAN,
+            Fault::InfiniteWeight if wi[2] > 0.99 => f64::INFINITY,
+            _ => f * wi[2] / pdf,
+        };
+        if self.0 == Fault::NanDirection && wi[2] > 0.99 {
+            wi[0] = f64::NAN;
+        }
+        (pdf > 0.0 || pdf.is_nan()).then(|| BsdfSample::new(wi, [weight; 3], Density::Pdf(pdf)))
     }
 
     fn albedo(&self, _: Direction) -> Option<Spectrum> {
@@ -178,6 +196,21 @@ impl Bsdf for Single {
 
 fn quick() -> Protocol {
     Protocol { samples: SampleCount::Detect(0.03), ..Protocol::default() }
+}
+
+#[test]
+fn nan_and_infinities_are_findings() {
+    for (fault, word) in [
+        (Fault::NanValue, "NaN"),
+        (Fault::NanPdf, "NaN"),
+        (Fault::NanWeight, "NaN"),
+        (Fault::NanDirection, "NaN"),
+        (Fault::InfiniteWeight, "inf"),
+    ] {
+        let report = test("under test", &Lambertian(fault), &[towards(40.0)], &quick()).unwrap();
+        let rejected: Vec<String> = report.with(Verdict::Reject).map(|checked| checked.outcome.to_string()).collect();
+        assert!(rejected.iter().any(|text| text.contains(word)), "{word}: {rejected:?}");
+    }
 }
 
 fn rejecting(bsdf: &dyn super::BatchBsdf) -> Vec<&'static str> {

@@ -1,7 +1,7 @@
 //! The difference between a density and what the rules integrate, measured at random points.
 
 use super::pieces::{LARGE, Piece};
-use super::{InvalidPdf, Probe, Refinement, first_invalid};
+use super::{InvalidPdf, Probe, Refinement, first_invalid, values_at};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::fixed::{Share, add};
@@ -70,7 +70,7 @@ impl<D: Domain> Refinement<'_, D> {
         };
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
-            let (mut chosen, mut points) = (Vec::new(), Vec::new());
+            let (mut chosen, mut charts, mut points) = (Vec::new(), Vec::new(), Vec::new());
             // Sample points by the largest density that the pieces are expected to reach.
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
                 // One point in each of `count` equal parts of `reach`.
@@ -79,15 +79,16 @@ impl<D: Domain> Refinement<'_, D> {
                 let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
                 let [u, v] = rng.random::<[f64; 2]>();
                 let chart = [along(piece.part.at.x, u), if plane { along(piece.part.at.y, v) } else { 0.5 }];
-                chosen.push((piece, chart));
+                chosen.push(piece);
+                charts.push(chart);
                 points.push(self.domain.point_at(chart));
             }
             let mut values = Vec::with_capacity(points.len());
-            self.density.pdf(&points, &mut values)?;
+            values_at(self.domain, self.density, &charts, &points, &mut values)?;
             let mut check = none();
             check.invalid = first_invalid(&points, &values);
             // Add up the differences between density and polynomial.
-            for ((piece, at), pdf) in chosen.into_iter().zip(values) {
+            for ((piece, at), pdf) in chosen.into_iter().zip(charts).zip(values) {
                 let probe = Probe { at, pdf };
                 let difference = piece.difference(&probe);
                 let sums = &mut check.sums[piece.part.cell];

@@ -31,7 +31,7 @@ pub struct Integrals<P> {
     /// Estimates of the errors: Σ |K − G| over a cell's pieces, or more where the density is known to differ from what the
     /// nodes predict; 0 for exact sums.
     pub errors: Vec<f64>,
-    /// The first value of the density that is negative or not finite.
+    /// The first value of the density that is negative or not finite, nor finite beside a single point.
     pub invalid: Option<InvalidPdf<P>>,
 }
 
@@ -49,6 +49,35 @@ pub struct InvalidPdf<P> {
 pub(crate) struct Probe {
     pub at: [f64; 2],
     pub pdf: f64,
+}
+
+/// How far from a point where a density is infinite it is asked for again, as a share of the way to [`AWAY`]: far enough for
+/// coordinates of single precision, and less than a piece of the cubature needs beside a singularity.
+const ASIDE: f64 = 1.0 / (1 << 16) as f64;
+/// A place of the chart that has nothing to do with any density's symmetries.
+const AWAY: [f64; 2] = [0.618_034, 0.381_966];
+
+/// Appends the density at places of the chart for sums: where it is infinite, its value beside. A single point has no part in
+/// an integral. Returns how many are infinite.
+pub(crate) fn values_at<D: Domain>(
+    domain: &D,
+    density: &dyn Density<D::Point>,
+    charts: &[[f64; 2]],
+    points: &[D::Point],
+    out: &mut Vec<f64>,
+) -> Result<usize> {
+    let first = out.len();
+    density.pdf(points, out)?;
+    let is_infinite = |(i, value): (usize, &f64)| (*value == f64::INFINITY).then_some(i);
+    let infinite: Vec<usize> = out[first..].iter().enumerate().filter_map(is_infinite).collect();
+    if !infinite.is_empty() {
+        let aside = |i: &usize| [0, 1].map(|axis| charts[*i][axis] + ASIDE * (AWAY[axis] - charts[*i][axis]));
+        let points: Vec<D::Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
+        let mut values = Vec::with_capacity(points.len());
+        density.pdf(&points, &mut values)?;
+        infinite.iter().zip(values).for_each(|(i, value)| out[first + i] = value);
+    }
+    Ok(infinite.len())
 }
 
 /// How the integrals of a density are computed.

@@ -2,7 +2,7 @@
 
 use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
-use super::{Integrals, InvalidPdf, Probe, first_invalid};
+use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
@@ -162,10 +162,10 @@ impl<'a, D: Domain> Refinement<'a, D> {
         let cancelled = self.cancelled;
         let apply = |batch: &[Part]| {
             poll(cancelled)?;
-            let points: Vec<D::Point> =
-                batch.iter().flat_map(|part| nodes(&part.at, plane)).map(|probe| self.domain.point_at(probe)).collect();
+            let charts: Vec<[f64; 2]> = batch.iter().flat_map(|part| nodes(&part.at, plane)).collect();
+            let points: Vec<D::Point> = charts.iter().map(|at| self.domain.point_at(*at)).collect();
             let mut values = Vec::with_capacity(points.len());
-            self.density.pdf(&points, &mut values)?;
+            values_at(self.domain, self.density, &charts, &points, &mut values)?;
             let per_part = points.len() / batch.len();
             let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
                 let mut piece = Piece::new(part.clone(), values, measure);
@@ -197,7 +197,8 @@ impl<'a, D: Domain> Refinement<'a, D> {
                 counts[piece.part.cell] += 1;
                 errors[piece.part.cell] += piece.error();
             }
-            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + 1.0 / cells as f64)).collect();
+            let average = values.iter().sum::<f64>() / cells as f64;
+            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + average)).collect();
             // Isolate spikes first: until then the estimated errors mean nothing.
             let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
             let is_coarse = |piece: &Piece| {

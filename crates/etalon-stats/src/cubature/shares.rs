@@ -25,6 +25,15 @@ impl Shares {
     pub(super) fn new(subdivision: &Subdivision) -> Self {
         Self { values: Parts::new(subdivision), errors: Parts::new(subdivision) }
     }
+
+    /// The same, multiplied by `scale`.
+    pub fn times(mut self, scale: f64) -> Self {
+        let Self { values, errors } = &mut self;
+        for Parts { axes, cells } in [values, errors] {
+            axes.iter_mut().flatten().chain(cells).for_each(|integral| *integral *= scale);
+        }
+        self
+    }
 }
 
 /// Number of Legendre polynomials.

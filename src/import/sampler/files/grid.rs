@@ -21,11 +21,6 @@ pub struct GridDensity<D> {
     values: Vec<f64>,
 }
 
-/// Lines that divide 0 to 1 into `n` equal parts.
-fn divide(n: usize) -> impl Iterator<Item = f64> {
-    (1..n).map(move |i| i as f64 / n as f64)
-}
-
 impl<D: Coordinates> GridDensity<D> {
     /// Reads a table of numbers without a header: rows of equal length, with commas.
     pub fn read_csv(domain: D, path: &Path) -> Result<Self> {
@@ -39,13 +34,9 @@ impl<D: Coordinates> GridDensity<D> {
         if let Some(outcomes) = domain.outcomes().filter(|n| *n != rows) {
             return Err(Error::input(path, format!("{rows} values for {outcomes} outcomes")));
         }
-        let (first, second) = if D::TRANSPOSED { (columns, rows) } else { (rows, columns) };
+        let second = if D::TRANSPOSED { rows } else { columns };
         let of_place = |i: usize| if D::TRANSPOSED { values[i % second * columns + i / second] } else { values[i] };
-        Ok(Self {
-            steps: [divide(first).map(|t| domain.first(t)).collect(), divide(second).collect()],
-            values: (0..values.len()).map(of_place).collect(),
-            domain,
-        })
+        Ok(Self { steps: domain.steps([rows, columns]), values: (0..values.len()).map(of_place).collect(), domain })
     }
 
     /// Whether `claimed` is the pdf at `point` up to rounding of both, in text or to f32.
