@@ -3,6 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::memory;
+use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -13,6 +14,28 @@ static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The files that have been read: scenes, and all that they name.
+static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn inputs() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Remembers a file that is read.
+pub fn note_input(path: &Path) {
+    inputs().insert(path.into());
+}
+
+/// Forgets a file that was read to be continued, and may be replaced.
+pub fn release_input(path: &Path) {
+    inputs().retain(|input| !is_same_file(input, path));
+}
+
+/// Whether `path` leads to a file that has been read.
+pub fn is_input(path: &Path) -> bool {
+    path.exists() && inputs().iter().any(|input| is_same_file(input, path))
 }
 
 /// Keeps a file in the list; dropped, it removes the file from there.
@@ -84,6 +107,8 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
 fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
+        // A name that is too long, for one.
+        Err(error) if error.kind() == std::io::ErrorKind::InvalidFilename => return Err(Error::io(path, error)),
         Ok(there) if !there.is_file() => {
             return Err(Error::parameter("path", format!("{} is there and is not a file", path.display()))
                 .with_hint("name a file that is new or may be replaced"));
@@ -128,6 +153,7 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
             .with_hint("what a pipe brings can be read from /dev/stdin"));
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
+    note_input(path);
     let size = if there.is_file() { there.len().min(limit) as usize } else { 0 };
     let mut bytes = memory::reserved(size, || format!("{}, a file", path.display()))?;
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;

@@ -15,11 +15,24 @@ pub fn flag() -> Arc<AtomicBool> {
     REQUESTED.clone()
 }
 
+/// Whether anyone has found that the process has been asked to stop.
+static NOTICED: AtomicBool = AtomicBool::new(false);
+
 /// Whether the process has been asked to stop.
 #[inline]
 #[must_use]
 pub fn requested() -> bool {
-    REQUESTED.load(Ordering::Relaxed)
+    let requested = REQUESTED.load(Ordering::Relaxed);
+    if requested {
+        NOTICED.store(true, Ordering::Relaxed);
+    }
+    requested
+}
+
+/// Whether [`requested`] has returned true: then the work that was going on comes to its end.
+#[must_use]
+pub fn is_noticed() -> bool {
+    NOTICED.load(Ordering::Relaxed)
 }
 
 /// An error once the process has been asked to stop.

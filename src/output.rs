@@ -142,7 +142,7 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
 
 /// An error if `path` is one of the inputs.
 pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
-    if inputs.iter().any(|input| files::is_same_file(input, path)) {
+    if inputs.iter().any(|input| files::is_same_file(input, path)) || files::is_input(path) {
         return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
             .with_hint("name another file or folder: the result would replace the input"));
     }

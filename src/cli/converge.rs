@@ -87,9 +87,9 @@ fn after_help() -> String {
          sphere), else against two\nlong renders that take half of the budget; images are at most \
          {LONGEST_SIDE} pixels long unless -r says\nmore, and have the scene's own size if a renderer does not take \
          {{width}} and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv and \
-         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nA method is called \
-         biased if a t-test of its replicates says so, of the pixels or of the image's mean,\neach at a level of {:.1} %; steeper or flatter if the \
-         interval of its slope is further than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
+         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nA method is \
+         called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a level of \
+         {:.1} %; steeper or flatter if the interval of its slope is\nfurther than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
          nothing is substituted):\n{placeholders}\nExit codes: 0 good, 1 a run of a renderer failed, 2 usage or bad input, \
          3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \

@@ -67,7 +67,10 @@ pub fn load(map: &OsStr, options: MapOptions, console: &Console) -> Result<Named
 pub fn load_as_stored(map: &OsStr, options: MapOptions, console: &Console) -> Result<NamedMap> {
     let (path, name) = (Path::new(map), map.to_string_lossy());
     let image = match map.to_str().and_then(Synthetic::from_name) {
-        Some(synthetic) => synthetic.make(),
+        Some(synthetic) => {
+            synthetic.request()?;
+            synthetic.make()
+        }
         None if !path.exists() && path.extension().is_none() => {
             let known: Vec<_> = Synthetic::ALL.iter().map(|s| s.name()).collect();
             return Err(Error::parameter("map", format!("there is no file and no built-in map \"{name}\""))

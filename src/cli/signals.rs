@@ -1,7 +1,14 @@
-//! Signals: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP asks the command to stop, a second one ends the process at once.
+//! Signals: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP asks the command to stop, a second one ends the process at once. So does
+//! the first, if for [`PATIENCE`] no work looks whether it was asked: it reads files, say, and has no results to keep.
 
 use crate::interrupt;
 use std::io;
+#[cfg(unix)]
+use std::time::Duration;
+
+/// How long the work may go on without noticing that it was asked to stop.
+#[cfg(unix)]
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Installs the handlers.
 ///
@@ -28,6 +35,13 @@ pub fn install() -> io::Result<()> {
             if requested.swap(true, Ordering::Relaxed) {
                 files::exit_without_parts(128 + signal);
             }
+            std::thread::spawn(|| {
+                std::thread::sleep(PATIENCE);
+                if !interrupt::is_noticed() {
+                    eprintln!("error: interrupted");
+                    files::exit_without_parts(3);
+                }
+            });
         }
     };
     std::thread::Builder::new().name("signals".into()).spawn(handler).map(drop)

@@ -5,6 +5,7 @@ use super::decoded::{blank, check_size};
 use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
+use crate::memory;
 use image::{DynamicImage, ImageDecoder, ImageEncoder, ImageError, ImageFormat, ImageReader};
 use std::io::{self, Cursor, Write};
 use std::path::Path;
@@ -50,6 +51,9 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool)
     let decoder = ImageReader::with_format(Cursor::new(bytes), format.kind).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte)?;
+    // The file's values, and its pixels twice in single precision.
+    let bytes = decoder.total_bytes() as usize + 2 * width as usize * height as usize * size_of::<Rgb>();
+    memory::request(bytes, || format!("{}, {width}x{height} pixels", path.display()))?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
     for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {

@@ -58,6 +58,14 @@ impl Material {
         }
     }
 
+    /// The number of materials that it mixes, 1 if it is no mixture.
+    pub(crate) fn parts(&self) -> usize {
+        match self {
+            Self::Mixture(parts) => parts.iter().map(|(_, part)| part.parts()).sum(),
+            _ => 1,
+        }
+    }
+
     /// Whether that holds of the material or, if it is a mixture, of any of its parts.
     fn any(&self, holds: fn(&Self) -> bool) -> bool {
         match self {

@@ -135,7 +135,7 @@ fn of_default(best: &str, rival: &Rival) -> String {
     if *low > 1.0 {
         let [ratio, low, high] = [ratio, low, high].map(|value| rounded(*value, 3));
         format!("{rival} is {ratio} times (95 %: {low} to {high}) as efficient as the default\n")
-    } else if best == DEFAULT {
+    } else if best == DEFAULT && *high < 1.0 {
         "the default is the best\n".to_owned()
     } else {
         "nothing is better than the default beyond chance\n".to_owned()

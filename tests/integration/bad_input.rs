@@ -233,3 +233,52 @@ fn a_folder_that_cannot_be_written_to() {
         assert!(ran.code == 2 && ran.stderr.contains("folder"), "{args:?}: {}", ran.stderr);
     }
 }
+
+/// What a scene names is an input of the render, too: textures, meshes and included files.
+#[test]
+fn no_output_replaces_what_a_scene_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let image = etalon(folder.path(), &["render", "furnace", "-s", "2", "-r", "4", "4", "-o", "wood.exr"]);
+    assert_eq!(image.code, 0, "{}", image.stderr);
+    let mesh = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+                property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::fs::write(at("triangle.ply"), mesh).unwrap();
+    std::fs::write(at("part.pbrt"), "Shape \"plymesh\" \"string filename\" \"triangle.ply\"\n").unwrap();
+    let scene = "LookAt 0 0 -4  0 0 0  0 1 0\nCamera \"perspective\"\nFilm \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nWorldBegin\n\
+                 LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 3 -3]\n\
+                 Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n\
+                 Include \"part.pbrt\"\n";
+    std::fs::write(at("scene.pbrt"), scene).unwrap();
+    std::fs::create_dir(at("folder")).unwrap();
+    let before: Vec<Vec<u8>> =
+        ["wood.png", "triangle.ply", "part.pbrt"].map(|name| std::fs::read(at(name)).unwrap()).into();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("wood.png", at("link.png")).unwrap();
+    let links: &[&str] = if cfg!(unix) { &["link.exr", "link.png"] } else { &[] };
+    for out in ["wood.exr", "wood.png", "folder/../wood.pfm"].iter().chain(links) {
+        let ran = etalon(folder.path(), &["render", "scene.pbrt", "-s", "2", "-o", out]);
+        assert!(
+            ran.code == 2 && ran.stderr.contains("is an input of this command"),
+            "{out}: {} {}",
+            ran.code,
+            ran.stderr
+        );
+    }
+    let args =
+        ["converge", "scene.pbrt", "--budget", "20", "--max-spp", "1", "--replicates", "1", "--strategies", "light"];
+    let ran = etalon(folder.path(), &[&args[..], &["-o", "wood.svg"]].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("is an input of this command"), "{} {}", ran.code, ran.stderr);
+    let after: Vec<Vec<u8>> =
+        ["wood.png", "triangle.ply", "part.pbrt"].map(|name| std::fs::read(at(name)).unwrap()).into();
+    assert!(before == after);
+    // A name that no file can have is refused before the work.
+    let long = format!("{}.exr", "n".repeat(253));
+    let ran = etalon(folder.path(), &["render", "scene.pbrt", "-s", "2", "-o", &long]);
+    assert!(
+        ran.code == 2 && ran.stderr.contains("too long") && !ran.stdout.contains("samples"),
+        "{} {}",
+        ran.stdout,
+        ran.stderr
+    );
+}

@@ -158,3 +158,18 @@ fn killed_measurements_are_whole_or_missing() {
         ["converge", "cornell-lambert", "-r", "12", "9", "--budget", "1.5", "--strategies", "mis,light", "-o", "."];
     kill(dir.path(), &args, assert_whole);
 }
+
+/// Work that never looks whether it was asked to stop ends all the same.
+#[test]
+fn the_first_signal_ends_work_that_does_not_look() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut command = interruptible();
+    command.args(["envmap", "cut", "sun", "-n", "524288", "-o", "cut.csv"]).current_dir(dir.path());
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    let start = Instant::now();
+    send(Pid::from_raw(child.id() as i32), Signal::SIGTERM).unwrap();
+    let status = child.wait().unwrap();
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    assert!(status.code() == Some(3) || status.success(), "{status}");
+}

@@ -91,9 +91,14 @@ fn refused(ran: &Ran, says: &str) {
 fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
     let dir = tempfile::tempdir().unwrap();
     write_map(&dir.path().join("map.hdr"), [2048, 1024]);
+    let grey = [&b"P5 2000 2000 255\n"[..], &[128; 2000 * 2000]].concat();
+    std::fs::write(dir.path().join("grey.pgm"), grey).unwrap();
     for (args, says) in [
         (&["envmap", "info", "map.hdr", "--memory", "30M"][..], "map.hdr, 2048x1024 pixels"),
         (&["envmap", "info", "map.hdr", "--memory", "1K"], "map.hdr, a file"),
+        (&["envmap", "info", "nave", "--memory", "16M"], "the map nave"),
+        (&["render", "sphere-env", "-s", "1", "--memory", "16M"], "the map nave"),
+        (&["compare", "grey.pgm", "grey.pgm", "--memory", "80M"], "grey.pgm, 2000x2000 pixels"),
         (&["envmap", "sample", "map.hdr", "--sampler", "cdf", "--memory", "60M"], "the sampling table of a map"),
         (&["envmap", "cut", "map.hdr", "--split", "variance", "--memory", "80M"], "the summed-area tables of a map"),
         (&["validate", "map/map/cdf", "--envmap", "map.hdr", "--memory", "90M"], "the test map/map/cdf"),

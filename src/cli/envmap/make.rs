@@ -33,6 +33,7 @@ impl Make {
             return Err(Error::parameter("name", format!("there is no built-in map \"{}\"", self.name))
                 .with_hint(format!("built-in maps: {}", known.join("; "))));
         };
+        synthetic.request()?;
         let image = synthetic.make();
         interrupt::check()?;
         let target = global.target(&["name"]);

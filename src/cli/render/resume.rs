@@ -1,6 +1,7 @@
 //! Continuing a render whose state is in a file.
 
 use crate::error::{Error, Result};
+use crate::files;
 use crate::raster::Metadata;
 use crate::render::film::Part;
 use std::path::Path;
@@ -11,7 +12,12 @@ pub fn held(path: &Path) -> Result<Option<Part>> {
         return Err(Error::parameter("resume", format!("the state must be an OpenEXR file, not {}", path.display()))
             .with_hint("name a file with the extension .exr"));
     }
-    if path.exists() { Part::read(path).map(Some) } else { Ok(None) }
+    if !path.exists() {
+        return Ok(None);
+    }
+    let part = Part::read(path)?;
+    files::release_input(path);
+    Ok(Some(part))
 }
 
 /// `held` as a part of the same render as `fresh`, which has no samples yet.

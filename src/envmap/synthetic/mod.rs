@@ -7,7 +7,9 @@
 
 mod sun;
 
+use crate::error::Result;
 use crate::math::Rgb;
+use crate::memory;
 use crate::raster::{self, Image};
 use std::path::Path;
 
@@ -66,14 +68,22 @@ impl Synthetic {
         Self::ALL.into_iter().find(|map| map.name() == name)
     }
 
+    /// Asks for the memory that [`make`](Self::make) takes, which does not ask.
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::error::Error::Memory).
+    pub fn request(self) -> Result<()> {
+        // Of the largest map: the image, and once more while it is decoded and rounded.
+        memory::request(3 * 1024 * 512 * size_of::<Rgb>(), || format!("the map {}", self.name()))
+    }
+
     /// Makes the map. Radiance is linear RGB.
     #[must_use]
     pub fn make(self) -> Image {
         let small = |radiance: fn((usize, usize)) -> Rgb| Image::from_fn(64, 32, |x, y| radiance((x, y)));
         let image = match self {
-            Self::Nave => {
-                raster::decode_exr(Path::new("nave.exr"), NAVE).expect("the embedded file is sound and small")
-            }
+            Self::Nave => memory::granted(|| raster::decode_exr(Path::new("nave.exr"), NAVE))
+                .expect("the embedded file is sound, and its memory not asked for"),
             Self::Sun => sun::make(),
             Self::Constant => small(|_| Rgb::ONE),
             Self::Onehot => small(|at| if at == ONE_HOT_TEXEL { ONE_HOT_RADIANCE } else { Rgb::ZERO }),

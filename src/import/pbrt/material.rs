@@ -13,6 +13,9 @@ use crate::scene::{
 };
 use std::sync::Arc;
 
+/// Most materials in a mixture, those of its parts included.
+const MOST_MIXED: usize = 64;
+
 impl Reader<'_> {
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
         let material = match p.kind.as_str() {
@@ -64,8 +67,14 @@ impl Reader<'_> {
             let material = known.ok_or_else(|| at.input(format!("no material named {}", quote(name))))?;
             Ok::<_, Error>((weight, material))
         };
-        Ok(Material::Mixture(Arc::new([part(first, 1.0 - amount)?, part(second, amount)?])))
+        let parts = [part(first, 1.0 - amount)?, part(second, amount)?];
+        // Mixtures of mixtures double with each line.
+        if parts.iter().map(|(_, material)| material.parts()).sum::<usize>() > MOST_MIXED {
+            return Err(at.unsupported(format!("a mixture of more than {MOST_MIXED} materials")));
+        }
+        Ok(Material::Mixture(Arc::new(parts)))
     }
+
     fn diffuse(&self, p: &Params, name: &'static str) -> Result<Material> {
         let (albedo, texture) = self.colour(p, name, GREY)?;
         Ok(with_textures(Material::Diffuse { albedo }, [texture, None], None))

@@ -15,8 +15,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Most bytes of text in a scene, all its files together (a file counts each time it is included).
+/// Most bytes of text in a scene, all its files together (a file counts each time it is included, and at least [`LEAST_BYTES`]).
 const MAX_BYTES: u64 = 64 << 20;
+/// What a file counts at least: opening one takes as long as reading so much.
+pub(super) const LEAST_BYTES: u64 = 4 << 10;
 /// Deepest chain of files that include one another, and deepest nesting of blocks.
 const MAX_FILES_DEEP: usize = 32;
 const MAX_BLOCKS_DEEP: usize = 1024;
@@ -143,7 +145,7 @@ impl<'a> Reader<'a> {
             Some(at) => at.cannot_read(e),
             None => e,
         })?;
-        self.bytes += bytes.len() as u64;
+        self.bytes += LEAST_BYTES.max(bytes.len() as u64);
         if self.bytes > MAX_BYTES {
             return Err(Error::limit(path, format!("with this, the scene's files exceed {} MiB", MAX_BYTES >> 20)));
         }

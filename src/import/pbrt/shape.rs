@@ -2,7 +2,7 @@
 
 use super::flat::{Flat, disk, parallelograms};
 use super::params::Params;
-use super::reader::{MAX_MESH_BYTES, Reader};
+use super::reader::{LEAST_BYTES, MAX_MESH_BYTES, Reader};
 use crate::error::{Error, Result};
 use crate::import::mesh;
 use crate::import::place::At;
@@ -54,7 +54,7 @@ impl Reader<'_> {
         let at = p.place("filename");
         let name = p.text("filename")?.ok_or_else(|| at.input(format!("{} needs a \"string filename\"", p.owner)))?;
         let path = self.folder.join(name);
-        let size = std::fs::metadata(&path).map_or(0, |file| file.len());
+        let size = std::fs::metadata(&path).map_or(0, |file| file.len()).max(LEAST_BYTES);
         self.mesh_bytes = self.mesh_bytes.checked_sub(size).ok_or_else(|| {
             Error::limit(&path, format!("with this, the scene's mesh files exceed {} MiB", MAX_MESH_BYTES >> 20))
         })?;

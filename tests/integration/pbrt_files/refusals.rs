@@ -44,6 +44,27 @@ fn chains_and_trees_of_files_end() {
 }
 
 #[test]
+fn nested_mixtures_and_many_small_files_end_soon() {
+    let start = std::time::Instant::now();
+    // Each line doubles the materials of the one before.
+    let mut text = String::from("MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"\n");
+    for i in 1..40 {
+        text += &format!(
+            "MakeNamedMaterial \"m{i}\" \"string type\" \"mix\" \"string materials\" [\"m{0}\" \"m{0}\"]\n",
+            i - 1
+        );
+    }
+    fails(read(&in_world(&text)), "a mixture of more than 64 materials");
+    // A million files of a few bytes.
+    let tree: Vec<(String, String)> =
+        (0..20).map(|i| (format!("{i}.pbrt"), format!("Include \"{}.pbrt\"\n", i + 1).repeat(2))).collect();
+    let mut files: Vec<(&str, &[u8])> = tree.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect();
+    files.push(("20.pbrt", b""));
+    fails(read_files(&files), "the scene's files exceed 64 MiB");
+    assert!(start.elapsed() < std::time::Duration::from_secs(30), "{:?}", start.elapsed());
+}
+
+#[test]
 fn what_cannot_be_honoured_is_refused_with_its_place() {
     for (text, message) in [
         ("Shape \"cone\"", "Shape \"cone\""),

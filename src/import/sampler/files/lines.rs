@@ -1,7 +1,7 @@
 //! Lines of a text file, one at a time and none too long.
 
 use crate::error::{Error, Place, Result};
-use crate::files::without_bom;
+use crate::files::{self, without_bom};
 use crate::import::number::real;
 use crate::import::place::quote;
 use std::fs::File;
@@ -28,6 +28,7 @@ impl Lines {
         if !file.metadata().map_err(|e| Error::io(path, e))?.is_file() {
             return Err(Error::unsupported(path, "not a file that can be read twice"));
         }
+        files::note_input(path);
         Ok(Self { path: path.to_owned(), file: BufReader::with_capacity(1 << 16, file), line: Vec::new(), number: 0 })
     }
 
