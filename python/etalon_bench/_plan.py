@@ -19,11 +19,11 @@ def plan(level: float, detect: float, samples: int | None, seed: int) -> Plan:
 
     Raises:
         TypeError: for values that are no numbers.
-        ValueError: for a negative seed or number of samples.
+        ValueError: for a seed that is not from 0 to 2^64 - 1, or a number of samples below 1.
     """
     count = None if samples is None else operator.index(samples)
-    if operator.index(seed) < 0 or (count is not None and count < 1):
-        raise ValueError(f"seed: {seed}, samples: {samples}; wanted a seed of at least 0 and at least one sample")
+    if not 0 <= operator.index(seed) < 1 << 64 or (count is not None and count < 1):
+        raise ValueError(f"seed: {seed}, samples: {samples}; wanted a seed from 0 to 2^64 - 1 and at least one sample")
     return Plan(float(level), float(detect), count, operator.index(seed))
 
 

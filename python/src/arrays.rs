@@ -25,7 +25,11 @@ const REAL: [&str; 3] = ["f", "i", "u"];
 pub fn numbers<T: Element + Copy>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<T>> {
     let py = value.py();
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asarray", (value,))?;
+    let array = match numpy.getattr("ma")?.call_method1("isMaskedArray", (value,))?.is_truthy()? {
+        // What is masked is no number.
+        true => value.call_method1("astype", ("float64",))?.call_method1("filled", (f64::NAN,))?,
+        false => numpy.call_method1("asarray", (value,))?,
+    };
     let dtype = array.getattr("dtype")?;
     let kind: String = dtype.getattr("kind")?.extract()?;
     if !REAL.contains(&kind.as_str()) {

@@ -80,6 +80,7 @@ def test_nan_and_exceptions_at_some_inputs_are_findings(sample, pdf, reason):
         ({"samples": 0}, ValueError, "at least one sample"),
         ({"samples": 1.5}, TypeError, "integer"),
         ({"seed": -1}, ValueError, "seed"),
+        ({"seed": 2**64}, ValueError, "seed: 18446744073709551616"),
         ({"dimension": 65}, ValueError, "dimension: 65"),
         ({"dimension": -1}, ValueError, "dimension: -1"),
         ({"mass": 1.5}, ValueError, "mass: 1.5"),

@@ -33,6 +33,24 @@ def test_a_bias_is_found():
         eb.assert_images(renders(1, 16), spot)
 
 
+def test_masked_pixels_do_not_count():
+    a = np.ma.masked_array(renders(1, 16), mask=False)
+    a[:, :4] = 1000.0
+    assert eb.compare_images(a, renders(2, 16)).verdict == "reject"
+    a[:, :4] = np.ma.masked
+    assert eb.compare_images(a, renders(2, 16), detect=0.02)
+
+
+def test_a_noisy_image_is_not_exact_and_seeds_that_overlap_are_seen():
+    assert "noise" not in str(eb.compare_images(renders(1, 16), renders(2, 4000).mean(axis=0), exact=True))
+    noisy = eb.compare_images(renders(1, 16), renders(2, 1)[0], exact=True)
+    assert noisy.verdict != "reject", str(noisy)
+    overlapping = renders(1, 17)
+    overlapping = 0.5 * (overlapping[:16] + overlapping[1:])
+    result = eb.compare_images(overlapping, renders(2, 16))
+    assert result.verdict == "inconclusive" and "not independent" in result.reason, str(result)
+
+
 def test_too_few_images_are_inconclusive():
     result = eb.compare_images(renders(1, 2), renders(2, 2), detect=1e-4)
     assert result.verdict == "inconclusive" and "cannot tell" in result.reason

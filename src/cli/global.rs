@@ -2,6 +2,7 @@
 
 use super::arguments::{Arguments, called};
 use crate::output::Target;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, value_parser};
 use std::path::PathBuf;
 
@@ -47,7 +48,11 @@ const LAST: usize = 100;
 
 /// The option `-o`, of subcommands that write files.
 pub fn out() -> Arg {
-    let arg = Arg::new("out").short('o').long("out").value_name("PATH").value_parser(value_parser!(PathBuf));
+    let file = PathBufValueParser::new().try_map(|path: PathBuf| match path.as_os_str() == "-" {
+        true => Err("results are files, not standard output; a folder of that name is ./-"),
+        false => Ok(path),
+    });
+    let arg = Arg::new("out").short('o').long("out").value_name("PATH").value_parser(file);
     arg.help_heading(COMMON).help("Folder of the results, or their file name [default: out/]").long_help(
         "Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: the folder \
          out, under names that contain the options that differ from their defaults]",

@@ -132,6 +132,30 @@ pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
     (p < IMPOSSIBLE).then(|| format!("samples depend on those before them: {percent:.2} % repeat the one before"))
 }
 
+/// Finds outcomes of a finite set that never occur although the pdf has them: the others meet more often.
+///
+/// Of N samples, those of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on average, whatever p is, and nearly a
+/// Poisson-distributed number. Cells hold many outcomes and do not see it.
+pub fn collisions<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
+    let n = probes.len() as f64;
+    if domain.outcomes().is_none() || probes.len() < FEWEST {
+        return None;
+    }
+    let mut rare: Vec<(u64, f64)> =
+        probes.iter().filter(|p| n * p.pdf <= 1.0).map(|p| (p.at[0].to_bits(), p.pdf)).collect();
+    let expected = 0.5 * (n - 1.0) * rare.iter().map(|(_, pdf)| pdf).sum::<f64>();
+    rare.sort_unstable_by_key(|(outcome, _)| *outcome);
+    let pairs: usize = rare.chunk_by(|a, b| a.0 == b.0).map(|same| same.len() * (same.len() - 1) / 2).sum();
+    let p = if pairs > 0 { chi_square_below(2.0 * pairs as f64, 2.0 * expected) } else { 1.0 };
+    (p < IMPOSSIBLE).then(|| {
+        format!(
+            "outcomes occur too often, others too rarely or never: {} of {} samples, {expected:.0} expected",
+            count(pairs, "equal pair", "equal pairs"),
+            probes.len()
+        )
+    })
+}
+
 /// Finds a sampler of a continuous domain that returns the same few points or coordinates again and again.
 pub fn discrete<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
     if domain.outcomes().is_some() || probes.len() < FEWEST {

@@ -271,8 +271,10 @@ pub fn examine<D: Domain>(
         .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
     let violations = [pdf_violation, mass_violation, corners.violation, tally.violation.clone(), infinite_violation];
     let violation = violations.into_iter().flatten().next();
-    let violation =
-        violation.or_else(|| exact::same_batches(domain, &tally.serial)).or_else(|| exact::discrete(domain, &pilot));
+    let violation = violation
+        .or_else(|| exact::same_batches(domain, &tally.serial))
+        .or_else(|| exact::discrete(domain, &pilot))
+        .or_else(|| exact::collisions(domain, &pilot));
     let none = tally.none;
     if normalized {
         remarks.push(format!(

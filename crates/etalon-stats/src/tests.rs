@@ -76,6 +76,24 @@ fn of_an_unknown_mass_the_shape_is_tested() {
 }
 
 #[test]
+fn outcomes_that_never_occur_are_found_by_equal_samples() {
+    for (outcomes, skewed) in [(1 << 16, false), (1 << 20, false), (1 << 18, true)] {
+        let of = |u: f64| if skewed { (u * u * outcomes as f64) as usize } else { (u * outcomes as f64) as usize };
+        let pdf = move |i: usize| {
+            let root = |i: usize| (i as f64 / outcomes as f64).sqrt();
+            if skewed { root(i + 1) - root(i) } else { 1.0 / outcomes as f64 }
+        };
+        let right = sampler(1, move |u: &[f64]| Some(Sample::new(of(u[0]))));
+        let outcome = tested(&Discrete { outcomes }, &right, &density(pdf));
+        assert!(outcome.is_accepted(), "{outcomes}: {outcome}");
+        let even = sampler(1, move |u: &[f64]| Some(Sample::new(of(u[0]) / 2 * 2)));
+        let outcome = tested(&Discrete { outcomes }, &even, &density(pdf));
+        assert_eq!(outcome.verdict, Verdict::Reject, "{outcomes}: {outcome}");
+        assert!(outcome.violation.is_some_and(|violation| violation.contains("equal pairs")), "{outcomes}");
+    }
+}
+
+#[test]
 fn nan_of_samples_and_densities_is_a_finding() {
     let identity = |u: &[f64]| Some(Sample::new(if u[0] > 0.999 { f64::NAN } else { u[0] }));
     let outcome = tested(&Line::UNIT, &sampler(1, identity), &density(|_: f64| 1.0));
