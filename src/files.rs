@@ -2,6 +2,7 @@
 //! killed meanwhile leaves the temporary file, `.etalon-*.part`, which nothing reads and which may be removed.
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::memory;
 use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
@@ -47,6 +48,11 @@ impl Drop for Listed {
     }
 }
 
+/// Whether a file is being written.
+pub fn is_writing() -> bool {
+    !parts().is_empty()
+}
+
 /// Ends the process at once, without leaving temporary files behind.
 pub fn exit_without_parts(code: i32) -> ! {
     // The lock is never released: other threads that begin a file wait until the process ends.
@@ -63,6 +69,8 @@ pub fn exit_without_parts(code: i32) -> ! {
 /// Missing parent folders are made. The file gets the usual permissions (0666 & ~umask). A symbolic link stays a
 /// link: the file that it leads to is replaced, or made if it is missing.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    // Who has results to write has come to an end, whether asked to or not.
+    let _ = interrupt::requested();
     let path = &link_target(path)?;
     let (mut part, _listed) = temporary(path)?;
     let mut writer = BufWriter::with_capacity(1 << 16, part.as_file_mut());

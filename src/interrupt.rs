@@ -29,7 +29,7 @@ pub fn requested() -> bool {
     requested
 }
 
-/// Whether [`requested`] has returned true: then the work that was going on comes to its end.
+/// Whether [`requested`] has returned true: whoever asked was told.
 #[must_use]
 pub fn is_noticed() -> bool {
     NOTICED.load(Ordering::Relaxed)

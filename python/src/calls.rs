@@ -32,32 +32,49 @@ impl Calls {
         call: impl Fn(Range<usize>) -> PyResult<Vec<T>>,
         given: impl Fn(usize) -> PyResult<String>,
     ) -> PyResult<Vec<T>> {
-        let is_finding = |error: &PyErr| error.is_instance_of::<PyException>(py);
+        // The exception of some rows; those that are no errors, such as KeyboardInterrupt, end the test.
+        let attempt = |rows: Range<usize>| match call(rows) {
+            Ok(_) => Ok(None),
+            Err(error) if error.is_instance_of::<PyException>(py) => Ok(Some(error)),
+            Err(error) => Err(error),
+        };
         let mut error = match call(0..n) {
             Ok(values) => {
                 self.has_worked.store(true, Ordering::Relaxed);
                 return Ok(values);
             }
-            Err(error) if is_finding(&error) => error,
+            Err(error) if error.is_instance_of::<PyException>(py) => error,
             Err(error) => return Err(error),
         };
-        let works = |row: usize| call(row..row + 1).is_ok();
-        if !self.has_worked.load(Ordering::Relaxed) && !(0..n).step_by(n.div_ceil(TRIED).max(1)).any(works) {
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        if raised.is_some() {
+            return Ok(vec![nan; n]);
+        }
+        let has_worked = self.has_worked.load(Ordering::Relaxed);
+        let mut tried = (0..n).step_by(n.div_ceil(TRIED).max(1)).map(|row| attempt(row..row + 1));
+        if !has_worked && !tried.try_fold(false, |works, row| row.map(|error| works | error.is_none()))? {
             return Err(error);
         }
-        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-        if raised.is_none() {
-            let mut rows = 0..n;
-            while rows.len() > 1 {
-                let middle = rows.start.midpoint(rows.end);
-                let halves = [rows.start..middle, middle..rows.end];
-                let of_half = |half: &Range<usize>| Some((half.clone(), call(half.clone()).err()?));
-                let Some((half, of_half)) = halves.iter().find_map(of_half) else { break };
-                (rows, error) = (half, of_half);
-            }
-            let place = if rows.len() == 1 { given(rows.start)? } else { format!("{} rows together", rows.len()) };
-            *raised = Some(format!("{name} raises {error}, for {place}"));
+        let mut rows = 0..n;
+        while rows.len() > 1 {
+            let middle = rows.start.midpoint(rows.end);
+            let [first, second] = [rows.start..middle, middle..rows.end];
+            let (half, of_half) = match attempt(first.clone())? {
+                Some(error) => (first, error),
+                None => match attempt(second.clone())? {
+                    Some(error) => (second, error),
+                    None => break,
+                },
+            };
+            (rows, error) = (half, of_half);
         }
+        let place = match rows.len() {
+            1 => given(rows.start)?,
+            // A function of one row at a time.
+            _ if !has_worked => return Err(error),
+            together => format!("{together} rows together"),
+        };
+        *raised = Some(format!("{name} raises {error}, for {place}"));
         Ok(vec![nan; n])
     }
 

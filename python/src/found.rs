@@ -78,10 +78,11 @@ impl Found {
         }
     }
 
-    /// The same for this reason, if there is one.
+    /// The same, rejected for this reason, if there is one.
     pub fn because(self, reason: Option<String>) -> Self {
         let Some(reason) = reason else { return self };
-        Self { text: format!("{reason}\n{}", self.text), reason: Some(reason), ..self }
+        let (verdict, text) = (Verdict::Reject.to_string(), format!("{reason}\n{}", self.text));
+        Self { verdict, text, reason: Some(reason), ..self }
     }
 
     /// One test, with `text` in place of its summary's, if given.

@@ -6,7 +6,7 @@ use crate::calls::Calls;
 use crate::found::Found;
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::study::validation::{Case, run as validate};
-use etalon_stats::{Atom, Density, Mass, Protocol, Sample, SampleCount, Sampler, examine, explain};
+use etalon_stats::{Atom, Density, Mass, Protocol, Sample, SampleCount, Sampler, Verdict, examine, explain};
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -111,7 +111,7 @@ impl Visitor for Test<'_> {
                 Case::new(name, move |protocol, round| Ok(examine(&domain, &functions, &functions, protocol, round)?));
             let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
             if let (Some(test), Some(raised)) = (&mut tested, calls.iter().find_map(|calls| calls.raised())) {
-                test.outcome.violation = Some(raised);
+                (test.outcome.violation, test.outcome.verdict) = (Some(raised), Verdict::Reject);
             }
             Ok(tested.map(|test| (explain(&domain, &test.outcome, &protocol), test)))
         })?;

@@ -1,5 +1,5 @@
 //! Signals: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP asks the command to stop, a second one ends the process at once. So does
-//! the first, if for [`PATIENCE`] no work looks whether it was asked: it reads files, say, and has no results to keep.
+//! the first, if for [`PATIENCE`] no work looks whether it was asked and no file is written: it reads files, say, and has no results.
 
 use crate::interrupt;
 use std::io;
@@ -22,6 +22,7 @@ pub fn install() -> io::Result<()> {
     use crate::files;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
+    use std::io::Write;
     use std::sync::atomic::Ordering;
 
     signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default())?;
@@ -36,11 +37,18 @@ pub fn install() -> io::Result<()> {
                 files::exit_without_parts(128 + signal);
             }
             std::thread::spawn(|| {
-                std::thread::sleep(PATIENCE);
-                if !interrupt::is_noticed() {
-                    eprintln!("error: interrupted");
-                    files::exit_without_parts(3);
+                loop {
+                    std::thread::sleep(PATIENCE);
+                    if interrupt::is_noticed() {
+                        return;
+                    }
+                    if !files::is_writing() {
+                        break;
+                    }
                 }
+                // Nobody may read it.
+                let _ = writeln!(io::stderr(), "error: interrupted");
+                files::exit_without_parts(3);
             });
         }
     };

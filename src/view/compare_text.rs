@@ -7,9 +7,11 @@ fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
-/// A difference as a share of B's image, with its interval.
+/// A difference as a share of B's image, with its interval; by itself where that image is black.
 pub fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
-    let Some(Bias { value, low, high }) = compared.bias(family, test) else { return String::new() };
+    let Some(Bias { value, low, high }) = compared.bias(family, test) else {
+        return format!("{:+.2e}, B is black", test.difference.value);
+    };
     let percent = |share: f64| format!("{:+.2}", 100.0 * share);
     format!("{} % ({} to {} %)", percent(value), percent(low), percent(high))
 }
@@ -30,7 +32,7 @@ pub fn sentence(compared: &Compared) -> String {
             };
             let pairs: Vec<String> = compared.related.iter().zip(["A", "B"]).filter_map(of_side).collect();
             format!(
-                "not independent: {}; they share random numbers, or the images of that side have several expectations",
+                "not independent: {}; they share random numbers, or the images of that side differ in their expectations (several renderers, an exposure of their own)",
                 pairs.join("; ")
             )
         }
@@ -43,6 +45,9 @@ pub fn sentence(compared: &Compared) -> String {
                     bias(compared, family, &test)
                 )
             })
+        }
+        _ if compared.noise_hides_difference => {
+            "cannot tell: the image that is declared exact has noise, or differs in fine detail; if it has none, the images differ".into()
         }
         (Answer::NoDifferenceFound, Some(bias)) => {
             let bias = percent(bias);
@@ -97,11 +102,22 @@ pub fn text(compared: &Compared) -> String {
     }
     let found =
         |what: &str, bias: f64| format!("{what} {} would have been found with 90 % probability\n", percent(bias));
+    if let Some(ratio) = compared.noise_of_exact {
+        text += &wrapped(
+            &format!(
+                "the image that is declared exact has noise, or differs in fine detail: {} times the variance of the other \
+                 side's mean, which the tests allow for; give replicates, or an image with a layer of standard errors",
+                rounded(ratio, 2)
+            ),
+            "",
+            100,
+        );
+    }
     if let (Answer::Different, Some(bias)) = (compared.answer, compared.uniform_bias) {
         text += &found("a uniform bias of", bias);
     }
     if let Some(bias) = compared.tile_bias {
-        text += &found("in half of the tiles, a bias in parts of the image's mean of", bias);
+        text += &found("in one tile (median of all), a bias in parts of the image's mean of", bias);
     }
     let level = percent(1.0 - compared.plan.level).replace(".00", "");
     text + &wrapped(

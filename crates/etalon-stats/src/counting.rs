@@ -100,7 +100,8 @@ impl<D: Domain> Counting<'_, D> {
             let scale = self.scale(&integrals.values);
             integrals.values.iter_mut().chain(&mut integrals.errors).for_each(|integral| *integral *= scale);
 
-            let missed = |cell: usize| tally.missed[cell].sum() / self.samples as f64;
+            let some = self.samples - if self.normalized { tally.none } else { 0 };
+            let missed = |cell: usize| tally.missed[cell].sum() / some.max(1) as f64;
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
@@ -121,6 +122,8 @@ impl<D: Domain> Counting<'_, D> {
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
                     *value = (*value + more).max(0.0);
                 }
+                let scale = self.scale(&integrals.values);
+                integrals.values.iter_mut().for_each(|value| *value *= scale);
                 return Ok(Counted { values: integrals.values, shares, integral, uncertain, invalid, tally });
             }
             // Learn where the density is not what the nodes predict; before the last attempt estimate what is missing.

@@ -134,10 +134,10 @@ pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
 
 /// Finds outcomes of a finite set that never occur although the pdf has them: the others meet more often.
 ///
-/// Of N samples, those of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on average, whatever p is, and nearly a
-/// Poisson-distributed number. Cells hold many outcomes and do not see it.
-pub fn collisions<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
-    let n = probes.len() as f64;
+/// Of N draws, "no sample" and atoms among them, the samples of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on
+/// average, whatever p is, and nearly a Poisson-distributed number. Cells hold many outcomes and do not see it.
+pub fn collisions<D: Domain>(domain: &D, probes: &[Probe], draws: u64) -> Option<String> {
+    let n = draws as f64;
     if domain.outcomes().is_none() || probes.len() < FEWEST {
         return None;
     }
@@ -157,12 +157,12 @@ pub fn collisions<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
 }
 
 /// Finds a sampler of a continuous domain that returns the same few points or coordinates again and again.
-pub fn discrete<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
+pub fn discrete<D: Domain>(domain: &D, probes: &[Probe], mass: f64) -> Option<String> {
     if domain.outcomes().is_some() || probes.len() < FEWEST {
         return None;
     }
     let axes = if domain.is_plane() { 2 } else { 1 };
-    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure())).or_else(|| {
+    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure() / mass)).or_else(|| {
         let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
         points.sort_unstable();
         points.dedup();

@@ -271,10 +271,12 @@ pub fn examine<D: Domain>(
         .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
     let violations = [pdf_violation, mass_violation, corners.violation, tally.violation.clone(), infinite_violation];
     let violation = violations.into_iter().flatten().next();
+    // What the pdf is in units of, and how many draws the pilot has, where that is known.
+    let (unit, draws) = if normalized { (mass.value, None) } else { (1.0, Some(pilots)) };
     let violation = violation
         .or_else(|| exact::same_batches(domain, &tally.serial))
-        .or_else(|| exact::discrete(domain, &pilot))
-        .or_else(|| exact::collisions(domain, &pilot));
+        .or_else(|| exact::discrete(domain, &pilot, unit))
+        .or_else(|| exact::collisions(domain, &pilot, draws?));
     let none = tally.none;
     if normalized {
         remarks.push(format!(

@@ -94,6 +94,18 @@ fn outcomes_that_never_occur_are_found_by_equal_samples() {
 }
 
 #[test]
+fn equal_samples_of_a_set_that_is_rarely_sampled_are_no_fault() {
+    let outcomes = 1 << 14;
+    let half = sampler(2, move |u: &[f64]| (u[1] < 0.5).then(|| Sample::new((u[0] * outcomes as f64) as usize)));
+    for (mass, pdf) in [(Mass::Exactly(0.5), 0.5), (Mass::AtMostOne, 0.5), (Mass::Unknown, 7.0), (Mass::Unknown, 1e-3)]
+    {
+        let pdf = density(move |_: usize| pdf / outcomes as f64).with_mass(mass);
+        let outcome = tested(&Discrete { outcomes }, &half, &pdf);
+        assert!(outcome.is_accepted(), "{mass:?}: {outcome}");
+    }
+}
+
+#[test]
 fn nan_of_samples_and_densities_is_a_finding() {
     let identity = |u: &[f64]| Some(Sample::new(if u[0] > 0.999 { f64::NAN } else { u[0] }));
     let outcome = tested(&Line::UNIT, &sampler(1, identity), &density(|_: f64| 1.0));

@@ -33,6 +33,8 @@ struct Output {
     needed: Option<Needed>,
     /// Variance of the noise of an image declared exact, by that of the other side's mean.
     noise_of_exact: Option<f64>,
+    /// Whether the images would be different without that noise.
+    noise_hides_difference: bool,
     families: Vec<Family>,
 }
 
@@ -87,13 +89,6 @@ impl Compare {
                 if tiles == 1 { "one tile is equal".into() } else { format!("{tiles} tiles are equal") }
             ));
         }
-        if let Some(ratio) = compared.noise_of_exact {
-            console.warn(&format!(
-                "the image of B is not exact: its pixels have noise of {} times the variance of the mean of A, which the test \
-                 allows for; give replicates, or an image with a layer of standard errors",
-                rounded(ratio, 2)
-            ));
-        }
         if compared.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
         }
@@ -137,6 +132,7 @@ fn result(compared: &Compared) -> Output {
         tile_side: compared.tile_side,
         needed: compared.needed,
         noise_of_exact: compared.noise_of_exact,
+        noise_hides_difference: compared.noise_hides_difference,
         families: compared.families.iter().map(family).collect(),
     }
 }

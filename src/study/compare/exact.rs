@@ -3,7 +3,8 @@
 //! What a pixel differs from the mean of its four neighbours is little in a smooth image, and all of independent noise. Summed
 //! over a block, the squares of this difference between both sides have the expectation Σ s²/n of the other side's n replicates
 //! if the image has no noise; Student's t over the blocks tests it. The image is first brought to the other side's mean in each
-//! block, so that a light that is too bright is not called noise.
+//! block, so that a light that is too bright is not called noise. A difference in fine detail cannot be told from noise: one
+//! image does not show which it is.
 
 use super::functionals::Blocks;
 use super::side::{PRECISION, Side};
@@ -22,11 +23,13 @@ pub fn noise(exact: &Image, noisy: &Side, blocks: &Blocks, level: f64) -> Option
             |at| [0, 1, 2].map(|c| if gains[c].is_finite() { detail(exact, noisy, at, c, gains[c]) } else { [0.0; 2] });
         let [squares, variance] =
             inner.flat_map(of_pixel).fold([0.0; 2], |sums, of| [sums[0] + of[0], sums[1] + of[1]]);
-        (variance > 0.0).then(|| squares / variance - 1.0)
+        (variance > 0.0).then_some([squares - variance, variance])
     };
-    let excess = Mean::of_replicates(&blocks.pixels.iter().filter_map(of_block).collect::<Vec<f64>>())?;
+    let of_blocks: Vec<[f64; 2]> = blocks.pixels.iter().filter_map(of_block).collect();
+    let variance = of_blocks.iter().map(|of| of[1]).sum::<f64>() / of_blocks.len() as f64;
+    let excess = Mean::of_replicates(&of_blocks.iter().map(|of| of[0] / variance).collect::<Vec<f64>>())?;
     let found = Difference::of(excess, Mean::exact(0.0), 0.0);
-    (found.value > 0.0 && found.p() < level).then_some(found.value)
+    (found.value > 0.0 && 0.5 * found.p() < level).then_some(found.value)
 }
 
 /// What a pixel of `noisy`, less `gain` times that of `exact`, differs from the mean of its neighbours: the square, and its
@@ -39,6 +42,7 @@ fn detail(exact: &Image, noisy: &Side, (pixel, near): (usize, [usize; 4]), chann
     let variance = noisy.error().map_or(mean.variance, |error| {
         at(error, pixel).powi(2) + near.iter().map(|&i| at(error, i).powi(2)).sum::<f64>() / 16.0
     });
-    let rounding = PRECISION * at(exact, pixel);
-    [(mean.value - gain * detail(exact)).powi(2), variance + rounding * rounding]
+    // Of the pixel and of the mean of four.
+    let rounding = 1.25 * (PRECISION * gain * at(exact, pixel)).powi(2);
+    [(mean.value - gain * detail(exact)).powi(2), variance + rounding]
 }

@@ -1,8 +1,10 @@
-//! Whether the images of a side are replicates: independent, with one expectation.
+//! Whether the images of a side are independent and have one expectation.
 //!
-//! Random numbers that two images share, and a fault that two of them have, make their residuals x − x̄ alike. Replicates are
-//! exchangeable: the products of residuals, summed over the pixels of a block, have the same expectation for all pairs of images.
-//! Student's t over the blocks tests each pair against the mean of all, at a level that is corrected for their number.
+//! Random numbers that two images share, and a fault that two of them have, make their residuals x − x̄ alike. Of n independent
+//! images with the variances vₖ, the product of two residuals has the expectation −(vₖ + vₗ)/n + Σv/n², and the square of one
+//! vₖ (1 − 2/n) + Σv/n²; images may have different numbers of samples. What the products exceed that by is summed over blocks of the
+//! image, and Student's t over the blocks tests each pair, at a level that is corrected for the number of pairs. Blocks must be
+//! independent: noise that a whole image shares, such as an exposure of its own, looks like another expectation.
 
 use super::functionals::Blocks;
 use crate::raster::Image;
@@ -15,7 +17,7 @@ use rayon::prelude::*;
 pub struct Related {
     /// Their numbers, from 0.
     pub images: [usize; 2],
-    /// The mean product of their residuals by the residuals' standard deviations, less that of all pairs: near 0 for replicates.
+    /// The correlation of their noise: near 0 for independent images of one expectation.
     pub correlation: f64,
     /// Corrected for the number of pairs.
     pub p: f64,
@@ -23,28 +25,39 @@ pub struct Related {
 
 /// Images of which all pairs are tested; of more, neighbours are.
 const ALL_PAIRS: usize = 64;
+/// The products of fewer images follow from their variances.
+const FEWEST: usize = 4;
+/// A correlation of neighbours that changes the standard error of the mean by a twentieth: smaller ones do not matter.
+const MATTERS: f64 = 0.05;
+/// Values with noise that a block needs, for each image.
+const VALUES: usize = 4;
 
-/// The pair of images that is least likely among replicates, if its corrected p is below `level`; nothing of two images.
+/// The pair of images that is least likely among independent ones, if its corrected p is below `level`; nothing of three images.
 pub fn related(images: &[Image], blocks: &Blocks, level: f64) -> Option<Related> {
     let n = images.len();
     let farthest = if n > ALL_PAIRS { 1 } else { n };
     let pairs: Vec<[usize; 2]> = (0..n).flat_map(|k| (k + 1..n.min(k + 1 + farthest)).map(move |l| [k, l])).collect();
-    if n < 3 {
+    if n < FEWEST {
         return None;
     }
     let of_block = |pixels: &Vec<usize>| {
         let residuals = residuals(images, pixels);
-        let count = residuals[0].len() as f64;
-        // The residuals of a pixel add up to 0 and their squares to n: pairs have the mean −1/(n − 1).
-        let product = |[k, l]: [usize; 2]| residuals[k].iter().zip(&residuals[l]).map(|(a, b)| a * b).sum::<f64>();
-        let of_pair = |pair: &[usize; 2]| product(*pair) / count + 1.0 / (n as f64 - 1.0);
-        (count > 0.0).then(|| pairs.iter().map(of_pair).collect::<Vec<f64>>())
+        let (count, images) = (residuals[0].len(), n as f64);
+        let product = |k: usize, l: usize| residuals[k].iter().zip(&residuals[l]).map(|(a, b)| a * b).sum::<f64>();
+        let squares: Vec<f64> = (0..n).map(|k| product(k, k) / count as f64).collect();
+        let all = squares.iter().sum::<f64>() / (1.0 - 1.0 / images) / (images * images);
+        let variance = |k: usize| (squares[k] - all) / (1.0 - 2.0 / images);
+        let of_pair = |&[k, l]: &[usize; 2]| {
+            let expected = all - (variance(k) + variance(l)) / images;
+            product(k, l) / count as f64 - expected
+        };
+        (count >= VALUES * n).then(|| pairs.iter().map(of_pair).collect::<Vec<f64>>())
     };
     let by_block: Vec<Vec<f64>> = blocks.pixels.par_iter().filter_map(of_block).collect();
     let test = |(i, images): (usize, &[usize; 2])| {
         let mean = Mean::of_replicates(&by_block.iter().map(|pairs| pairs[i]).collect::<Vec<f64>>())?;
         let p = Difference::of(mean, Mean::exact(0.0), 0.0).p() * pairs.len() as f64;
-        Some(Related { images: *images, correlation: mean.value, p })
+        Some(Related { images: *images, correlation: mean.value, p }).filter(|_| mean.value.abs() > MATTERS)
     };
     let least = pairs.iter().enumerate().filter_map(test).min_by(|a, b| a.p.total_cmp(&b.p));
     least.filter(|related| related.p < level)
@@ -57,7 +70,7 @@ fn residuals(images: &[Image], pixels: &[usize]) -> Vec<Vec<f64>> {
     for (pixel, channel) in pixels.iter().flat_map(|&pixel| (0..3).map(move |channel| (pixel, channel))) {
         let values = images.iter().map(|image| f64::from(image.pixels()[pixel][channel]));
         let mean = values.clone().sum::<f64>() / n;
-        let deviation = (values.clone().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let deviation = (values.clone().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         if deviation > 0.0 {
             residuals.iter_mut().zip(values).for_each(|(of, value)| of.push((value - mean) / deviation));
         }

@@ -109,6 +109,8 @@ pub struct Compared {
     pub related: [Option<Related>; 2],
     /// The variance of the noise of an image that is declared exact, by that of the other side's mean, if it has noise.
     pub noise_of_exact: Option<f64>,
+    /// Whether the images would be different if the one that is declared exact had no noise.
+    pub noise_hides_difference: bool,
     /// What it would take to find the bias that is asked for; none where it would be found, or if the means are dominated.
     pub needed: Option<Needed>,
     /// Tiles of each side that are equal in all replicates, and not black, though they vary on the other side: their noise is
@@ -146,8 +148,10 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         ));
     }
     // [side][functional][channel]
-    let mut observed: Vec<Vec<[Observed; 3]>> =
-        sides.iter().map(|side| observe(side, &layout, plan.level)).collect::<Result<_>>()?;
+    let mut observed: Vec<Vec<[Observed; 3]>> = [[0, 1], [1, 0]]
+        .map(|[k, l]| observe([&sides[k], &sides[l]], &layout, plan.level))
+        .into_iter()
+        .collect::<Result<_>>()?;
     let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
     let blocks = Blocks::new(sides[0].size(), &valid);
     let related = sides.each_ref().map(|side| independence::related(&side.images, &blocks, OF_PREMISES * plan.level));
@@ -155,6 +159,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let noise_of_exact = exact.and_then(|k| {
         exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level).map(|r| (k, r))
     });
+    let mut if_exact = noise_of_exact.map(|_| observed.clone());
     if let Some((k, ratio)) = noise_of_exact {
         // Noise of the same pixels: each functional has as much more of it.
         let noise: Vec<[Mean; 3]> =
@@ -163,33 +168,15 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
             observed.mean = Mean { variance: ratio * noise.variance, dof: noise.dof, ..observed.mean };
         }
     }
-    observed.iter_mut().for_each(|side| widen(side, &layout));
     let scales = layout.scales(&side::mean_image(&sides[1]));
-    let families: Vec<FamilyResult> = Family::ALL
-        .into_iter()
-        .map(|family| {
-            let untested = (family == Family::Tiles && sides.iter().any(Side::has_few_replicates))
-                .then_some("fewer than 16 replicates on a side");
-            let tests = layout.of(family).filter(|_| untested.is_none()).flat_map(|i| {
-                let (observed, scales, functional) = (&observed, &scales, layout.functional(i));
-                (0..3).map(move |channel| {
-                    let [a, b] = [&observed[0][i][channel], &observed[1][i][channel]];
-                    Tested {
-                        functional,
-                        channel,
-                        means: [a.mean.value, b.mean.value],
-                        difference: Difference::of(a.mean, b.mean, PRECISION * scales[i][channel]),
-                        dominated: a.dominated || b.dominated,
-                    }
-                })
-            });
-            let mut result =
-                FamilyResult { family, tests: tests.collect(), worst: None, adjusted_p: None, dominated: 0, untested };
-            result.judge();
-            result
-        })
-        .collect();
-    let different = families.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
+    let has_tiles = !sides.iter().any(Side::has_few_replicates);
+    let families = families(&mut observed, &layout, &scales, has_tiles);
+    let is_different =
+        |all: &[FamilyResult]| all.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
+    let different = is_different(&families);
+    // Fine detail that differs looks like noise: where the noise alone hides a difference, nothing can be said.
+    let hides = |observed: &mut Vec<_>| is_different(&self::families(observed, &layout, &scales, has_tiles));
+    let noise_hides_difference = !different && if_exact.as_mut().is_some_and(hides);
     let relative = |test: &Tested, level: f64| {
         let image = families[0].tests[test.channel].means.map(f64::abs);
         test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
@@ -205,12 +192,16 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let answer = match uniform_bias {
         _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
         _ if different => Answer::Different,
-        Some(bias) if bias <= plan.detect => Answer::NoDifferenceFound,
+        Some(bias) if bias <= plan.detect && !noise_hides_difference => Answer::NoDifferenceFound,
         _ => Answer::CannotTell,
     };
     let of_image = [0, 1].map(|side| observed[side][0].each_ref().map(|channel| channel.mean));
-    let is_noisy = answer == Answer::CannotTell && whole.dominated == 0;
-    let needed = if is_noisy { needed::needed(&sides, of_image, level_of(whole), plan.detect) } else { None };
+    let is_noisy = answer == Answer::CannotTell && whole.dominated == 0 && !noise_hides_difference;
+    let needed = if is_noisy {
+        needed::needed(&sides, of_image, scales[0].map(|scale| PRECISION * scale), level_of(whole), plan.detect)
+    } else {
+        None
+    };
     Ok(Compared {
         plan,
         answer,
@@ -223,11 +214,43 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         images: sides.each_ref().map(|side| side.images.len()),
         related,
         noise_of_exact: noise_of_exact.map(|(_, ratio)| ratio),
+        noise_hides_difference,
         needed,
         constant_tiles,
         non_finite: valid.iter().filter(|v| !**v).count(),
         means: sides.each_ref().map(side::mean_image),
     })
+}
+
+/// The tests of all families, from what both sides say of each functional; `scales` are what their precision is relative to.
+fn families(
+    observed: &mut [Vec<[Observed; 3]>],
+    layout: &Layout,
+    scales: &[[f64; 3]],
+    has_tiles: bool,
+) -> Vec<FamilyResult> {
+    observed.iter_mut().for_each(|side| widen(side, layout));
+    let of_family = |family: Family| {
+        let untested = (family == Family::Tiles && !has_tiles).then_some("fewer than 16 replicates on a side");
+        let of_functional = |i: usize| {
+            let (observed, functional) = (&observed, layout.functional(i));
+            (0..3).map(move |channel| {
+                let [a, b] = [&observed[0][i][channel], &observed[1][i][channel]];
+                Tested {
+                    functional,
+                    channel,
+                    means: [a.mean.value, b.mean.value],
+                    difference: Difference::of(a.mean, b.mean, PRECISION * scales[i][channel]),
+                    dominated: a.dominated || b.dominated,
+                }
+            })
+        };
+        let tests = layout.of(family).filter(|_| untested.is_none()).flat_map(of_functional).collect();
+        let mut result = FamilyResult { family, tests, worst: None, adjusted_p: None, dominated: 0, untested };
+        result.judge();
+        result
+    };
+    Family::ALL.into_iter().map(of_family).collect()
 }
 
 /// A difference in parts of the mean of B in its channel, with an interval. The intervals of a family hold together with
@@ -280,13 +303,14 @@ impl FamilyResult {
 }
 
 /// What a side says about a functional in a channel.
+#[derive(Clone)]
 struct Observed {
     mean: Mean,
     dominated: bool,
 }
 
-/// All functionals of a side.
-fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]>> {
+/// All functionals of the first side.
+fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]>> {
     interrupt::check()?;
     let values: Vec<Vec<[f64; 3]>> = side.images.par_iter().map(|image| layout.values(image)).collect();
     // The level at which normal replicates would count as dominated anywhere at all.
@@ -312,7 +336,7 @@ fn observe(side: &Side, layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]
         (0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect();
     if side.has_few_replicates() {
         let own: Vec<[Mean; 3]> = observed.iter().map(|channels| channels.each_ref().map(|of| of.mean)).collect();
-        for (observed, means) in observed.iter_mut().zip(pooled::pool(side, layout, &own)) {
+        for (observed, means) in observed.iter_mut().zip(pooled::pool([side, other], layout, &own)) {
             observed.iter_mut().zip(means).for_each(|(of, mean)| of.mean = mean);
         }
     }

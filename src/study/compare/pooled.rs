@@ -1,11 +1,11 @@
-//! The noise of few replicates: the mean of the image and its low modes share what they say of it.
+//! The noise of few replicates: the mean of the image and its low modes pool their estimates of it.
 //!
 //! The variance s² of n replicates has n − 1 degrees of freedom, and Student's t with one or two of them is exceeded at small
 //! levels by differences of a hundred standard errors only. The image's mean and its cosine modes are nine weighted means of the
 //! same pixels, and noise whose correlations are short beside the image (filters, paths that reach neighbouring pixels) has the same
 //! factor in all nine: Var f = F Σ w²σ², with F = 1 for independent pixels. The pixels' own variances give Σ w²σ² for each,
-//! the replicates of all nine give F. Correlations that are longer than that raise the variance of some functional above the
-//! pooled one, and the larger of both counts.
+//! the replicates of all nine give F. That correlations are short is a premise: noise that a whole image shares, such as an
+//! exposure of its own, has fewer degrees of freedom. Where a functional's own variance is above the pooled one, it counts.
 
 use super::functionals::{Layout, WAVES};
 use super::side::Side;
@@ -16,10 +16,17 @@ use etalon_stats::welch::Mean;
 ///
 /// The nine estimates of F would have 9 (n − 1) degrees of freedom if they were independent. Where a few pixels have nearly all
 /// of the noise, all functionals see the same of it: with the correlations R of the functionals, which follow from
-/// the pixels' variances, F has (n − 1) 9²/Σ R² (Satterthwaite), and n − 1 in the worst case.
-pub fn pool(side: &Side, layout: &Layout, own: &[[Mean; 3]]) -> Vec<[Mean; 3]> {
+/// the pixels' variances, F has (n − 1) 9²/Σ R² (Satterthwaite), and n − 1 in the worst case. A pixel counts with the larger of
+/// both sides' variances: a few replicates may miss that it is noisy.
+pub fn pool([side, other]: [&Side; 2], layout: &Layout, own: &[[Mean; 3]]) -> Vec<[Mean; 3]> {
     let n = side.images.len() as f64;
-    let covariances = layout.covariances(&variances(&side.images));
+    let mut variances = variances(&side.images);
+    if other.images.len() > 1 {
+        for (variance, other) in variances.iter_mut().zip(self::variances(&other.images)) {
+            *variance = std::array::from_fn(|channel| variance[channel].max(other[channel]));
+        }
+    }
+    let covariances = layout.covariances(&variances);
     let mut pooled = own[..WAVES].to_vec();
     for (channel, covariance) in covariances.iter().enumerate() {
         let noisy: Vec<usize> = (0..WAVES).filter(|&i| covariance[i][i] > 0.0).collect();

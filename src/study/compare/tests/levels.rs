@@ -205,6 +205,14 @@ fn dependent_replicates_are_called_so() {
             assert!(found >= 90, "{n} images, correlation {correlation}: {found} of 100");
         }
     }
+    // Images of unequal numbers of samples are independent.
+    let found = answered(100, Answer::NotIndependent, |rng| {
+        let expectation = texture(rng, SIZES[1]);
+        let images = (0..8).map(|k| noisy(rng, &expectation, 1, [0.3, 0.6][k % 2]).remove(0)).collect();
+        compare(Side::replicates(images), Side::replicates(noisy(rng, &expectation, 8, 0.1)), PLAN).unwrap()
+    });
+    println!("unequal numbers of samples: {found} of 100 not independent");
+    assert!(found <= 1, "{found}");
     // Eight students: each has a factor of its own, within 5 % of 1.
     let found = answered(100, Answer::NotIndependent, |rng| {
         let expectation = texture(rng, SIZES[1]);
@@ -271,6 +279,26 @@ fn noise_of_images_declared_exact_is_seen() {
             }
         }
     }
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --release --lib compare::tests::levels -- --ignored --nocapture"]
+fn differences_in_fine_detail_are_not_hidden_by_noise() {
+    // Half a pixel of shift against an exact image.
+    let answers: Vec<Compared> = (0..100)
+        .into_par_iter()
+        .map(|run| {
+            let rng = &mut CounterRng::new(5, run);
+            let b = texture(rng, SIZES[1]);
+            let right = |x: usize| (x + 1).min(b.width() - 1);
+            let a = Image::from_fn(b.width(), b.height(), |x, y| 0.5 * (b.get(x, y) + b.get(right(x), y)));
+            compare(Side::replicates(noisy(rng, &a, 16, 0.3)), Side::exact(b), PLAN).unwrap()
+        })
+        .collect();
+    let count = |answer: Answer| answers.iter().filter(|compared| compared.answer == answer).count();
+    let [different, fine, unknown] = [Answer::Different, Answer::NoDifferenceFound, Answer::CannotTell].map(count);
+    println!("half a pixel of shift: {different} different, {unknown} cannot tell, {fine} no difference found of 100");
+    assert!(fine <= 1, "{fine}");
 }
 
 #[test]
