@@ -70,7 +70,7 @@ pub struct Layout<'a> {
     in_tile: Vec<usize>,
 }
 
-/// An image in 4 × 4 blocks, as many as there can be: correlations of noise are short beside a block.
+/// An image in 4 × 4 blocks, beside which correlations of noise should be short.
 pub struct Blocks<'a> {
     size: [usize; 2],
     valid: &'a [bool],
