@@ -189,3 +189,10 @@ def test_the_interpreter_goes_on_meanwhile():
     stop.set()
     thread.join()
     assert len(ticks) > 20
+
+
+def test_functions_of_one_row_at_a_time_are_errors_of_use():
+    import math
+
+    with pytest.raises(TypeError):
+        eb.check_sampler(lambda u: [[math.sqrt(u[:, 0]), 0.5]], one, "square")
