@@ -13,6 +13,9 @@ use etalon_stats::difference::Difference;
 use etalon_stats::welch::Mean;
 use glam::DVec3;
 
+/// Values that a block needs: of fewer, a ratio of sums is too large on average.
+const VALUES: usize = 64;
+
 /// The variance of the noise of `exact`, by that of the mean of `noisy`; nothing if it is not above 0 at `level`.
 pub fn noise(exact: &Image, noisy: &Side, blocks: &Blocks, level: f64) -> Option<f64> {
     let of_block = |pixels: &Vec<usize>| {
@@ -21,13 +24,12 @@ pub fn noise(exact: &Image, noisy: &Side, blocks: &Blocks, level: f64) -> Option
         let inner = pixels.iter().filter_map(|&pixel| Some((pixel, blocks.neighbours(pixel)?)));
         let of_pixel =
             |at| [0, 1, 2].map(|c| if gains[c].is_finite() { detail(exact, noisy, at, c, gains[c]) } else { [0.0; 2] });
-        let [squares, variance] =
-            inner.flat_map(of_pixel).fold([0.0; 2], |sums, of| [sums[0] + of[0], sums[1] + of[1]]);
-        (variance > 0.0).then_some([squares - variance, variance])
+        let values: Vec<[f64; 2]> = inner.flat_map(of_pixel).collect();
+        let [squares, variance] = values.iter().fold([0.0; 2], |sums, of| [sums[0] + of[0], sums[1] + of[1]]);
+        // Each block counts alike, whether its noise is large or small.
+        (variance > 0.0 && values.len() >= VALUES).then(|| squares / variance - 1.0)
     };
-    let of_blocks: Vec<[f64; 2]> = blocks.pixels.iter().filter_map(of_block).collect();
-    let variance = of_blocks.iter().map(|of| of[1]).sum::<f64>() / of_blocks.len() as f64;
-    let excess = Mean::of_replicates(&of_blocks.iter().map(|of| of[0] / variance).collect::<Vec<f64>>())?;
+    let excess = Mean::of_replicates(&blocks.pixels.iter().filter_map(of_block).collect::<Vec<f64>>())?;
     let found = Difference::of(excess, Mean::exact(0.0), 0.0);
     (found.value > 0.0 && 0.5 * found.p() < level).then_some(found.value)
 }
