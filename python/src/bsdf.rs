@@ -200,7 +200,7 @@ impl BatchBsdf for PythonBsdf {
                 }?;
                 spectra(&f, "eval", &[range.len()], channels)
             };
-            calls[0].of_rows(py, ("eval", pairs.len()), [f64::NAN; 3], some, |i| Ok(pair(&pairs[i])))
+            calls[0].of_rows(py, ("eval", pairs.len()), [f64::NAN; 3], some, |i| pair(&pairs[i]))
         })
     }
 
@@ -216,7 +216,7 @@ impl BatchBsdf for PythonBsdf {
                 let (wo, wi) = directions_of(py, &pairs[range.clone()])?;
                 numbers(&pdf.bind(py).call1((&wo, &wi))?, "pdf")?.of_shape(&[&[range.len()]])
             };
-            calls[1].of_rows(py, ("pdf", pairs.len()), f64::NAN, some, |i| Ok(pair(&pairs[i])))
+            calls[1].of_rows(py, ("pdf", pairs.len()), f64::NAN, some, |i| pair(&pairs[i]))
         })
     }
 
@@ -234,7 +234,7 @@ impl BatchBsdf for PythonBsdf {
                 samples(&functions.sample.bind(py).call1((&wo, &u))?, range.len(), channels)
             };
             let nan = BsdfSample::new([f64::NAN; 3], [f64::NAN; 3], Density::Pdf(f64::NAN));
-            let given = |i: usize| Ok(format!("wo = {:?}, u = {:?}", wos[i], numbers(&(i..i + 1))));
+            let given = |i: usize| format!("wo = {:?}, u = {:?}", wos[i], numbers(&(i..i + 1)));
             calls[2].of_rows(py, ("sample", wos.len()), Some(nan), some, given)
         })
     }

@@ -30,7 +30,7 @@ impl Calls {
         (name, n): (&str, usize),
         nan: T,
         call: impl Fn(Range<usize>) -> PyResult<Vec<T>>,
-        given: impl Fn(usize) -> PyResult<String>,
+        given: impl Fn(usize) -> String,
     ) -> PyResult<Vec<T>> {
         // The exception of some rows; those that are no errors, such as KeyboardInterrupt, end the test.
         let attempt = |rows: Range<usize>| match call(rows) {
@@ -69,7 +69,7 @@ impl Calls {
             (rows, error) = (half, of_half);
         }
         let place = match rows.len() {
-            1 => given(rows.start)?,
+            1 => given(rows.start),
             // A function of one row at a time.
             _ if !has_worked => return Err(error),
             together => format!("{together} rows together"),

@@ -166,7 +166,7 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
                 let u = rows(py, u[range.start * dimension..range.end * dimension].to_vec(), dimension)?;
                 samples(domain, &sample.call1((&u,))?, range.len())
             };
-            let given = |i: usize| Ok(format!("u = {:?}", &u[i * dimension..(i + 1) * dimension]));
+            let given = |i: usize| format!("u = {:?}", &u[i * dimension..(i + 1) * dimension]);
             calls[0].of_rows(py, ("sample", u.len() / dimension), nowhere(domain), some, given)
         };
         self.append(call, out)
@@ -181,7 +181,7 @@ impl<D: Coordinates> Sampler<D::Point> for Functions<D> {
         let calls = Arc::clone(&self.calls);
         let call = move |domain: &D, sample: &Bound<'_, PyAny>| {
             let some = |range: Range<usize>| samples(domain, &sample.call1((range.len(), seed))?, range.len());
-            let given = |_: usize| Ok(format!("n = 1, seed = {seed}"));
+            let given = |_: usize| format!("n = 1, seed = {seed}");
             calls[0].of_rows(sample.py(), ("sample", count), nowhere(domain), some, given)
         };
         self.append(call, out)
@@ -210,7 +210,7 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
                 let x = points::<D>(py, of(range.clone()))?;
                 numbers(&pdf.bind(py).call1((&x,))?, "pdf")?.of_shape(&[&[range.len()]])
             };
-            calls[1].of_rows(py, ("pdf", count), f64::NAN, some, |i| Ok(format!("x = {:?}", of(i..i + 1))))
+            calls[1].of_rows(py, ("pdf", count), f64::NAN, some, |i| format!("x = {:?}", of(i..i + 1)))
         };
         out.append(&mut self.caller.call(job)?);
         Ok(())

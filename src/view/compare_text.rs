@@ -8,7 +8,7 @@ fn percent(share: f64) -> String {
 }
 
 /// A difference as a share of B's image, with its interval; by itself where that image is black.
-pub fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
+fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
     let Some(Bias { value, low, high }) = compared.bias(family, test) else {
         return format!("{:+.2e}, B is black", test.difference.value);
     };
@@ -18,13 +18,13 @@ pub fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String
 
 /// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
-    let dominated = || compared.families.iter().any(|family| family.dominated > 0);
+    let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
     match (compared.answer, compared.uniform_bias) {
         (Answer::NotIndependent, _) => {
             let of_side = |(related, side): (&Option<Related>, &str)| {
                 let Related { images: [k, l], correlation, p } = (*related)?;
                 Some(format!(
-                    "images {} and {} of {side} (correlation {correlation:+.3} beyond that of others, {})",
+                    "images {} and {} of {side} (correlation {correlation:+.3}, {})",
                     k + 1,
                     l + 1,
                     p_is(p)
@@ -55,14 +55,12 @@ pub fn sentence(compared: &Compared) -> String {
         }
         (_, Some(bias)) => {
             let [bias, wanted] = [bias, compared.plan.detect].map(percent);
-            let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
             format!(
                 "cannot tell: the smallest uniform bias found with 90 % probability is {bias}, not {wanted}{needed}"
             )
         }
-        (_, None) if dominated() => "cannot tell: a few samples dominate the mean of the image".into(),
+        (_, None) if compared.families.iter().any(|family| family.dominated > 0) => "cannot tell: a few samples dominate the mean of the image".into(),
         (_, None) => {
-            let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
             format!(
                 "cannot tell: too few replicates to know which bias would have been found, or the image is black{needed}"
             )

@@ -153,13 +153,14 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         .into_iter()
         .collect::<Result<_>>()?;
     let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
+    observed.iter_mut().for_each(|side| widen(side, &layout));
     let blocks = Blocks::new(sides[0].size(), &valid);
     let related = sides.each_ref().map(|side| independence::related(&side.images, &blocks, OF_PREMISES * plan.level));
     let exact = sides.iter().position(|side| side.noise == Noise::None);
     let noise_of_exact = exact.and_then(|k| {
         exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level).map(|r| (k, r))
     });
-    let mut if_exact = noise_of_exact.map(|_| observed.clone());
+    let if_exact = noise_of_exact.map(|_| observed.clone());
     if let Some((k, ratio)) = noise_of_exact {
         // Noise of the same pixels: each functional has as much more of it.
         let noise: Vec<[Mean; 3]> =
@@ -170,13 +171,13 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     }
     let scales = layout.scales(&side::mean_image(&sides[1]));
     let has_tiles = !sides.iter().any(Side::has_few_replicates);
-    let families = families(&mut observed, &layout, &scales, has_tiles);
+    let families = families(&observed, &layout, &scales, has_tiles);
     let is_different =
         |all: &[FamilyResult]| all.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
     let different = is_different(&families);
     // Fine detail that differs looks like noise: where the noise alone hides a difference, nothing can be said.
-    let hides = |observed: &mut Vec<_>| is_different(&self::families(observed, &layout, &scales, has_tiles));
-    let noise_hides_difference = !different && if_exact.as_mut().is_some_and(hides);
+    let hides = |observed: &Vec<_>| is_different(&self::families(observed, &layout, &scales, has_tiles));
+    let noise_hides_difference = !different && if_exact.as_ref().is_some_and(hides);
     let relative = |test: &Tested, level: f64| {
         let image = families[0].tests[test.channel].means.map(f64::abs);
         test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
@@ -224,16 +225,15 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
 
 /// The tests of all families, from what both sides say of each functional; `scales` are what their precision is relative to.
 fn families(
-    observed: &mut [Vec<[Observed; 3]>],
+    observed: &[Vec<[Observed; 3]>],
     layout: &Layout,
     scales: &[[f64; 3]],
     has_tiles: bool,
 ) -> Vec<FamilyResult> {
-    observed.iter_mut().for_each(|side| widen(side, layout));
     let of_family = |family: Family| {
         let untested = (family == Family::Tiles && !has_tiles).then_some("fewer than 16 replicates on a side");
         let of_functional = |i: usize| {
-            let (observed, functional) = (&observed, layout.functional(i));
+            let functional = layout.functional(i);
             (0..3).map(move |channel| {
                 let [a, b] = [&observed[0][i][channel], &observed[1][i][channel]];
                 Tested {

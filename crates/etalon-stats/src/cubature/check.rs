@@ -70,7 +70,7 @@ impl<D: Domain> Refinement<'_, D> {
         };
         let of_batch = |batch: u64| {
             let mut rng = CounterRng::new(seed, batch << 8 | stream);
-            let (mut chosen, mut charts, mut points) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut chosen, mut charts) = (Vec::new(), Vec::new());
             // Sample points by the largest density that the pieces are expected to reach.
             for i in batch * BATCH..count.min((batch + 1) * BATCH) {
                 // One point in each of `count` equal parts of `reach`.
@@ -81,10 +81,8 @@ impl<D: Domain> Refinement<'_, D> {
                 let chart = [along(piece.part.at.x, u), if plane { along(piece.part.at.y, v) } else { 0.5 }];
                 chosen.push(piece);
                 charts.push(chart);
-                points.push(self.domain.point_at(chart));
             }
-            let mut values = Vec::with_capacity(points.len());
-            values_at(self.domain, self.density, &charts, &points, &mut values)?;
+            let (points, values) = values_at(self.domain, self.density, &charts)?;
             let mut check = none();
             check.invalid = first_invalid(&points, &values);
             // Add up the differences between density and polynomial.

@@ -57,27 +57,26 @@ const ASIDE: f64 = 1.0 / (1 << 16) as f64;
 /// A place of the chart that has nothing to do with any density's symmetries.
 const AWAY: [f64; 2] = [0.618_034, 0.381_966];
 
-/// Appends the density at places of the chart for sums: where it is infinite, its value beside. A single point has no part in
-/// an integral. Returns how many are infinite.
+/// The points at places of the chart, and the density there for sums: where it is infinite, its value beside. A single point has
+/// no part in an integral.
 pub(crate) fn values_at<D: Domain>(
     domain: &D,
     density: &dyn Density<D::Point>,
     charts: &[[f64; 2]],
-    points: &[D::Point],
-    out: &mut Vec<f64>,
-) -> Result<usize> {
-    let first = out.len();
-    density.pdf(points, out)?;
+) -> Result<(Vec<D::Point>, Vec<f64>)> {
+    let points: Vec<D::Point> = charts.iter().map(|at| domain.point_at(*at)).collect();
+    let mut values = Vec::with_capacity(points.len());
+    density.pdf(&points, &mut values)?;
     let is_infinite = |(i, value): (usize, &f64)| (*value == f64::INFINITY).then_some(i);
-    let infinite: Vec<usize> = out[first..].iter().enumerate().filter_map(is_infinite).collect();
+    let infinite: Vec<usize> = values.iter().enumerate().filter_map(is_infinite).collect();
     if !infinite.is_empty() {
         let aside = |i: &usize| [0, 1].map(|axis| charts[*i][axis] + ASIDE * (AWAY[axis] - charts[*i][axis]));
-        let points: Vec<D::Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
-        let mut values = Vec::with_capacity(points.len());
-        density.pdf(&points, &mut values)?;
-        infinite.iter().zip(values).for_each(|(i, value)| out[first + i] = value);
+        let beside: Vec<D::Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
+        let mut finite = Vec::with_capacity(beside.len());
+        density.pdf(&beside, &mut finite)?;
+        infinite.iter().zip(finite).for_each(|(i, value)| values[*i] = value);
     }
-    Ok(infinite.len())
+    Ok((points, values))
 }
 
 /// How the integrals of a density are computed.

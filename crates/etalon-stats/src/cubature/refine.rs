@@ -163,9 +163,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         let apply = |batch: &[Part]| {
             poll(cancelled)?;
             let charts: Vec<[f64; 2]> = batch.iter().flat_map(|part| nodes(&part.at, plane)).collect();
-            let points: Vec<D::Point> = charts.iter().map(|at| self.domain.point_at(*at)).collect();
-            let mut values = Vec::with_capacity(points.len());
-            values_at(self.domain, self.density, &charts, &points, &mut values)?;
+            let (points, values) = values_at(self.domain, self.density, &charts)?;
             let per_part = points.len() / batch.len();
             let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
                 let mut piece = Piece::new(part.clone(), values, measure);
