@@ -6,7 +6,7 @@ use crate::found::Found;
 use etalon::raster::Image;
 use etalon::study::compare::{Plan, Side, compare};
 use glam::Vec3;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::time::Instant;
 
@@ -74,6 +74,12 @@ fn side(images: &Images<'_>) -> PyResult<Side> {
 
 /// Images of an array, and whether it has a dimension for several.
 fn arrays(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<Image>, bool)> {
+    let array = value.py().import("numpy")?.call_method1("asanyarray", (value,))?;
+    if array.getattr("dtype")?.getattr("kind")?.extract::<String>()? == "u" {
+        return Err(PyTypeError::new_err(format!(
+            "{name}: unsigned integers are values of a display, rounded, clipped and encoded, not radiance; give floats"
+        )));
+    }
     let array = numbers::<f32>(value, name)?;
     let (w, h, is_list) = match array.shape[..] {
         [n, h, w, 3] if n * h * w > 0 => (w, h, true),

@@ -30,16 +30,17 @@ impl Console {
     /// Prints a result: `value` as JSON with `--json`, else the text of `human`.
     pub fn result(&self, value: &impl Serialize, human: impl FnOnce() -> String) {
         if self.json {
-            self.print(&serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}")));
+            let text = serde_json::to_string(value).unwrap_or_else(|e| format!("{{\"error\":\"{e}\"}}"));
+            self.print(&visible(&text, |c| format!("\\u{:04x}", u32::from(c))));
         } else {
-            self.print(&human());
+            self.print(&shown(&human()));
         }
     }
 
     /// Prints a part of a result ahead of the rest; with `--json` nothing, for the result has all.
     pub fn part(&self, text: impl FnOnce() -> String) {
         if !self.json {
-            self.print(&text());
+            self.print(&shown(&text()));
         }
     }
 
@@ -77,17 +78,17 @@ impl Console {
 
     fn tell(&self, kind: &str, text: &str) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{kind}: {text}");
+            let _ = writeln!(std::io::stderr(), "{kind}: {}", shown(text));
         }
     }
 
     pub fn error(error: &Error) {
         let mut stderr = std::io::stderr();
-        let _ = writeln!(stderr, "error: {error}");
+        let _ = writeln!(stderr, "error: {}", shown(&error.to_string()));
         let more_memory =
             matches!(error, Error::Memory(_)).then_some("reduce the size, or allow more by --memory SIZE");
         if let Some(hint) = error.hint().or(more_memory) {
-            let _ = writeln!(stderr, "hint: {hint}");
+            let _ = writeln!(stderr, "hint: {}", shown(hint));
         }
     }
 
@@ -107,9 +108,30 @@ impl Console {
             let _ = write!(out, "{} {unit}/s", short(state.per_sec()));
         };
         bar.set_style(bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left").with_key("rate", rate));
-        bar.set_message(what.to_owned());
+        bar.set_message(shown(what));
         bar
     }
+}
+
+/// Replaces what a terminal would obey instead of print: control characters, but for the ends of lines, and marks that turn
+/// the direction of writing. Names of files and what other programs say may have both.
+fn visible(text: &str, replacement: impl Fn(char) -> String) -> String {
+    let mut clean = String::with_capacity(text.len());
+    for c in text.chars() {
+        let turns =
+            matches!(c, '\u{061C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
+        if turns || c.is_control() && c != '\n' {
+            clean += &replacement(c);
+        } else {
+            clean.push(c);
+        }
+    }
+    clean
+}
+
+/// A text for the terminal: `\u{1b}` in place of the character that begins a terminal's commands.
+pub fn shown(text: &str) -> String {
+    visible(text, |c| c.escape_unicode().to_string())
 }
 
 /// A style of progress bars.
@@ -129,11 +151,21 @@ fn short(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::{short, shown, visible};
 
     #[test]
     fn rates_are_short() {
         let texts = [0.517, 12.3, 999.0, 17_012.0, 3_251_000.0].map(short);
         assert_eq!(texts, ["0.52", "12", "999", "17.0 k", "3.25 M"]);
+    }
+
+    #[test]
+    fn terminals_get_no_commands() {
+        assert_eq!(shown("a\u{1b}[31mb\nc\td\u{9b}2J\u{202e}"), "a\\u{1b}[31mb\nc\\u{9}d\\u{9b}2J\\u{202e}");
+        assert_eq!(shown("sphère, α ≤ 1"), "sphère, α ≤ 1");
+        let json = serde_json::to_string("\u{1b}\u{9b}\u{7f}").unwrap();
+        let clean = visible(&json, |c| format!("\\u{:04x}", u32::from(c)));
+        assert_eq!(clean, "\"\\u001b\\u009b\\u007f\"");
+        assert_eq!(serde_json::from_str::<String>(&clean).unwrap(), "\u{1b}\u{9b}\u{7f}");
     }
 }

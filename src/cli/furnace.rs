@@ -1,6 +1,6 @@
 //! `etalon furnace`: directional albedos over the angle and parameters.
 
-use super::console::Console;
+use super::console::{Console, shown};
 use super::families::{families, list};
 use super::global::{Global, Verdict, out, seed, threads};
 use super::program::ExternalBsdf;
@@ -73,7 +73,7 @@ impl Furnace {
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         for (family, own) in subjects {
             let stem = target.stem("furnace", &format!("-{}", output::file_name(family.name())), &output::STUDY)?;
-            bar.set_message(family.name().to_owned());
+            bar.set_message(shown(family.name()));
             let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
             let table = albedo_table(family, &facets, &request)?;
             files.extend(output::write(&stem, &view::drawing(&table), &output::table(&table.rows)?)?);

@@ -134,6 +134,11 @@ impl Sweep {
             list(&families, console);
             return Ok(Verdict::Good);
         }
+        // Results are called after the program's BSDF, or the families that were named.
+        let subject = match self.external.command() {
+            Some(_) => families[0].name().to_owned(),
+            None => self.names.join("+"),
+        };
         let numbers = [self.detect, self.level];
         let description = Description::new(&families, self.strategy, self.configurations, global.seed, numbers)?;
         let plan = Plan::new(description, families)?;
@@ -146,10 +151,9 @@ impl Sweep {
             .with_hint("at most one shard for each configuration"));
         }
         // Where the part goes, checked before it is computed.
-        let target = global.arguments.target(global.out.as_deref(), &["names", "shard"]);
+        let target = global.arguments.target(global.out.as_deref(), &["names", "exec", "shard"]);
         let suffix = self.shard.filter(|_| !target.is_named()).map_or_else(String::new, Shard::suffix);
-        let name = if self.names.is_empty() { "sweep".to_owned() } else { format!("sweep-{}", self.names.join("+")) };
-        let name = output::file_name(&name);
+        let name = output::file_name(["sweep", &subject].join("-").trim_end_matches('-'));
         let path = output::with_extension(&target.stem(&name, &suffix, &["csv"])?, "csv");
         files::check_writable(&path)?;
         let mut part = Part::new(&plan, shard);

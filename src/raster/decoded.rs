@@ -22,6 +22,22 @@ pub struct Decoded {
     pub is_cube: bool,
 }
 
+/// What the alpha of an image says, which is not read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Coverage {
+    /// There is no alpha, or it is 1 everywhere.
+    Full,
+    /// It is not 1 everywhere.
+    Partial,
+}
+
+impl Coverage {
+    /// What is to be said of it.
+    pub fn note(self) -> Option<String> {
+        (self == Self::Partial).then(|| "alpha, which is not 1 everywhere, is ignored".into())
+    }
+}
+
 impl Decoded {
     /// The image and the notes.
     pub fn into_parts(self) -> (Image, Vec<String>) {

@@ -1,7 +1,7 @@
 //! Clipped images: PNG, JPEG, TGA, PPM/PGM to linear light, and 8-bit PNG and PPM back.
 
 use super::Image;
-use super::decoded::{blank, check_size};
+use super::decoded::{Coverage, Decoded, blank, check_size};
 use super::tone::{ToneMap, linear_from_srgb, to_rgb8};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
@@ -42,7 +42,7 @@ fn has_tga_name(path: &Path) -> bool {
 }
 
 /// Reads a clipped image; values are taken to be sRGB-encoded, unless they are linear, and come out linear, in [0, 1].
-pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool) -> Result<Image> {
+pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool) -> Result<Decoded> {
     let damaged = |e: ImageError| match e {
         ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
         ImageError::Limits(e) => Error::limit(path, e.to_string()),
@@ -54,12 +54,26 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool)
     // The file's values, and its pixels twice in single precision.
     let bytes = decoder.total_bytes() as usize + 2 * width as usize * height as usize * size_of::<Rgb>();
     memory::request(bytes, || format!("{}, {width}x{height} pixels", path.display()))?;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let coverage = coverage(&decoded);
+    let decoded = decoded.into_rgb32f();
     let mut image = blank(path, width as usize, height as usize)?;
     for (to, from) in image.pixels_mut().iter_mut().zip(decoded.pixels()) {
         *to = Rgb::from_array(if is_linear { from.0 } else { from.0.map(linear_from_srgb) });
     }
-    Ok(image)
+    Ok(Decoded { notes: coverage.note().into_iter().collect(), ..image.into() })
+}
+
+/// What the alpha of an image says.
+fn coverage(image: &DynamicImage) -> Coverage {
+    let is_full = match image {
+        DynamicImage::ImageLumaA8(image) => image.pixels().all(|pixel| pixel[1] == u8::MAX),
+        DynamicImage::ImageRgba8(image) => image.pixels().all(|pixel| pixel[3] == u8::MAX),
+        DynamicImage::ImageLumaA16(image) => image.pixels().all(|pixel| pixel[1] == u16::MAX),
+        DynamicImage::ImageRgba16(image) => image.pixels().all(|pixel| pixel[3] == u16::MAX),
+        _ => true,
+    };
+    if is_full { Coverage::Full } else { Coverage::Partial }
 }
 
 /// Writes an 8-bit PNG.
@@ -85,7 +99,7 @@ mod tests {
 
     fn parse(bytes: &[u8]) -> Result<Image> {
         let path = Path::new("a.tga");
-        decode(path, bytes, recognise(path, bytes).expect("a known format"), false)
+        decode(path, bytes, recognise(path, bytes).expect("a known format"), false).map(|decoded| decoded.image)
     }
 
     #[test]
@@ -137,7 +151,7 @@ mod tests {
         }
         let path = Path::new("a.tga");
         let linear = decode(path, &tga(2, [1, 1], &[0, 51, 255]), recognise(path, &tga(2, [1, 1], &[])).unwrap(), true);
-        assert_eq!(linear.unwrap().pixels(), [Rgb::new(1.0, 0.2, 0.0)]);
+        assert_eq!(linear.unwrap().image.pixels(), [Rgb::new(1.0, 0.2, 0.0)]);
     }
 
     #[test]

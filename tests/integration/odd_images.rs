@@ -65,8 +65,10 @@ fn a_cube_map_is_no_lat_long_map() {
 fn what_is_guessed_about_channels_is_said() {
     let dir = tempfile::tempdir().unwrap();
     for (channels, code, expected) in [
-        (&["R", "G", "B", "A"][..], 0, &[][..]),
-        (&["Y"], 0, &[]),
+        (&["R", "G", "B"][..], 0, &[][..]),
+        (&["R", "G", "B", "A"], 0, &["a.exr: alpha, which is not 1 everywhere, is ignored"]),
+        (&["Y"], 0, &["a.exr: there is luminance Y and no colour", "grey"]),
+        (&["diffuse.R", "diffuse.G", "diffuse.B"], 0, &["a.exr: the layer \"diffuse\" is taken as the image"]),
         (&["G"], 0, &["a.exr: G is the only channel", "grey"]),
         (&["Z"], 0, &["a.exr: ", "\"z\"", "grey"]),
         (&["R", "G"], 0, &["a.exr: there is no channel B", "black"]),

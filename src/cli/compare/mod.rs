@@ -109,11 +109,14 @@ impl Compare {
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }
-        if a_is_clipped != b_is_clipped {
-            console.warn(
-                "one image has 8 or 16 bits (clipped at 1, decoded by the sRGB curve), the other holds linear light",
-            );
-        }
+        let clipped = match [a_is_clipped, b_is_clipped] {
+            [false, false] => None,
+            [true, true] => Some("both images have integer values (rounded, clipped at 1, decoded by the sRGB curve)"),
+            _ => Some(
+                "one image has integer values (rounded, clipped at 1, decoded by the sRGB curve), the other holds linear light",
+            ),
+        };
+        clipped.iter().for_each(|text| console.warn(text));
         let explanation = is_small.then(|| explain(&a, &b)).flatten();
         let output = Output { numbers, hdr_flip: flip, explanation };
         console.saved(&output, &written, || text(&output));

@@ -64,6 +64,14 @@ pub enum Subject {
 }
 
 impl Subject {
+    /// The name of what is tested, if it is one.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Cases(cases) => cases.first().filter(|_| cases.len() == 1).map(|case| case.name.as_str()),
+            Self::Bsdf(bsdf) => Some(bsdf.name()),
+        }
+    }
+
     /// The names of all tests.
     pub fn names(&self) -> Vec<String> {
         match self {

@@ -98,8 +98,8 @@ impl Validate {
             return calibration::run(cases, &protocol, seeds, global, console);
         }
         self.reports.check()?;
-        let target = global.target(&[]);
-        let stem = target.stem("validation", "", &output::STUDY)?;
+        let (target, name) = self.target(&subject, global);
+        let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {
             Subject::Cases(cases) => run(cases, &protocol, &|_| bar.inc(1)),
@@ -113,7 +113,7 @@ impl Validate {
         // What is rejected is drawn without being asked for.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
-                files.extend(draw_counts(tested, &target)?);
+                files.extend(draw_counts(tested, &subject, &target)?);
             }
         }
         let mut written = target.written(files);
@@ -125,6 +125,14 @@ impl Validate {
             Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
             _ => Verdict::Good,
         })
+    }
+
+    /// Where results go, and their name: that of the subject, or the patterns of the tests' names.
+    fn target(&self, subject: &Subject, global: &Global) -> (output::Target, String) {
+        let Some(subject) = subject.name() else { return (global.target(&[]), "validation".into()) };
+        let of_file = matches!(self.samples(), Some(SampleSource::File(_))).then_some("samples");
+        let in_name: Vec<&str> = ["names", "exec"].into_iter().chain(of_file).collect();
+        (global.target(&in_name), format!("validation-{}", output::file_name(subject)))
     }
 
     fn protocol(&self, global: &Global) -> Protocol {
@@ -155,12 +163,16 @@ impl Validate {
     }
 }
 
-/// Writes the counts of one test, if it has any.
-fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
+/// Writes the counts of one test, if it has any. The name of a subject that is the only one is not repeated.
+fn draw_counts(tested: &Tested, subject: &Subject, target: &output::Target) -> Result<Vec<PathBuf>> {
     let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)) else {
         return Ok(Vec::new());
     };
-    let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
+    let (name, own) = match subject.name() {
+        Some(only) if only == tested.name => (format!("validation-{}", output::file_name(only)), "counts"),
+        _ => ("validation".into(), tested.name.as_str()),
+    };
+    let stem = target.stem(&name, &format!("-{}", output::file_name(own)), &output::STUDY)?;
     output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
 }
 

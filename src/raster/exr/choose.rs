@@ -30,6 +30,8 @@ pub(super) struct Shown {
     pub fit: Fit,
     /// Channels for red, green and blue.
     pub rgb: [Option<Channel>; 3],
+    /// The channel of its coverage, which is not read into images.
+    pub alpha: Option<Channel>,
     /// What is a guess about the channels.
     pub note: Option<String>,
 }
@@ -86,8 +88,11 @@ pub(super) fn notes(path: &Path, headers: &[Header], choice: &Choice) -> Result<
             .with_hint("save one of them as R, G, B: oiiotool in.exr --ch R=NAME.R,G=NAME.G,B=NAME.B -o out.exr"));
     }
     let mut notes: Vec<String> = layer.note.clone().into_iter().collect();
-    if !layer.name.is_empty() && others.iter().any(|other| other.name.is_empty()) {
-        notes.push(format!("the layer {:?} is taken, not the channels without a layer", layer.name));
+    if !layer.name.is_empty() {
+        let unnamed = others.iter().any(|other| other.name.is_empty());
+        let instead =
+            if unnamed { ", not the channels without a layer" } else { " as the image: no other has R, G and B" };
+        notes.push(format!("the layer {:?} is taken{instead}", layer.name));
     }
     let fits = |header: &&Header| !header.deep && layers(header).iter().any(|other| other.fit == layer.fit);
     let parts = headers.iter().filter(fits).count();
@@ -145,7 +150,7 @@ pub(super) fn named(header: &Header, layer: &str, roles: [&str; 3]) -> Option<Sh
         before += description.sample_type.bytes_per_sample();
     }
     let is_whole = rgb.iter().all(Option::is_some);
-    is_whole.then(|| Shown { name: layer.into(), fit: Fit::OtherChannel, rgb, note: None })
+    is_whole.then(|| Shown { name: layer.into(), fit: Fit::OtherChannel, rgb, alpha: None, note: None })
 }
 
 /// A layer as an image, if its channels can be one.
@@ -159,7 +164,9 @@ fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
     let colours = || rgb.iter().zip(COLOURS).map(|(found, [letter, _])| (found, letter.to_uppercase()));
     let (fit, rgb, note) = match rgb.iter().flatten().count() {
         3 => (Fit::Colour, rgb, None),
-        _ if luminance.is_some() => (Fit::Luminance, [luminance; 3], None),
+        _ if luminance.is_some() => {
+            (Fit::Luminance, [luminance; 3], Some("there is luminance Y and no colour: it is taken as grey".into()))
+        }
         2 => {
             let missing: String = colours().filter(|(found, _)| found.is_none()).map(|(_, letter)| letter).collect();
             (Fit::SomeColour, rgb, Some(format!("there is no channel {missing}: it is taken as black")))
@@ -175,7 +182,7 @@ fn shown(name: String, channels: &[(String, Channel)]) -> Option<Shown> {
             (Fit::OtherChannel, [Some(*channel); 3], Some(note))
         }
     };
-    Some(Shown { name, fit, rgb, note })
+    Some(Shown { name, fit, rgb, alpha: find(["a", "alpha"]), note })
 }
 
 #[cfg(test)]
@@ -201,17 +208,17 @@ mod tests {
 
     #[test]
     fn guesses_are_noted() {
-        for plain in [
-            &["A", "B", "G", "R"][..],
-            &["A", "Y"],
-            &["B", "G", "R", "id.Y", "noise.B", "noise.G", "noise.R"],
-            &["N.x", "N.y", "N.z", "beauty.B", "beauty.G", "beauty.R", "depth.Z"],
-        ] {
+        for plain in [&["A", "B", "G", "R"][..], &["B", "G", "R", "id.Y", "noise.B", "noise.G", "noise.R"]] {
             assert_eq!(said(&[plain]).unwrap(), "", "{plain:?}");
         }
         for (guessed, expected) in [
             (&["G"][..], "G is the only channel of R, G and B: it is taken as grey"),
             (&["A", "G", "R"], "no channel B: it is taken as black"),
+            (&["A", "Y"], "no colour: it is taken as grey"),
+            (
+                &["N.x", "N.y", "N.z", "beauty.B", "beauty.G", "beauty.R", "depth.Z"],
+                "the layer \"beauty\" is taken as the image",
+            ),
             (&["A", "Z"], "\"z\", is neither a colour nor Y"),
             (&["Y", "beauty.B", "beauty.G", "beauty.R"], "the layer \"beauty\" is taken"),
         ] {

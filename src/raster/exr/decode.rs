@@ -5,7 +5,7 @@ use super::chunks::Block;
 use super::file::Exr;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
-use crate::raster::decoded::{Decoded, blank, check_size};
+use crate::raster::decoded::{Coverage, Decoded, blank, check_size};
 use crate::raster::{Image, primaries};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
@@ -24,7 +24,8 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     let choice = choose(path, file.headers())?;
     let mut notes = notes(path, file.headers(), &choice)?;
     let header = &file.headers()[choice.part];
-    let image = read_layers(&file, choice.part, std::slice::from_ref(&choice.layer))?.swap_remove(0);
+    let (image, coverage) = read_layers(&file, choice.part, std::slice::from_ref(&choice.layer))?.swap_remove(0);
+    notes.extend(coverage.note());
     if matches!(choice.layer.fit, Fit::Colour | Fit::SomeColour) {
         let found = header.shared_attributes.chromaticities;
         notes.extend(found.and_then(|Chromaticities { red, green, blue, white }| {
@@ -35,8 +36,8 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     Ok(Decoded { image, notes, is_cube })
 }
 
-/// The images of some layers of a part.
-pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<Vec<Image>> {
+/// The images of some layers of a part, and what their alpha says.
+pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<Vec<(Image, Coverage)>> {
     let (path, header) = (&file.path, &file.headers()[part]);
     let (data, window) = (header.data_window(), header.shared_attributes.display_window);
     check_window(path, data, window, file.bytes.len())?;
@@ -46,15 +47,22 @@ pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<V
             .with_hint("at most 2^28 pixels are read, all layers together"));
     }
     let blocks = file.blocks(part)?;
-    let mut images: Vec<Image> =
-        layers.iter().map(|_| blank(path, window.size.0, window.size.1)).collect::<Result<_>>()?;
+    let mut images: Vec<(Image, Coverage)> = layers
+        .iter()
+        .map(|_| Ok((blank(path, window.size.0, window.size.1)?, Coverage::Full)))
+        .collect::<Result<_>>()?;
     // Where the data window lies in the image, which is the display window.
     let left = i64::from(data.position.0) - i64::from(window.position.0);
     let top = i64::from(data.position.1) - i64::from(window.position.1);
     blocks.read(
-        |block, bytes| layers.iter().map(|layer| pixels(header, &layer.rgb, block, &bytes)).collect::<Vec<_>>(),
+        |block, bytes| {
+            let of =
+                |layer: &Shown| (pixels(header, &layer.rgb, block, &bytes), coverage(header, layer, block, &bytes));
+            layers.iter().map(of).collect::<Vec<_>>()
+        },
         |block, layers| {
-            for (image, pixels) in images.iter_mut().zip(layers) {
+            for ((image, coverage), (pixels, of_block)) in images.iter_mut().zip(layers) {
+                *coverage = (*coverage).max(of_block);
                 for (y, row) in (block.y as i64 + top..).zip(pixels.chunks_exact(block.width)) {
                     copy_row(image, block.x as i64 + left, y, row);
                 }
@@ -114,6 +122,17 @@ fn pixels(header: &Header, rgb: &[Option<Channel>; 3], block: &Block<'_>, bytes:
         }
     }
     pixels
+}
+
+/// What the alpha of a layer says in the bytes of a block.
+fn coverage(header: &Header, layer: &Shown, block: &Block<'_>, bytes: &[u8]) -> Coverage {
+    let mut samples = vec![1.0; block.width];
+    let is_full = |line| {
+        read_samples(line, layer.alpha, &mut samples);
+        samples.iter().all(|alpha| *alpha == 1.0)
+    };
+    let mut lines = bytes.chunks_exact(block.width * header.channels.bytes_per_pixel);
+    if layer.alpha.is_none() || lines.all(is_full) { Coverage::Full } else { Coverage::Partial }
 }
 
 /// Takes one channel out of a decompressed line (native byte order, one channel after the other).

@@ -65,7 +65,7 @@ impl ExrFile {
         let is_light = |layer: &Shown| layer.rgb.iter().flatten().any(|c| c.kind != SampleType::U32);
         let layers: Vec<Shown> = layers(&self.file.headers()[part]).into_iter().filter(is_light).collect();
         let images = read_layers(&self.file, part, &layers)?;
-        Ok(layers.into_iter().map(|layer| layer.name).zip(images).collect())
+        Ok(layers.into_iter().zip(images).map(|(layer, (image, _))| (layer.name, image)).collect())
     }
 
     /// The names of all layers in the part of the file that holds the image, of any channels; empty for none.
@@ -86,7 +86,7 @@ impl ExrFile {
     pub fn tristimulus(&self, layer: &str) -> Result<Option<Image>> {
         let part = choose(&self.file.path, self.file.headers())?.part;
         let Some(shown) = named(&self.file.headers()[part], layer, ["X", "Y", "Z"]) else { return Ok(None) };
-        Ok(read_layers(&self.file, part, &[shown])?.pop())
+        Ok(read_layers(&self.file, part, &[shown])?.pop().map(|(image, _)| image))
     }
 
     /// Width and height of the first part.

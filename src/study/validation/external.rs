@@ -22,12 +22,17 @@ impl<F: Family> WholeBsdf<F> {
         Self { family, values }
     }
 
-    /// The names of all tests, those included that do not apply to the BSDF.
-    pub fn names(&self) -> Vec<String> {
-        tests().map(|(check, degrees)| self.name(check, degrees)).collect()
+    /// The name of the BSDF.
+    pub fn name(&self) -> &str {
+        self.family.name()
     }
 
-    fn name(&self, check: &Check, degrees: f64) -> String {
+    /// The names of all tests, those included that do not apply to the BSDF.
+    pub fn names(&self) -> Vec<String> {
+        tests().map(|(check, degrees)| self.test_name(check, degrees)).collect()
+    }
+
+    fn test_name(&self, check: &Check, degrees: f64) -> String {
         format!("{}/{}/{degrees}", self.family.name(), check.name)
     }
 
@@ -55,7 +60,7 @@ impl<F: Family> WholeBsdf<F> {
             let (check, degrees) = applied[i];
             check.examine(&*bsdf, towards(degrees, &properties), &protocol, 1).map(Option::unwrap_or_default)
         })?;
-        let named = applied.into_iter().map(|(check, degrees)| self.name(check, degrees));
+        let named = applied.into_iter().map(|(check, degrees)| self.test_name(check, degrees));
         let tests = named.zip(outcomes).map(|(name, outcome)| Tested { name, outcome });
         Ok(Validation::new(&protocol, tests.collect(), start))
     }

@@ -2,7 +2,7 @@
 
 use super::group::assert_ended;
 use super::{has_ps, validate};
-use crate::program::Ran;
+use crate::program::{Ran, etalon};
 use std::time::{Duration, Instant};
 use tempfile::tempdir;
 
@@ -17,6 +17,25 @@ fn script(text: &str, more: &[&str]) -> Ran {
 }
 
 const HELLO: &str = "read l; echo 'etalon 1 domain=line dimension=1'; echo end; read l; ";
+
+#[test]
+fn a_name_gives_files_theirs_and_no_commands_to_the_terminal() {
+    if !has_ps() {
+        return;
+    }
+    // A sampler of the line that always draws the same number, and is rejected; a name with a terminal's command.
+    let client = "read l; printf 'etalon 1 domain=line name=a\\033[31mb\\n'; echo end; while read what n; do i=0; \
+                  while [ $i -lt $n ]; do read x; i=$((i+1)); echo 1; done; echo end; done";
+    let folder = tempdir().unwrap();
+    std::fs::write(folder.path().join("client.sh"), client).unwrap();
+    for json in [&[][..], &["--json"]] {
+        let line = [&["validate", "--detect", "0.2", "--exec", "sh client.sh"][..], json].concat();
+        let ran = etalon(folder.path(), &line);
+        assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
+        assert!(!(ran.stdout + &ran.stderr).contains('\u{1b}'), "{line:?}");
+    }
+    assert!(folder.path().join("out/validation-a--31mb-detect-0.2.csv").exists());
+}
 
 #[test]
 fn programs_that_misbehave_are_named() {
