@@ -29,7 +29,7 @@ impl Summary for Tested {
     }
 
     fn svg(&self) -> Option<String> {
-        view::validation_cells::drawing(self).map(|drawing| drawing.svg())
+        Some(view::validation_cells::drawing(self).svg())
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {

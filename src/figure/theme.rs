@@ -18,6 +18,12 @@ pub(super) const CYAN: Colour = Colour::rgb(51, 187, 238);
 pub(super) const YELLOW: Colour = Colour::rgb(204, 187, 68);
 pub(super) const VIOLET: Colour = Colour::rgb(170, 68, 153);
 
+// Dark colours of Tol (2021), for strategies beyond those of the first palette.
+pub(super) const WINE: Colour = Colour::rgb(136, 34, 85);
+pub(super) const OLIVE: Colour = Colour::rgb(140, 140, 45);
+pub(super) const INDIGO: Colour = Colour::rgb(51, 34, 136);
+pub(super) const SAND: Colour = Colour::rgb(190, 165, 70);
+
 /// The palette in the order in which series take it; the palette's yellow is too pale for lines on white.
 const SERIES: [Colour; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY_BLUE, BLACK];
 
@@ -82,21 +88,30 @@ pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
 /// Borders of regions, and the rims of markers.
 pub const BORDER: Colour = Colour::WHITE;
 
-/// The sampling strategies that have the same colour in every figure.
-const STRATEGIES: [(&str, Colour); 7] = [
+/// The sampling strategies, each of which has one colour in all figures.
+const STRATEGIES: [(&str, Colour); 12] = [
     ("bsdf", IMPORTANCE_SAMPLING),
     ("visible normals", IMPORTANCE_SAMPLING),
     ("hemisphere", HEMISPHERE_SAMPLING),
     ("light", GREEN),
     ("light-cosine", ORANGE),
     ("mis", BLACK),
+    ("mis+lt", OLIVE),
+    ("mis-cosine", SKY_BLUE),
+    ("mis-cosine-compensated", WINE),
+    ("median-cut", INDIGO),
+    ("variance-cut", SAND),
     ("default", PURPLE),
 ];
 
-/// The colours of the sampling strategies of one comparison. Those without a colour of their own take the colours that
-/// remain, in the order of the palette.
+/// The colours of the sampling strategies of one comparison. A strategy with a suffix (`+adaptive`, `-64`) has the colour of
+/// the one without. Others, renderers among them, take the colours that remain, in the order of the palette.
 pub fn strategies(names: &[&str]) -> Vec<Colour> {
-    let own = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
+    let known = |name: &str| STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, colour)| *colour);
+    let own = |name: &str| {
+        let ends = name.match_indices(['+', '-']).map(|(end, _)| end);
+        known(name).or_else(|| ends.rev().find_map(|end| known(&name[..end])))
+    };
     let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
     let mut free = SERIES.into_iter().filter(|colour| !taken.contains(colour)).chain(SERIES.into_iter().cycle());
     names.iter().filter_map(|name| own(name).or_else(|| free.next())).collect()
@@ -163,6 +178,7 @@ mod tests {
             assert!(!colours[..i].contains(colour), "{}", names[i]);
         }
         assert_eq!(colours[2], strategies(&["light"])[0]);
+        assert_eq!(strategies(&["light-cosine+adaptive", "mis+lt", "mis+adaptive"]), [ORANGE, OLIVE, BLACK]);
         assert_eq!(strategies(&["unknown"; 20]).len(), 20);
     }
 

@@ -170,3 +170,22 @@ const SAMPLED: [&str; 2] = ["light", "light-cosine"];
 pub fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
     curve.strategy.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::theme;
+    use crate::study::converge::strategy::methods;
+
+    #[test]
+    fn every_strategy_has_a_colour_of_its_own() {
+        let names: Vec<String> = methods().into_iter().map(|(name, _)| name).collect();
+        let mut colours = Vec::new();
+        for name in names.iter().map(String::as_str).chain(["mis+lt"]) {
+            // Beside another that has none, and takes the first that is free.
+            let [own, beside] = [vec![name], vec!["unknown", name]].map(|names| theme::strategies(&names));
+            assert_eq!(own[0], beside[1], "{name} has no colour of its own");
+            assert!(!colours.contains(&own[0]), "{name} shares its colour");
+            colours.push(own[0]);
+        }
+    }
+}

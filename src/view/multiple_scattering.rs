@@ -24,6 +24,8 @@ fn curves(rows: &[AlbedoRow]) -> Drawing {
             Axis::linear("directional albedo").range(0.2, 1.05),
         )
         .title(format!("{name}, a metal that reflects everything"));
+        // One line for all angles: they differ by less than its width.
+        let multiple = Stroke { colour: theme::INK, dash: theme::DASHED, ..theme::series(0) };
         for (i, theta) in THETAS_DEG.into_iter().enumerate() {
             let of = |f: fn(&AlbedoRow) -> f64| -> Vec<Point> {
                 let rows = rows.iter().filter(|row| row.distribution == name && row.theta_deg == theta);
@@ -32,11 +34,11 @@ fn curves(rows: &[AlbedoRow]) -> Drawing {
             let stroke = Stroke { dash: theme::SOLID, ..theme::series(i) };
             panel = panel.line(format!("single scattering, /{{θ}} = {theta}°"), stroke, of(|row| row.single)).line(
                 "",
-                Stroke { dash: theme::DASHED, ..stroke },
+                multiple,
                 of(|row| row.multiple),
             );
         }
-        panel.line("with multiple scattering", Stroke { dash: theme::DASHED, ..theme::series(0) }, Vec::new())
+        panel.line("with multiple scattering, each /{θ}", multiple, Vec::new())
     };
     Plot::new(DISTRIBUTIONS.map(panel)).draw()
 }

@@ -1,6 +1,6 @@
 //! A run of tests as a table and as a drawing of its p-values.
 
-use super::text::p_value;
+use super::{text::p_value, validation_cells};
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
 use etalon_stats::kolmogorov::Uniformity;
@@ -65,8 +65,19 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
         .collect()
 }
 
-/// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
+/// A single test, or the p-values of several and why those that are not accepted are not.
 pub fn drawing(validation: &Validation) -> Drawing {
+    match validation.tests.as_slice() {
+        [test] => validation_cells::drawing(test),
+        tests => {
+            let rows = std::iter::once(p_values(validation)).chain(validation_cells::reasons(tests));
+            Drawing::stacked(rows.collect(), 0.5, 2.0)
+        }
+    }
+}
+
+/// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
+fn p_values(validation: &Validation) -> Drawing {
     let tests = validation.ranked();
     let (n, total) = (tests.len(), validation.tests.len());
     // p-values of 0 and below what a double can hold are at the lower end of the logarithmic axis.

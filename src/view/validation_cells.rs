@@ -1,9 +1,9 @@
 //! One test's counts: observed, expected, and their residuals.
 
-use super::text::{finding, p_value};
+use super::text::{finding, p_value, wrapped};
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use crate::study::validation::Tested;
-use etalon_stats::{Cell, Counts};
+use etalon_stats::{Cell, Counts, Outcome, Verdict};
 use serde::Serialize;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
@@ -46,11 +46,21 @@ fn residual(observed: u64, expected: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / expected.max(1e-3).sqrt() }
 }
 
-/// The drawing of a test's cells; `None` for a test that counts nothing.
-pub fn drawing(tested: &Tested) -> Option<Drawing> {
-    let counts = tested.outcome.counts.as_ref()?;
+/// The drawing of a test: its verdict, why, and its cells, if it has counted anything.
+pub fn drawing(tested: &Tested) -> Drawing {
     let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
     let title = format!("{}: {}, {p}", tested.name, tested.outcome.verdict);
+    let lines = |text| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
+    let findings = findings(&tested.outcome).flat_map(lines);
+    let Some(counts) = tested.outcome.counts.as_ref() else {
+        return headed(Drawing::new(0.0, 0.0, SCALE), title, findings.collect());
+    };
+    let (plot, beyond) = plot(counts);
+    headed(plot.draw(), title, beyond.into_iter().chain(findings).collect())
+}
+
+/// The plot of the cells, and what has no place there.
+fn plot(counts: &Counts) -> (Plot, Option<String>) {
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
     let columns = columns(counts);
@@ -61,10 +71,36 @@ pub fn drawing(tested: &Tested) -> Option<Drawing> {
     } else {
         maps(counts.axes, cells, &columns)
     };
-    // What the test says of a rejected sampler, a finding a line.
-    let diagnosis = tested.outcome.diagnosis.iter().flat_map(|text| text.split("; ")).map(finding);
-    let remarks = [remainder(counts.atoms, beyond)].into_iter().chain(diagnosis).filter(|line| !line.is_empty());
-    Some(headed(plot.draw(), title, remarks.collect()))
+    (plot, Some(remainder(counts.atoms, beyond)).filter(|line| !line.is_empty()))
+}
+
+/// Most letters of a line above a drawing.
+const WIDEST: usize = 110;
+/// Pixels of a unit of length in drawings without a plot.
+const SCALE: f64 = 2.0;
+
+/// Why a test has its verdict, a finding each: what too few samples would not have found is no reason to reject.
+fn findings(outcome: &Outcome) -> impl Iterator<Item = &str> {
+    let remark = match outcome.verdict {
+        Verdict::Reject => outcome.violation.as_deref(),
+        Verdict::Accept | Verdict::Inconclusive => outcome.remark(),
+    };
+    remark.into_iter().chain(outcome.diagnosis.iter().flat_map(|places| places.split("; ")))
+}
+
+/// The tests that are not accepted, with the first reason of each; `None` if all are.
+pub fn reasons(tests: &[Tested]) -> Option<Drawing> {
+    const MOST: usize = 12;
+    let found: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
+    let line = |Tested { name, outcome }: &&Tested| {
+        let why = findings(outcome).next().map_or(String::new(), |why| format!(": {why}"));
+        let line = wrapped(&format!("{name}: {}{why}", outcome.verdict), "", WIDEST);
+        let first = line.lines().next().unwrap_or_default();
+        finding(&if line.lines().nth(1).is_some() { format!("{first} …") } else { first.to_owned() })
+    };
+    let more = found.len().checked_sub(MOST + 1).map(|rest| format!("and {} more", rest + 1));
+    let lines: Vec<String> = found.iter().take(MOST).map(line).chain(more).collect();
+    (!lines.is_empty()).then(|| headed(Drawing::new(0.0, 0.0, SCALE), "Why".into(), lines))
 }
 
 /// Puts a title and some lines above a drawing.
@@ -76,7 +112,7 @@ fn headed(drawing: Drawing, title: String, remarks: Vec<String>) -> Drawing {
     let widest = widest.fold(text::width(&title, theme::TITLE_SIZE, true), f64::max);
     let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
     let left = 0.5 * (width - drawing.width);
-    let mut page = Drawing::new(width, (top + drawing.height).ceil(), drawing.scale);
+    let mut page = Drawing::new(width, (top + drawing.height.max(EDGE)).ceil(), drawing.scale);
     page.append(drawing, left, top);
     let centred =
         |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);

@@ -9,6 +9,7 @@ use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use super::reports::Reports;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::output;
 use crate::study::validation::{Tested, Validation, run, select, suite};
 use crate::view::checks::{Check, Checks};
@@ -23,7 +24,7 @@ use std::path::PathBuf;
 /// Test samplers against their pdfs
 #[derive(Args)]
 #[command(
-    after_long_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}. Exit code 1 if any test is rejected, 3 if none is but some are \
+    after_long_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}; for a single test, validation-TEST with its figure, and validation-TEST-counts.csv. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
                         etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
@@ -110,10 +111,13 @@ impl Validate {
         }?;
         bar.finish_and_clear();
         let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
-        // What is rejected is drawn without being asked for.
+        // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
-                files.extend(draw_counts(tested, &subject, &target)?);
+                match validation.tests.as_slice() {
+                    [_] => files.extend(write_counts(tested, &name, &target)?),
+                    _ => files.extend(draw_counts(tested, &target)?),
+                }
             }
         }
         let mut written = target.written(files);
@@ -163,17 +167,19 @@ impl Validate {
     }
 }
 
-/// Writes the counts of one test, if it has any. The name of a subject that is the only one is not repeated.
-fn draw_counts(tested: &Tested, subject: &Subject, target: &output::Target) -> Result<Vec<PathBuf>> {
-    let (Some(counts), Some(drawing)) = (&tested.outcome.counts, cells::drawing(tested)) else {
-        return Ok(Vec::new());
-    };
-    let (name, own) = match subject.name() {
-        Some(only) if only == tested.name => (format!("validation-{}", output::file_name(only)), "counts"),
-        _ => ("validation".into(), tested.name.as_str()),
-    };
-    let stem = target.stem(&name, &format!("-{}", output::file_name(own)), &output::STUDY)?;
-    output::write(&stem, &drawing, &output::table(&cells::rows(counts))?)
+/// Writes the counts of one test, if it has any, and their drawing.
+fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
+    let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
+    let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
+    output::write(&stem, &cells::drawing(tested), &output::table(&cells::rows(counts))?)
+}
+
+/// Writes the counts of the only test, if it has any.
+fn write_counts(tested: &Tested, name: &str, target: &output::Target) -> Result<Option<PathBuf>> {
+    let Some(counts) = &tested.outcome.counts else { return Ok(None) };
+    let csv = output::with_extension(&target.stem(name, "-counts", &["csv"])?, "csv");
+    files::write_bytes(&csv, &output::table(&cells::rows(counts))?)?;
+    Ok(Some(csv))
 }
 
 fn checks(validation: &Validation) -> Checks {

@@ -26,7 +26,7 @@ pub fn figures() -> Vec<Figure> {
         report: Report::Second,
         reproduces,
         shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights. Shown as in the \
-                report: (√2 L)^(1/2.2).",
+                report: √2 times the radiance, encoded by a gamma of 2.2.",
         matters: "One parameter takes the statue from a mirror to a nearly diffuse body, and a sampler has to follow it over that whole range.",
         papers: &[papers::COOK_TORRANCE, papers::WALTER],
         beside: Some(beside),
@@ -84,7 +84,7 @@ pub fn iron() -> Vec<Figure> {
         report: Report::Second,
         reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
         shows: "The scene of `roughness-0.5` with the indices of iron, those of Table 1, in place of gold's: all colours are reflected \
-                nearly alike. Shown as in the report: (√2 L)^(1/2.2).",
+                nearly alike. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
         matters: "Only the indices of refraction differ from those of the golden statue: they alone make it grey.",
         papers: &[papers::JOHNSON_CHRISTY, papers::COOK_TORRANCE],
         beside: Some("roughness-0.5"),

@@ -24,7 +24,7 @@ pub fn figures() -> Vec<Figure> {
             report: Report::Second,
             reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
-                    samples. Shown as in the report: (√2 L)^(1/2.2).",
+                    samples. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
             matters: "Directions in proportion to the BSDF leave little variance: the same number of samples shows the statue and not its noise.",
             papers: &[papers::HEITZ, papers::WALTER],
             beside: Some("sampling-hemisphere"),
@@ -37,7 +37,7 @@ pub fn figures() -> Vec<Figure> {
             report: Report::Second,
             reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
             shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
-                    image looks dark and noisy. Shown as in the report: (√2 L)^(1/2.2).",
+                    image looks dark and noisy. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
             matters: "The image has the right mean and still looks too dark: a few very bright pixels carry the light that the others lack.",
             papers: &[papers::WALTER],
             beside: Some("sampling-importance"),
