@@ -160,7 +160,7 @@ fn a_rejected_sampler_is_drawn_and_told_where_it_fails() {
         ran.stdout
     );
     assert!(ran.stdout.contains("< 1e-300"), "{}", ran.stdout);
-    // The p-value, and the counts of the test.
+    // The table and the figure of the test, and its counts.
     assert_eq!(files(&dir.path().join("r")).len(), 5);
 }
 
