@@ -128,21 +128,26 @@ pub struct CalibrationRow<'a> {
     /// Kolmogorov–Smirnov distance from the uniform distribution.
     distance: f64,
     p: f64,
+    /// That of values which are too small.
+    p_too_small: f64,
     skewed: bool,
+    conservative: bool,
     violation: &'a str,
 }
 
 pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
     let tests = calibration.tests.iter();
     tests
-        .map(|Calibrated { name, uniformity, skewed, violation }| {
-            let Uniformity { count, distance, p } = *uniformity;
+        .map(|Calibrated { name, uniformity, skewed, conservative, violation }| {
+            let Uniformity { count, distance, p, p_too_small } = *uniformity;
             CalibrationRow {
                 name,
                 count,
                 distance,
                 p,
+                p_too_small,
                 skewed: *skewed,
+                conservative: *conservative,
                 violation: violation.as_deref().unwrap_or_default(),
             }
         })
@@ -162,10 +167,10 @@ pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
     let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
     let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
         .title(format!(
-            "{} /{{p}}-values under {} seeds: uniformity {}",
+            "{} /{{p}}-values under {} seeds; too small: {}",
             calibration.p.len(),
             calibration.seeds,
-            p_value(calibration.uniformity.p)
+            p_value(calibration.uniformity.p_too_small)
         ))
         .bars("found", theme::OBSERVED, edges, counts)
         .band(

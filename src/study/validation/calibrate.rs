@@ -1,4 +1,4 @@
-//! Calibration of the harness: whether the p-values of right samplers are uniform over many seeds.
+//! Calibration of the harness: whether the p-values of right samplers are as small as stated over many seeds, and no smaller.
 
 use super::case::Case;
 use super::run::of_each;
@@ -16,8 +16,11 @@ pub struct Calibrated {
     pub name: String,
     /// Of its p-values over the seeds.
     pub uniformity: Uniformity,
-    /// Whether they are not uniform, at the level of this test.
+    /// Whether they are smaller than uniform ones, at the level of this test.
     pub skewed: bool,
+    /// Whether they are larger than uniform ones, at that level: right samplers are rejected less often than stated, as where
+    /// p-values are bounds or take few values.
+    pub conservative: bool,
     /// The violation of the first exact check that failed.
     pub violation: Option<String>,
 }
@@ -29,7 +32,7 @@ pub struct Calibration {
     pub seeds: u64,
     /// Samples of each test at each seed.
     pub samples: u64,
-    /// Probability that any p-values of a right harness on right samplers are called skewed.
+    /// Probability that any p-values of a right harness on right samplers are called too small.
     pub level: f64,
     /// Of the p-values of all tests together.
     pub uniformity: Uniformity,
@@ -55,8 +58,8 @@ pub struct Calibration {
 const SAMPLES: u64 = 20_000;
 const CELLS: usize = 50;
 
-/// Runs every case under `seeds` seeds that follow one another from the protocol's, and tests by Kolmogorov and Smirnov
-/// whether p-values are uniform, all together and test by test, at the protocol's level in all.
+/// Runs every case under `seeds` seeds that follow one another from the protocol's, and tests by Smirnov's
+/// one-sided statistic whether p-values are too small, all together and test by test, at the protocol's level in all.
 ///
 /// # Errors
 /// [`Error::Parameter`] for an impossible protocol or number of seeds; those of [`Case::examine`] but for interruption.
@@ -80,14 +83,16 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         cases.iter().zip(finished).filter_map(|(case, outcomes)| Some((case, outcomes?))).collect();
     // Half of the level for all p-values together, half shared among the tests.
     let own = sidak(0.5 * protocol.level, cases.len());
-    // Kolmogorov's and Smirnov's test of the p-values of each case, then of all together.
+    // Smirnov's test of the p-values of each case, then of all together.
     let tests: Vec<Calibrated> = finished
         .iter()
         .map(|(case, outcomes)| {
             let p: Vec<f64> = outcomes.iter().filter_map(Outcome::continuous_p).collect();
             let found = uniformity(&p);
             let violation = outcomes.iter().find_map(|outcome| outcome.violation.clone());
-            Calibrated { name: case.name.clone(), uniformity: found, skewed: found.p < own, violation }
+            let skewed = found.p_too_small < own;
+            let conservative = !skewed && found.p < own;
+            Calibrated { name: case.name.clone(), uniformity: found, skewed, conservative, violation }
         })
         .collect();
     let p: Vec<f64> = finished.iter().flat_map(|(_, outcomes)| outcomes).filter_map(Outcome::continuous_p).collect();
@@ -102,7 +107,7 @@ pub fn calibrate(cases: &[Case], protocol: &Protocol, seeds: u64, done: &(dyn Fn
         below_5_percent: below(0.05),
         below_1_percent: below(0.01),
         interrupted,
-        accepted: !interrupted && skewed == 0 && all.p >= 0.5 * protocol.level,
+        accepted: !interrupted && skewed == 0 && all.p_too_small >= 0.5 * protocol.level,
         tests,
         skewed,
         p,
@@ -123,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn p_values_of_right_samplers_are_uniform_and_those_of_wrong_ones_are_not() {
+    fn p_values_of_right_samplers_may_be_larger_than_uniform_ones_and_those_of_wrong_ones_are_smaller() {
         let right = select(suite::cases(), &["warp".to_owned()]).unwrap();
         let found = calibrate(&right, &Protocol::default(), 20, &|_| ()).unwrap();
         assert!(found.accepted && found.uniformity.count == 20 * right.len(), "{found:?}");
@@ -131,5 +136,10 @@ mod tests {
         let found = calibrate(&[skewed(1.02)], &Protocol::default(), 40, &|_| ()).unwrap();
         assert!(!found.accepted && found.skewed == 1, "{:?}", found.tests);
         assert!(calibrate(&[skewed(1.0)], &Protocol::default(), 2, &|_| ()).is_err());
+        // Few samples in each of many outcomes: p-values are bounds.
+        let bounds = select(suite::cases(), &["table/cdf/even/65535".to_owned()]).unwrap();
+        let found = calibrate(&bounds, &Protocol::default(), 300, &|_| ()).unwrap();
+        let test = &found.tests[0];
+        assert!(found.accepted && test.conservative && test.uniformity.p < 1e-3, "{test:?}");
     }
 }
