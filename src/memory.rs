@@ -7,17 +7,21 @@
 use crate::error::{Error, Result, Shortage};
 use std::cell::Cell;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-static LIMITS: OnceLock<Limits> = OnceLock::new();
+/// None before the first request.
+static LIMITS: Mutex<Option<Limits>> = Mutex::new(None);
 
 /// Limits in bytes, with the words that say where they come from: of memory in use, and of addresses, in use or not.
 type Limits = [(u64, &'static str); 2];
 
-/// Sets the limit, in place of what the machine has. It holds from the first request on, and cannot be changed then.
-pub fn set_limit(bytes: u64) {
-    // Whoever asked before has settled it.
-    let _ = LIMITS.set([(bytes, "as it was chosen"), address_space()]);
+/// Sets the limit for all requests from now on; without one, it is what the machine has left at the first request.
+pub fn set_limit(bytes: Option<u64>) {
+    *limits() = bytes.map(|bytes| [(bytes, "as it was chosen"), address_space()]);
+}
+
+fn limits() -> MutexGuard<'static, Option<Limits>> {
+    LIMITS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 thread_local! {
@@ -41,7 +45,8 @@ pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
     if GRANTED.get() {
         return Ok(());
     }
-    let mut pairs = LIMITS.get_or_init(of_machine).iter().copied().zip(in_use());
+    let limits = *limits().get_or_insert_with(of_machine);
+    let mut pairs = limits.into_iter().zip(in_use());
     match pairs.find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
         None => Ok(()),
         Some(((limit, source), held)) => {
@@ -152,6 +157,25 @@ mod tests {
         assert!(error.to_string().starts_with("an exbibyte: this takes 1099511627776 MiB beside"), "{error}");
         assert_eq!(filled(3, 7u8, || "three bytes".into()).unwrap(), [7; 3]);
         assert!(reserved::<u64>(usize::MAX, || "everything".into()).is_err());
+    }
+
+    /// Set where a test is alone in its process, whose limit it may change.
+    const ALONE: &str = "ETALON_TEST_ALONE";
+
+    #[test]
+    fn a_limit_holds_until_the_next_one() {
+        if std::env::var_os(ALONE).is_none() {
+            let name = "memory::tests::a_limit_holds_until_the_next_one";
+            let mut alone = std::process::Command::new(std::env::current_exe().unwrap());
+            assert!(alone.args(["--exact", name]).env(ALONE, "").output().unwrap().status.success());
+            return;
+        }
+        let grants = |limit: Option<u64>| {
+            set_limit(limit);
+            request(1 << 20, || "a mebibyte".into()).is_ok()
+        };
+        let limits = [Some(1 << 10), Some(1 << 40), Some(1 << 10), None];
+        assert_eq!(limits.map(grants), [false, true, false, true]);
     }
 
     #[test]

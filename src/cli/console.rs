@@ -4,22 +4,22 @@ use crate::error::{Error, Result};
 use crate::output::Written;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
-use std::cell::OnceCell;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Standard output and standard error, and what is printed there.
 pub struct Console {
     json: bool,
     quiet: bool,
     /// The first error of standard output.
-    lost: OnceCell<std::io::Error>,
+    lost: OnceLock<std::io::Error>,
 }
 
 impl Console {
     /// Output as JSON or as text; `quiet` suppresses warnings, notes and progress bars.
     pub fn new(json: bool, quiet: bool) -> Self {
-        Self { json, quiet, lost: OnceCell::new() }
+        Self { json, quiet, lost: OnceLock::new() }
     }
 
     /// An error if a result could not be written to standard output, for example because its disk is full.

@@ -35,6 +35,7 @@ use console::Console;
 use flags::Flags;
 use global::{Global, Verdict};
 use std::ffi::OsString;
+use std::path::Path;
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, disable_help_flag = true, after_help = AFTER_HELP)]
@@ -104,10 +105,8 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     if let Err(e) = signals::install() {
         console.warn(&format!("Ctrl-C will end the program without saving ({e})"));
     }
-    if let Some(bytes) = cli.global.memory {
-        memory::set_limit(bytes);
-    }
-    let verdict = run(&cli, &console);
+    memory::set_limit(cli.global.memory);
+    let verdict = with_threads(cli.global.threads, || run(&cli, &console));
     match verdict.and_then(|verdict| console.check().map(|()| verdict)) {
         Ok(verdict) => verdict.code(),
         Err(error) => {
@@ -118,11 +117,17 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
+/// Runs `work` on a pool of so many threads of its own: another run in this process may have others.
+fn with_threads(threads: Option<u32>, work: impl FnOnce() -> Result<Verdict> + Send) -> Result<Verdict> {
+    /// As the main thread's: `work` itself runs on one of the threads.
+    const STACK: usize = 8 << 20;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n as usize)).stack_size(STACK);
+    let pool = pool.build().map_err(|e| Error::io(Path::new("worker threads"), std::io::Error::other(e)))?;
+    pool.install(work)
+}
+
 fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
     cli.global.arguments.check()?;
-    let threads = cli.global.threads.map_or(0, |n| n as usize);
-    // Fails only if a pool exists already, which then does the work.
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     match &cli.command {
         Command::Fresnel(args) => args.run(&cli.global, console),
         Command::Envmap(command) => command.run(&cli.global, console),
@@ -151,6 +156,17 @@ mod tests {
         let words = std::iter::once("etalon").chain(line.split_whitespace());
         let matches = command.try_get_matches_from_mut(words).unwrap_or_else(|e| panic!("{line}: {e}"));
         (command, matches)
+    }
+
+    #[test]
+    fn each_run_has_the_threads_that_it_asks_for() {
+        for count in [1, 3, 2] {
+            let run = || {
+                assert_eq!(rayon::current_num_threads(), count as usize);
+                Ok(Verdict::Good)
+            };
+            assert_eq!(with_threads(Some(count), run).unwrap(), Verdict::Good);
+        }
     }
 
     #[test]

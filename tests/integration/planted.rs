@@ -22,9 +22,11 @@ fn every_planted_fault_is_rejected_and_told() {
     let table = std::fs::read_to_string(folder.path().join("out/planted.csv")).unwrap();
     assert_eq!(table.lines().count(), tests.len() + 1);
     // Integrals that are known: 1 + 0.05², ∫ cos θ sin θ dω/π, and two densities without the probability of either.
-    for (name, mass) in
-        [("hemisphere/cosine-floor", 1.0025), ("hemisphere/sine-left-in", 2.0 / 3.0), ("lights/choice-forgotten", 2.0)]
-    {
+    for (name, mass) in [
+        ("warp/hemisphere/cosine-floor", 1.0025),
+        ("warp/hemisphere/sine-left-in", 2.0 / 3.0),
+        ("light/choice-forgotten", 2.0),
+    ] {
         let test = tests.iter().find(|test| test["name"] == name).unwrap();
         assert!((test["mass"].as_f64().unwrap() - mass).abs() < 1e-5, "{test}");
     }
@@ -44,7 +46,7 @@ fn too_few_samples_do_not_count_as_finding() {
 #[test]
 fn one_fault_is_explained() {
     let folder = tempdir().unwrap();
-    let ran = etalon(folder.path(), &["validate", "--planted", "hemisphere/disc-without-root"]);
+    let ran = etalon(folder.path(), &["validate", "--planted", "warp/hemisphere/disc-without-root"]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     for said in ["mistake: ", "found: ", " % too many within ", "1 of 1 planted fault rejected"] {
         assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);

@@ -7,11 +7,11 @@ use crate::view::validation_cells::{drawing, rows};
 use etalon_stats::Verdict;
 
 /// Points of the disc at the radius u in place of √u, lifted to the hemisphere.
-const SAMPLER: &str = "hemisphere/disc-without-root";
+const SAMPLER: &str = "warp/hemisphere/disc-without-root";
 
 /// A mixture of lobes that takes the random number of its choice again for the direction: values, weights and pdfs are right, and
 /// samples alone are not.
-const BSDF: &str = "bsdf-mixture/random-number-reused";
+const BSDF: &str = "whole/mixture/random-number-reused";
 
 pub fn figures() -> Vec<Figure> {
     vec![

@@ -62,7 +62,7 @@ fn floor(inverse_distance: bool) -> RenderTest {
         request: Request { width: 16, height: 16, spp: 1, light_samples: 1, max_depth: 1 },
         settings: Settings { sampling: Sampling::Light, model, ..Settings::default() },
         truth: Truth::Uniform(ALBEDO / PI * irradiance(PLACE, false)),
-        split: None,
+        plant: None,
     }
 }
 

@@ -18,10 +18,10 @@ fn cut_off(x: f32) -> f64 {
 
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        filter("filters/cut-off", "gaussian:1,0.5", |_, [x, y]| cut_off(x) * cut_off(y)).mistake(
+        filter("filter/cut-off", "gaussian:1,0.5", |_, [x, y]| cut_off(x) * cut_off(y)).mistake(
             "light paths weighted by a Gaussian that is cut off, camera rays by one that falls to 0 at the radius",
         ),
-        filter("filters/width-for-radius", "triangle:2", |lens, [x, y]| 4.0 * KERNEL(lens, [2.0 * x, 2.0 * y]))
+        filter("filter/width-for-radius", "triangle:2", |lens, [x, y]| 4.0 * KERNEL(lens, [2.0 * x, 2.0 * y]))
             .mistake("the radius of a triangle taken for its whole width by light paths"),
     ]
 }

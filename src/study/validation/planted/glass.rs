@@ -54,23 +54,23 @@ fn planted(name: &'static str, degrees: f64, eta: f64, spoil: fn(&mut Boundary))
 
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        planted("glass/incident-cosine", 40.0, 1.0 / ETA, |boundary| {
+        planted("bsdf/glass/incident-cosine", 40.0, 1.0 / ETA, |boundary| {
             boundary.share = schlick_incident_cosine(40f64.to_radians().cos(), 1.0 / ETA)
         })
         .mistake(
             "Schlick's polynomial of the incident cosine also inside the glass, 0.04 for 0.25 at 40°: both reports",
         ),
-        planted("glass/schlick-for-fresnel", 85.0, ETA, |boundary| {
+        planted("bsdf/glass/schlick-for-fresnel", 85.0, ETA, |boundary| {
             boundary.share = schlick::schlick(85f64.to_radians().cos(), ETA)
         })
         .mistake("Schlick's approximation as the probability of reflection, weighed as if by Fresnel's equations"),
-        planted("glass/total-reflection-outside", 60.0, ETA, |boundary| boundary.share = 1.0)
+        planted("bsdf/glass/total-reflection-outside", 60.0, ETA, |boundary| boundary.share = 1.0)
             .mistake("the critical angle looked for on the wrong side: light that enters is totally reflected"),
-        planted("glass/inverted-index", 30.0, ETA, |boundary| {
+        planted("bsdf/glass/inverted-index", 30.0, ETA, |boundary| {
             boundary.refracted = Boundary::at(30.0, 1.0 / ETA).refracted
         })
         .mistake("refraction by η where it should be 1/η: the side of the ray mistaken"),
-        planted("glass/exchanged", 30.0, ETA, |boundary| {
+        planted("bsdf/glass/exchanged", 30.0, ETA, |boundary| {
             boundary.share = 1.0 - boundary.share;
         })
         .mistake("refraction chosen as often as light is reflected"),

@@ -48,28 +48,28 @@ fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sy
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        PlantedFault::of("hemisphere/even-in-theta", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/even-in-theta", half, |faulty| {
             let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
             (direction_sampler(move |u| Some(polar(cos(u[0]), u[1]))), direction_density(|_: DVec3| 1.0 / TAU))
         })
         .mistake("θ sampled uniformly from 0 to π/2, which crowds the pole: a frequent first sampler"),
-        PlantedFault::of("hemisphere/disc-without-root", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/disc-without-root", half, |faulty| {
             let r2 = move |u: f64| if faulty { u * u } else { u };
             let draw = move |u: [f64; 2]| Some(polar((1.0 - r2(u[0])).sqrt(), u[1]));
             (direction_sampler(draw), direction_density(|w: DVec3| w.z / PI))
         })
         .mistake("a disc sampled with radius u instead of √u, then lifted to the hemisphere"),
-        PlantedFault::of("hemisphere/cosine-floor", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/cosine-floor", half, |faulty| {
             let least = if faulty { 0.05 } else { 0.0 };
             (cosine(), direction_density(move |w: DVec3| w.z.max(least) / PI))
         })
         .mistake("the pdf's cosine clamped to 0.05 to keep clear of divisions by zero"),
-        PlantedFault::of("hemisphere/sine-left-in", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/sine-left-in", half, |faulty| {
             let sine = move |w: DVec3| if faulty { w.truncate().length() } else { 1.0 };
             (cosine(), direction_density(move |w: DVec3| w.z / PI * sine(w)))
         })
         .mistake("the pdf per θ and φ taken for the one per solid angle: a factor sin θ too many"),
-        PlantedFault::of("hemisphere/swapped-numbers", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/swapped-numbers", half, |faulty| {
             let inverse = move |w: [f64; 3]| {
                 let [a, b] = warp::invert_cosine_hemisphere(w.into());
                 if faulty { vec![b, a] } else { vec![a, b] }
@@ -80,7 +80,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the two random numbers exchanged in the inverse: directions are right, \
                 stratification and replay are wrong",
         ),
-        PlantedFault::of("hemisphere/frame-at-the-pole", half, |faulty| {
+        PlantedFault::of("warp/hemisphere/frame-at-the-pole", half, |faulty| {
             let axis = DVec3::Z;
             let tangent = if faulty { axis.cross(DVec3::Z).normalize() } else { DVec3::X };
             let frame = [tangent, axis.cross(tangent)];
@@ -88,17 +88,17 @@ pub fn faults() -> Vec<PlantedFault> {
             (direction_sampler(draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
         })
         .mistake("a tangent frame from the cross product with the normal, which is 0 for the normal itself: NaN"),
-        PlantedFault::of("lobe/below-the-horizon", half, |faulty| {
+        PlantedFault::of("bsdf/lobe/below-the-horizon", half, |faulty| {
             let mass = if faulty { Mass::Exactly(1.0) } else { Mass::AtMostOne };
             (lobe(1.0 / (N + 1.0)), lobe_pdf(N + 1.0).with_mass(mass))
         })
         .mistake("directions lost below the horizon forgotten: the pdf is said to integrate to 1"),
-        PlantedFault::of("lobe/exponent", half, |faulty| {
+        PlantedFault::of("bsdf/lobe/exponent", half, |faulty| {
             let power = 1.0 / if faulty { N } else { N + 1.0 };
             (lobe(power), lobe_pdf(N + 1.0).with_mass(Mass::AtMostOne))
         })
         .mistake("cos α sampled as u^(1/n) instead of u^(1/(n+1)): the solid angle's own power forgotten"),
-        PlantedFault::of("lobe/factor-of-the-reflectance", half, |faulty| {
+        PlantedFault::of("bsdf/lobe/factor-of-the-reflectance", half, |faulty| {
             let factor = N + if faulty { 2.0 } else { 1.0 };
             (lobe(1.0 / (N + 1.0)), lobe_pdf(factor).with_mass(Mass::AtMostOne))
         })

@@ -6,8 +6,8 @@ use super::super::suite::adjoint::{KERNEL, LightPaths, adjoint, equal_means, gla
 use super::super::suite::light_paths::{TARGETS, direction, shapes};
 use super::super::suite::light_selection::{Pmf, selection};
 use super::super::suite::lights::{TRIANGLES, triangle};
+use super::super::suite::plant::{Plant, Split};
 use super::super::suite::renders::{RenderTest, finer};
-use super::super::suite::split::Split;
 use super::super::suite::techniques::{FINE, glass_and_mirror, image, rough_metal};
 use super::fault::PlantedFault;
 use crate::bsdf::{Bsdf, Scatter};
@@ -29,7 +29,7 @@ fn image_with(name: &'static str, scene: fn() -> Scene, split: Split) -> Planted
     let by = |sampling| Settings { sampling, ..Settings::default() };
     planted(name, |name, faulty| {
         let test = image(scene(), by(Sampling::MisLt), by(Sampling::Mis));
-        let test = RenderTest { split: faulty.then_some(split), ..test };
+        let test = RenderTest { plant: faulty.then_some(Plant::Split(split)), ..test };
         Case::new(name, move |protocol, round| test.examine(&finer(protocol, FINE), round, |_| ()))
     })
 }
@@ -62,41 +62,41 @@ pub fn faults() -> Vec<PlantedFault> {
     let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
     let without_normal: Pmf = |tree, point, _, light| tree.pmf(point, None, light);
     vec![
-        image_with("light-paths/missing-technique", glass_and_mirror, Split { settings: by(Sampling::Mis), ..kernel })
+        image_with("light-path/missing-technique", glass_and_mirror, Split { settings: by(Sampling::Mis), ..kernel })
             .mistake(
                 "MIS weights of camera paths without light tracing, those of light paths with it: the sum exceeds 1",
             ),
-        image_with("light-paths/half-the-density", rough_metal, Split { widths: 2, ..kernel })
+        image_with("light-path/half-the-density", rough_metal, Split { widths: 2, ..kernel })
             .mistake("MIS weights of camera paths with twice the density of light tracing: the sum is below 1"),
-        image_with("light-paths/light-samples-forgotten", rough_metal, Split { light_samples: 16, ..kernel })
+        image_with("light-path/light-samples-forgotten", rough_metal, Split { light_samples: 16, ..kernel })
             .mistake("camera paths take 16 light samples at each hit, the MIS weights of light paths count two"),
         image_with(
-            "light-paths/number-forgotten",
+            "light-path/number-forgotten",
             glass_and_mirror,
             Split { factor: 1.0 / f64::from(SAMPLES_PER_LIGHT_PATH), ..kernel },
         )
         .mistake("one light path for several camera samples, and their contributions not multiplied by that number"),
-        scattered("light-paths/shading-normal", diffuse, 25.0, LightPaths { factor: |_, _, _| 1.0, ..KERNEL })
+        scattered("light-path/shading-normal", diffuse, 25.0, LightPaths { factor: |_, _, _| 1.0, ..KERNEL })
             .mistake("light paths without the factor for shading normals: the adjoint of Veach, section 5.3"),
-        scattered("light-paths/squared-index", glass(), 0.0, LightPaths { sample: Bsdf::sample, ..KERNEL })
+        scattered("light-path/squared-index", glass(), 0.0, LightPaths { sample: Bsdf::sample, ..KERNEL })
             .mistake("light paths refracted as radiance is: 1/η² too much"),
-        planted("light-paths/one-target", |name, faulty| {
+        planted("light-path/one-target", |name, faulty| {
             let [(_, shape), ..] = shapes();
             let claim = if faulty { |pdf, containing: usize| pdf / containing.max(1) as f64 } else { |pdf, _| pdf };
             direction(name, shape, TARGETS[1].1, claim)
         })
         .mistake("the density of light paths as if a direction belonged to one target, where two overlap"),
-        planted("light-paths/roulette", |name, faulty| {
+        planted("light-path/roulette", |name, faulty| {
             equal_means(name, [Box::new(move |u| roulette(u, !faulty)), Box::new(|_| 4.0)])
         })
         .mistake("Russian roulette without compensation: the surviving paths not divided by their probability"),
-        planted("lights/tree-without-normal", |name, faulty| {
+        planted("light/tree-without-normal", |name, faulty| {
             let normal = Some(Vec3::new(-0.6, 0.8, 0.0));
             let pmf = if faulty { without_normal } else { LightTree::pmf };
             selection(name, 200, Vec3::new(0.4, 0.6, 0.3), normal, pmf)
         })
         .mistake("lights chosen by place and normal, but the probability of the choice by the place alone"),
-        planted("lights/triangle-per-area", |name, faulty| {
+        planted("light/triangle-per-area", |name, faulty| {
             triangle(name, TRIANGLES[1].1, if faulty { |_, area| 1.0 / area } else { |pdf, _| pdf })
         })
         .mistake("a triangle sampled by solid angle, and the pdf of uniform sampling by area"),

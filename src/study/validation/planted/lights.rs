@@ -40,7 +40,7 @@ fn two_spheres(chosen: f64, stated: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl D
 pub fn faults() -> Vec<PlantedFault> {
     let sphere = Directions::sphere(Pole::Y);
     vec![
-        PlantedFault::of("lights/area-for-solid-angle", sphere, |faulty| {
+        PlantedFault::of("light/area-for-solid-angle", sphere, |faulty| {
             let draw = |u: [f64; 2]| Some(DVec3::new(u[0] - 0.5, 1.0, u[1] - 0.5).normalize());
             // The rectangle is 1×1 at height 1: cos θ = y, d = 1/y.
             let pdf = move |w: DVec3| {
@@ -53,7 +53,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "a rectangle's pdf per area taken for the one per solid angle: \
              d²/cos θ forgotten, or mixed up within MIS",
         ),
-        PlantedFault::of("lights/triangle-without-root", Line::UNIT, |faulty| {
+        PlantedFault::of("light/triangle-without-root", Line::UNIT, |faulty| {
             let draw = move |u: &[f64]| Some(Sample::new(if faulty { u[0] } else { 1.0 - (1.0 - u[0]).sqrt() }));
             (sampler(1, draw), density(|x: f64| 2.0 * (1.0 - x)))
         })
@@ -61,18 +61,18 @@ pub fn faults() -> Vec<PlantedFault> {
             "the first barycentric coordinate of a triangle sampled as u instead of 1 − √(1 − u): \
              one corner is crowded",
         ),
-        PlantedFault::of("lights/cone-by-its-sine", sphere, |faulty| {
+        PlantedFault::of("light/cone-by-its-sine", sphere, |faulty| {
             let draw = |u: [f64; 2]| Some(upright(1.0 - u[0] * (1.0 - ABOVE), u[1]));
             let cos = if faulty { (1.0 - ABOVE * ABOVE).sqrt() } else { ABOVE };
             let pdf = move |w: DVec3| if w.y > cos { 1.0 / (TAU * (1.0 - cos)) } else { 0.0 };
             (direction_sampler(draw), direction_density(pdf).with_steps([vec![0.5 * (1.0 - cos)], Vec::new()]))
         })
         .mistake("a sphere's cone with r/d, which is its sine, in place of its cosine"),
-        PlantedFault::of("lights/choice-forgotten", sphere, |faulty| {
+        PlantedFault::of("light/choice-forgotten", sphere, |faulty| {
             two_spheres(0.5, if faulty { [1.0, 1.0] } else { [0.5, 0.5] })
         })
         .mistake("one of two lights is chosen, and the probability of the choice left out of the pdf"),
-        PlantedFault::of("lights/choice-by-power", sphere, |faulty| {
+        PlantedFault::of("light/choice-by-power", sphere, |faulty| {
             two_spheres(0.55, if faulty { [0.5, 0.5] } else { [0.55, 0.45] })
         })
         .mistake("lights chosen by their power, but divided by the pdf of a uniform choice"),

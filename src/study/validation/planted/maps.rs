@@ -77,29 +77,29 @@ fn planted(name: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
 
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        planted("maps/half-texel", |scheme| {
+        planted("map/half-texel", |scheme| {
             scheme.place = |g, x, y, fx, fy| {
                 g.direction_in_texel((x + g.width() - usize::from(fx < 0.5)) % g.width(), y, (fx + 0.5).fract(), fy)
             }
         })
         .mistake("texel centres taken for their left edges: all directions have an error of half a texel"),
-        planted("maps/corners", |scheme| {
+        planted("map/corners", |scheme| {
             scheme.place = |g, x, y, _, _| g.direction(x as f64, y as f64);
         })
         .mistake("the corner of the sampled texel taken for all of it, as the course's renderer does"),
-        planted("maps/mirrored", |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z))
+        planted("map/mirrored", |scheme| scheme.look_up = |w| DVec3::new(w.x, w.y, -w.z))
             .mistake("φ running the other way in the pdf than in the sampler: maps from another program"),
-        planted("maps/upside-down", |scheme| {
+        planted("map/upside-down", |scheme| {
             scheme.look_up = |w| DVec3::new(w.x, -w.y, w.z);
         })
         .mistake("row 0 taken for the nadir in the pdf"),
-        planted("maps/without-sine", |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y))
+        planted("map/without-sine", |scheme| scheme.weight = |map, x, y| map.mean_rgb(x, y))
             .mistake("texels sampled by radiance alone, as if those at the poles were as large as the others"),
-        planted("maps/sine-at-the-edge", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64))
+        planted("map/sine-at-the-edge", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64))
             .mistake("the solid angle of a row by the sine at its upper edge: 0 for the first row"),
-        planted("maps/sine-at-the-centre", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64 + 0.5))
+        planted("map/sine-at-the-centre", |scheme| scheme.solid_angle = |g, y| by_sine(g, y as f64 + 0.5))
             .mistake("the solid angle of a row by the sine at its centre instead of the difference of cosines"),
-        planted("maps/pole-rows", |scheme| {
+        planted("map/pole-rows", |scheme| {
             scheme.weight = |map, x, y| {
                 let last = map.geometry().height() - 1;
                 let inside = y > 0 && y < last;
@@ -107,7 +107,7 @@ pub fn faults() -> Vec<PlantedFault> {
             };
         })
         .mistake("rows weighted by sin(hπ/(H−1)), which is 0 at both poles: the first report"),
-        planted("maps/dropped-columns", |scheme| {
+        planted("map/dropped-columns", |scheme| {
             scheme.weight = |map, x, y| if x < map.geometry().width() / 8 * 8 { map.energy(x, y) } else { 0.0 };
         })
         .mistake(

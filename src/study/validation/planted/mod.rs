@@ -2,6 +2,7 @@
 //! the mistake must be accepted, so that the mistake alone explains the rejection.
 
 mod bsdf;
+mod camera;
 mod fault;
 mod filters;
 mod findings;
@@ -14,6 +15,7 @@ mod normals;
 mod numbers;
 mod reflection;
 mod renders;
+mod strata;
 mod tables;
 
 pub use fault::PlantedFault;
@@ -26,9 +28,11 @@ pub fn all() -> Vec<PlantedFault> {
         hemispheres::faults(),
         lights::faults(),
         light_paths::faults(),
+        camera::faults(),
         filters::faults(),
         tables::faults(),
         maps::faults(),
+        strata::faults(),
         normals::faults(),
         reflection::faults(),
         glass::faults(),
@@ -38,4 +42,19 @@ pub fn all() -> Vec<PlantedFault> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::suite;
+    use super::all;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn suite_and_faults_have_the_same_families() {
+        let family = |name: &str| name.split('/').next().unwrap_or_default().to_owned();
+        let tested: BTreeSet<String> = suite::cases().iter().map(|case| family(&case.name)).collect();
+        let planted: BTreeSet<String> = all().iter().map(|fault| family(fault.name)).collect();
+        assert_eq!(tested, planted);
+    }
 }

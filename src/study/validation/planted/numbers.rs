@@ -54,13 +54,13 @@ fn generator(name: &'static str, wrong: fn(u32, &mut [f64])) -> PlantedFault {
 
 pub fn faults() -> Vec<PlantedFault> {
     vec![
-        azimuth("numbers/twelve-bits", |u| (4096.0 * u).floor() / 4096.0)
+        azimuth("warp/numbers/twelve-bits", |u| (4096.0 * u).floor() / 4096.0)
             .mistake("a random number of 12 bits: directions in 4096 planes only"),
-        azimuth("numbers/clamped", |u| u.min(0.999))
+        azimuth("warp/numbers/clamped", |u| u.min(0.999))
             .mistake("random numbers above 0.999 set to 0.999: one in a thousand in one plane"),
-        azimuth("numbers/not-to-the-end", |u| 0.999 * u)
+        azimuth("warp/numbers/not-to-the-end", |u| 0.999 * u)
             .mistake("azimuths up to 0.999 · 2π: a gap of a third of a degree"),
-        generator("numbers/randu", |seed, numbers| {
+        generator("warp/numbers/randu", |seed, numbers| {
             let mut x = u64::from(seed | 1);
             numbers.iter_mut().for_each(|u| {
                 x = x * 65_539 % (1 << 31);
@@ -68,7 +68,7 @@ pub fn faults() -> Vec<PlantedFault> {
             });
         })
         .mistake("the generator RANDU, three successive numbers of which lie in 15 planes"),
-        generator("numbers/rejected-moves", |seed, numbers| {
+        generator("warp/numbers/rejected-moves", |seed, numbers| {
             independent(seed, numbers);
             let mut rng = CounterRng::new(u64::from(seed), 1);
             for i in 1..numbers.len() {
@@ -78,7 +78,7 @@ pub fn faults() -> Vec<PlantedFault> {
             }
         })
         .mistake("a Markov chain taken for independent samples: one move in fifty is rejected and repeats the sample"),
-        generator("numbers/random-walk", |seed, numbers| {
+        generator("warp/numbers/random-walk", |seed, numbers| {
             independent(seed, numbers);
             for i in 1..numbers.len() {
                 let to = (numbers[i - 1] + 0.5 * (2.0 * numbers[i] - 1.0)).abs();
@@ -86,7 +86,7 @@ pub fn faults() -> Vec<PlantedFault> {
             }
         })
         .mistake("a random walk with steps of up to half the domain"),
-        generator("numbers/seed-ignored", |_, numbers| independent(1, numbers))
+        generator("warp/numbers/seed-ignored", |_, numbers| independent(1, numbers))
             .mistake("a generator that is started anew with the same seed for each batch"),
     ]
 }

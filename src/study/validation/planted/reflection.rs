@@ -85,19 +85,19 @@ fn pdf_fault(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
 pub fn faults() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        pdf_fault("reflection/missing-jacobian", |wi| facets().pdf_vndf(WO.to_array(), facet(wi).to_array()))
+        pdf_fault("bsdf/reflection/missing-jacobian", |wi| facets().pdf_vndf(WO.to_array(), facet(wi).to_array()))
             .mistake("the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten"),
-        pdf_fault("reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
+        pdf_fault("bsdf/reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
             .mistake("1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's"),
-        pdf_fault("reflection/swapped-directions", |wi| {
+        pdf_fault("bsdf/reflection/swapped-directions", |wi| {
             0.25 * facets().d(facet(wi).to_array()) * facets().g1_over_cos(wi.to_array())
         })
         .mistake("wo and wi exchanged in the pdf, which by visible normals is not symmetric"),
-        PlantedFault::of("reflection/bounded-density", half, |faulty| {
+        PlantedFault::of("bsdf/reflection/bounded-density", half, |faulty| {
             pair(if faulty { visible } else { bounded }, pdf_bounded)
         })
         .mistake("the pdf of bounded visible normals with samples of the unbounded ones"),
-        PlantedFault::of("reflection/drawn-again", half, |faulty| {
+        PlantedFault::of("bsdf/reflection/drawn-again", half, |faulty| {
             let draw = move |u: &[f64]| {
                 let again = || if faulty { visible([u[2], u[3]]) } else { None };
                 visible([u[0], u[1]]).or_else(again).map(|w| Sample::new(w.to_array()))

@@ -1,7 +1,9 @@
 //! Mistakes of an integrator, detected in its images.
 
 use super::super::case::Case;
+use super::super::suite::plant::Plant;
 use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
+use super::super::suite::techniques::{adaptive_image, many_lights};
 use super::fault::PlantedFault;
 use crate::envmap::samplers::MapSampling;
 use crate::render::{Sampling, Settings};
@@ -36,17 +38,18 @@ pub fn faults() -> Vec<PlantedFault> {
     let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;
     shadowing.model.conventions.lambda_with_pi = true;
+    let adaptive = || adaptive_image(many_lights());
     let series = inside(1000, hemisphere);
     let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, hemisphere) };
     vec![
         planted(
-            "renders/one-percent-more",
+            "render/one-percent-more",
             (lit_sphere(settings), |tiles| tiles.iter_mut().for_each(|tile| brighten(tile, 1.01))),
             lit_sphere(settings),
         )
         .mistake("an image with one percent more light everywhere: a pdf wrong by a constant factor"),
         planted(
-            "renders/one-dark-tile",
+            "render/one-dark-tile",
             (lit_sphere(settings), |tiles| {
                 if let Some(tile) = tiles.get_mut(10) {
                     brighten(tile, 0.9);
@@ -55,10 +58,16 @@ pub fn faults() -> Vec<PlantedFault> {
             lit_sphere(settings),
         )
         .mistake("one tile of the image a tenth too dark: a worker thread that lost part of its samples"),
-        planted("renders/paths-cut-short", (cut, |_| ()), series).mistake(
+        planted(
+            "render/divided-by-the-mean-number",
+            (RenderTest { plant: Some(Plant::MeanNumber), ..adaptive() }, |_| ()),
+            adaptive(),
+        )
+        .mistake("adaptive sampling: the sum of a pixel's paths divided by the mean number of paths, not by its own"),
+        planted("render/paths-cut-short", (cut, |_| ()), series).mistake(
             "paths ended after five scatterings where all light is asked for: no roulette that makes up for it",
         ),
-        planted("renders/shadowing-with-pi", (metal(shadowing), |_| ()), metal(bsdf))
+        planted("render/shadowing-with-pi", (metal(shadowing), |_| ()), metal(bsdf))
             .mistake("Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light"),
     ]
 }

@@ -51,12 +51,12 @@ fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
 pub fn faults() -> Vec<PlantedFault> {
     let small = Discrete { outcomes: WEIGHTS.len() };
     vec![
-        PlantedFault::of("tables/search-off-by-one", small, |faulty| {
+        PlantedFault::of("table/search-off-by-one", small, |faulty| {
             let cdf = cumulative(&WEIGHTS, |sum| sum);
             by_weight(WEIGHTS.into(), move |u| find(&cdf, u).saturating_sub(usize::from(faulty)))
         })
         .mistake("the table's leading 0 forgotten: the search returns the cell before"),
-        PlantedFault::of("tables/alias-off-by-one", small, |faulty| {
+        PlantedFault::of("table/alias-off-by-one", small, |faulty| {
             let table = alias(&WEIGHTS);
             by_weight(WEIGHTS.into(), move |u| {
                 let scaled = u * table.len() as f64;
@@ -69,11 +69,11 @@ pub fn faults() -> Vec<PlantedFault> {
             })
         })
         .mistake("an alias table that looks the owner up in the next bucket"),
-        PlantedFault::of("tables/rounded-index", small, |faulty| {
+        PlantedFault::of("table/rounded-index", small, |faulty| {
             by_weight(vec![1.0; 8], move |u| if faulty { (u * 7.0).round() as usize } else { (u * 8.0) as usize })
         })
         .mistake("one of n chosen as u (n − 1) rounded: the first and the last come half as often"),
-        PlantedFault::of("tables/f32-sums", Discrete { outcomes: SKY }, |faulty| {
+        PlantedFault::of("table/f32-sums", Discrete { outcomes: SKY }, |faulty| {
             let mut weights = vec![1.0; SKY];
             weights[SKY / 4] = f64::from(1 << 24);
             let cdf = cumulative(&weights, |sum| if faulty { f64::from(sum as f32) } else { sum });

@@ -12,6 +12,11 @@ use etalon_stats::{Sample, Square, density};
 use glam::{DVec3, Vec3};
 use pulp::Arch;
 
+/// The pdf of a film position over the area that it sees, by the factor cos θ of the direction and that area.
+pub type Pdf = fn(f64, f64) -> f64;
+/// What rays and the connection of light paths follow.
+pub const KERNEL: Pdf = |cos, area| cos / area;
+
 /// Columns and rows of the film.
 const FILM: [usize; 2] = [7, 3];
 /// Distance of the wall.
@@ -19,14 +24,20 @@ const DEPTH: f64 = 2.0;
 /// Rounding may move points that are so close to the edge of a pixel, in pixels, to the next.
 const EDGE: f32 = 1e-4;
 
+/// The cameras of the suite.
 pub fn cases() -> Vec<Case> {
     let perspective = |tan_half_width| Projection::Perspective { tan_half_width, tan_half_height: 0.5 };
     let parallel = Projection::Orthographic { half_width: 1.5, half_height: 0.5 };
-    [("narrow", perspective(0.1)), ("wide", perspective(3.0)), ("parallel", parallel)].map(camera).into()
+    let cameras = [("narrow", perspective(0.1)), ("wide", WIDE), ("parallel", parallel)];
+    cameras.map(|(name, projection)| camera(format!("camera/{name}"), projection, KERNEL)).into()
 }
 
-fn camera((name, projection): (&str, Projection)) -> Case {
-    Case::of(format!("camera/{name}"), Square, move || {
+/// A camera of a wide angle.
+pub const WIDE: Projection = Projection::Perspective { tan_half_width: 3.0, tan_half_height: 0.5 };
+
+/// The test of a camera's rays against a pdf.
+pub fn camera(name: String, projection: Projection, pdf_of: Pdf) -> Case {
+    Case::of(name, Square, move || {
         let position = DVec3::new(1.0, 2.0, 3.0);
         let camera = Camera::look_at(position, DVec3::ZERO, DVec3::Y, projection).expect("it does not look up");
         let (lens, lens_too) = (Lens::new(&camera, FILM[0], FILM[1]), Lens::new(&camera, FILM[0], FILM[1]));
@@ -64,7 +75,7 @@ fn camera((name, projection): (&str, Projection)) -> Case {
             let to = DEPTH * camera.forward + (2.0 * u - 1.0) * x * camera.right + (2.0 * v - 1.0) * y * camera.up;
             let cos = if matches!(projection, Projection::Orthographic { .. }) { 1.0 } else { DEPTH / to.length() };
             let point: Vec3 = (position + to).as_vec3();
-            4.0 * x * y * cos / f64::from(lens_too.area_at(point))
+            4.0 * x * y * pdf_of(cos, f64::from(lens_too.area_at(point)))
         };
         (in_lanes(draw), density(pdf))
     })

@@ -2,7 +2,7 @@
 
 pub mod adjoint;
 mod bsdfs;
-mod camera;
+pub mod camera;
 mod exact_images;
 pub mod filters;
 mod in_lanes;
@@ -12,9 +12,9 @@ pub mod light_selection;
 pub mod lights;
 pub mod maps;
 mod normals;
+pub mod plant;
 pub mod renders;
-pub mod split;
-mod strata;
+pub mod strata;
 mod tables;
 pub mod techniques;
 mod warps;

@@ -13,7 +13,7 @@ pub fn cases() -> Vec<Case> {
     for (name, distribution) in DISTRIBUTIONS {
         for alpha in ALPHAS {
             let mut both = |tail: String, wo: Option<DVec3>| {
-                let [double, single] = ["normals", "normals-f32"].map(|kind| format!("{kind}/{name}/{tail}"));
+                let [double, single] = ["normals", "normals/f32"].map(|kind| format!("{kind}/{name}/{tail}"));
                 let of_24_bits = |u| f64::from(short(u));
                 cases.extend(match distribution {
                     Distribution::Beckmann => [

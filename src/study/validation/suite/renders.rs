@@ -7,7 +7,7 @@
 use super::super::case::Case;
 use super::super::shared::Shared;
 use super::exact_images::lit_sphere_image;
-use super::split::Split;
+use super::plant::Plant;
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::MapSampling;
 use crate::envmap::synthetic::Synthetic;
@@ -54,8 +54,8 @@ pub struct RenderTest {
     pub settings: Settings,
     /// What the image is compared with.
     pub truth: Truth,
-    /// Plants a fault in the weights between camera and light paths.
-    pub split: Option<Split>,
+    /// A fault in how the image is put together.
+    pub plant: Option<Plant>,
 }
 
 /// Side of a tile in pixels.
@@ -66,6 +66,8 @@ const REPLICATES: u32 = 32;
 const PILOT: u32 = 32;
 /// Fewest and most samples per pixel.
 const RANGE: [u32; 2] = [32, 4096];
+/// Fewest samples per pixel in each part of an image by adaptive sampling, which differs from uniform sampling only beyond 8.
+const ADAPTED: u32 = 32;
 /// How far the truth may be from the exact value, relatively: the quadratures behind it, and f32 in the renderer.
 const PRECISION: f64 = 2e-5;
 /// A test that cannot detect a bias of this size is inconclusive.
@@ -111,7 +113,8 @@ impl RenderTest {
                 .detectable(level)
                 .map_or(PILOT, |found| (f64::from(PILOT) * (found / w).powi(2)).ceil().min(f64::from(RANGE[1])) as u32),
         };
-        let spp = spp.max(RANGE[0]).next_multiple_of(REPLICATES);
+        let fewest = if self.settings.adaptive { ADAPTED * REPLICATES } else { RANGE[0] };
+        let spp = spp.max(fewest).next_multiple_of(REPLICATES);
         let found = compare(spp, 1)?;
         Ok(self.outcome(&found, spp, level, start))
     }
@@ -164,9 +167,9 @@ impl RenderTest {
         for replicate in 0..u64::from(REPLICATES) {
             let seed = hash::mix64(seed ^ replicate);
             let whole = film(&self.settings, seed)?;
-            let tested = match self.split {
+            let tested = match self.plant {
                 None => first_channel(&whole),
-                Some(split) => split.with_light_paths_of(&whole, &self.scene, &request, hash::mix64(!seed))?,
+                Some(plant) => plant.image(&whole, &self.scene, &request, hash::mix64(!seed))?,
             };
             let other = match &self.truth {
                 Truth::SameAs(settings) => {
@@ -224,7 +227,7 @@ fn furnace() -> Environment {
 fn sphere_in_furnace(material: Material, settings: Settings, max_depth: u32) -> RenderTest {
     let (mut scene, _) = builtin::sphere_env(furnace());
     scene.objects[0].material = material;
-    RenderTest { scene, request: request(16, max_depth), settings, truth: Truth::Uniform(1.0), split: None }
+    RenderTest { scene, request: request(16, max_depth), settings, truth: Truth::Uniform(1.0), plant: None }
 }
 
 /// The view from inside an emitting sphere of albedo ½: radiance 1 + ½ + ¼ … up to the depth.
@@ -237,7 +240,7 @@ pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     scene.objects[0].emission =
         Some(Emission { radiance: Rgb::ONE, two_sided: true, visibility: EmitterVisibility::Sampled });
     let truth = Truth::Uniform(2.0 - 0.5f64.powi(max_depth.min(1000) as i32));
-    RenderTest { scene, request: request(16, max_depth), settings, truth, split: None }
+    RenderTest { scene, request: request(16, max_depth), settings, truth, plant: None }
 }
 
 /// Roughness of the metal.
@@ -267,7 +270,7 @@ pub fn metal(settings: Settings) -> RenderTest {
         lights: Vec::new(),
         environment: Some(furnace()),
     };
-    RenderTest { scene, request: request(16, 2), settings, truth: Truth::Metal, split: None }
+    RenderTest { scene, request: request(16, 2), settings, truth: Truth::Metal, plant: None }
 }
 
 /// Its albedo ∫ D G₂/(4 cos θₒ) dωᵢ: single scattering loses the rest.
@@ -287,7 +290,7 @@ pub fn lit_sphere(settings: Settings) -> RenderTest {
     let sun = Synthetic::Sun.make();
     let grey = Image::from_fn(sun.width(), sun.height(), |x, y| Rgb::splat(sun.get(x, y).element_sum() / 3.0));
     let (scene, _) = builtin::sphere_env(Environment::upright(Arc::new(EnvMap::new(grey)), "sun", 1.0));
-    RenderTest { scene, request: request(24, 1), settings, truth: Truth::Sphere, split: None }
+    RenderTest { scene, request: request(24, 1), settings, truth: Truth::Sphere, plant: None }
 }
 
 /// Its exact image, which takes longer than a render and is the same for all.
@@ -312,7 +315,7 @@ fn cornell_box(settings: Settings, other: Settings) -> RenderTest {
         request: Request { width: 32, ..request(24, 4) },
         settings,
         truth: Truth::SameAs(other),
-        split: None,
+        plant: None,
     }
 }
 

@@ -13,15 +13,25 @@ use crate::sampling::table::{Table1, Table2};
 use etalon_stats::{Directions, Pole, Protocol, Sample, examine, sampler};
 use glam::DVec3;
 
+/// The cuts of the suite.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
         for regions in [1, 16, 77] {
-            let name = format!("strata/{rule}/{regions}");
-            cases.push(Case::new(name, move |protocol, round| strata(split, regions, protocol, round)));
+            cases.push(strata(format!("strata/{rule}/{regions}"), split, regions, ENERGY));
         }
     }
     cases
+}
+
+/// The probability of a region, up to a factor.
+pub type Share = fn(&Region) -> f64;
+/// In proportion to its energy.
+pub const ENERGY: Share = |region| region.energy;
+
+/// The test of a number of regions.
+pub fn strata(name: String, split: Split, regions: usize, share: Share) -> Case {
+    Case::new(name, move |protocol, round| examine_strata(split, regions, share, protocol, round))
 }
 
 /// A gradient with a bright spot that no straight line halves.
@@ -32,12 +42,18 @@ fn map() -> EnvMap {
 }
 
 /// One round of the test of a number of regions.
-fn strata(split: Split, regions: usize, protocol: &Protocol, round: u64) -> Result<etalon_stats::Outcome> {
+fn examine_strata(
+    split: Split,
+    regions: usize,
+    share: Share,
+    protocol: &Protocol,
+    round: u64,
+) -> Result<etalon_stats::Outcome> {
     let map = map();
     let g = map.geometry();
     let regions = MedianCut::new(&map, split, SideRule::default()).regions(regions)?;
     // Table of the regions, and a table of the texels of each.
-    let shares = Table1::new(&regions.iter().map(|region| region.energy).collect::<Vec<_>>());
+    let shares = Table1::new(&regions.iter().map(share).collect::<Vec<_>>());
     let within = |Region { block, .. }: &Region| {
         let energy = |x: usize, y: usize| map.energy(block.x0 + x, block.y0 + y);
         Table2::new(block.x1 - block.x0, block.y1 - block.y0, energy)

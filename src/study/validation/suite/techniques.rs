@@ -94,11 +94,16 @@ pub fn rough_metal() -> Scene {
     room([ceiling(), sphere(0.5, 0.45, beckmann), sphere(-0.5, 0.45, ggx)], None)
 }
 
+/// Twelve spheres of light over glass and rough metal.
+pub fn many_lights() -> Scene {
+    let many = (0..12u8).map(|i| bulb(f32::from(i % 4) - 1.5, f32::from(i / 4) - 1.0, 0.3, 1.0));
+    room(many.chain([sphere(0.5, 0.45, GLASS), sphere(-0.5, 0.45, metal(0.2, Distribution::Ggx))]), None)
+}
+
 /// The scenes, with their names in the names of tests.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let texel = |x: usize, y: usize| Rgb::splat(if (x, y) == (5, 2) { 40.0 } else { 1.0 });
     let sky = Environment::upright(Arc::new(EnvMap::new(Image::from_fn(16, 8, texel))), "sun", 1.0);
-    let many = (0..12u8).map(|i| bulb(f32::from(i % 4) - 1.5, f32::from(i / 4) - 1.0, 0.3, 1.0));
     let (beckmann, ggx) = (metal(0.3, Distribution::Beckmann), metal(0.2, Distribution::Ggx));
     vec![
         ("glass-and-mirror", glass_and_mirror()),
@@ -106,14 +111,20 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("shading-normals", room([ceiling(), rounded(0.7, ggx.clone()), rounded(-0.6, diffuse(0.8))], None)),
         ("sphere-lights", room([bulb(-0.6, 0.3, 0.5, 2.0), bulb(1.0, 0.0, 0.4, 1.0), sphere(0.0, 0.5, GLASS)], None)),
         ("sun", room([sphere(0.5, 0.45, GLASS), sphere(-0.5, 0.45, beckmann)], Some(sky))),
-        ("many-lights", room(many.chain([sphere(0.5, 0.45, GLASS), sphere(-0.5, 0.45, ggx)]), None)),
+        ("many-lights", many_lights()),
     ]
 }
 
 /// The image of a scene by these settings, compared with that by others. Every hit takes two light samples.
 pub fn image(scene: Scene, settings: Settings, other: Settings) -> RenderTest {
     let request = Request { width: 20, height: 20, spp: 1, light_samples: 2, max_depth: 4 };
-    RenderTest { scene, request, settings, truth: Truth::SameAs(other), split: None }
+    RenderTest { scene, request, settings, truth: Truth::SameAs(other), plant: None }
+}
+
+/// The image of a scene by adaptive sampling, compared with that by as many paths in all pixels.
+pub fn adaptive_image(scene: Scene) -> RenderTest {
+    let uniform = Settings { sampling: Sampling::MisLt, ..Settings::default() };
+    image(scene, Settings { adaptive: true, ..uniform }, uniform)
 }
 
 /// The images of the suite.
@@ -126,8 +137,7 @@ pub fn cases() -> Vec<Case> {
             // Unit tests compare the two sample by sample.
             let test = image(scene.clone(), by(Sampling::Mis), reference);
             tests.push((format!("render/reference/{name}"), test, 1.0));
-            let adaptive = Settings { adaptive: true, ..by(Sampling::MisLt) };
-            tests.push((format!("render/adaptive/{name}"), image(scene.clone(), adaptive, by(Sampling::MisLt)), 1.0));
+            tests.push((format!("render/adaptive/{name}"), adaptive_image(scene.clone()), 1.0));
         }
         tests.push((format!("render/mis+lt/{name}"), image(scene, by(Sampling::MisLt), by(Sampling::Mis)), FINE));
     }

@@ -82,24 +82,24 @@ pub fn faults() -> Vec<PlantedFault> {
     let fault = |name, change, mistake| planted(name, Coated::new, &[30.0, 80.0], change, mistake);
     vec![
         fault(
-            "bsdf-coated/no-internal-reflection",
+            "whole/coated/no-internal-reflection",
             ValueAndWeight(|m, o, i| m.value(o, i, 0.0)),
             "light reflected back to the base by the coating is lost",
         ),
         fault(
-            "bsdf-coated/radiance-not-scaled",
+            "whole/coated/radiance-not-scaled",
             ValueAndWeight(|m, o, i| ETA * ETA * m.eval(o, i, &[])[0]),
             "1/η² left out: more light than arrives",
         ),
         fault(
-            "bsdf-coated/entering-alone",
+            "whole/coated/entering-alone",
             ValueAndWeight(
                 |m, o, i| if o[2] > 0.0 { m.value([o[0], o[1], i[2].max(0.0)], i, m.internal) } else { 0.0 },
             ),
             "the transmittance at θᵢ for both directions",
         ),
         fault(
-            "bsdf-coated/pdf-without-the-choice",
+            "whole/coated/pdf-without-the-choice",
             Pdf(|m, o, i| m.pdf(o, i) / (1.0 - fresnel(o[2], ETA))),
             "the pdf of the base without the probability of not choosing the coating",
         ),

@@ -101,12 +101,12 @@ pub fn faults() -> Vec<PlantedFault> {
     let fault = |name, change, mistake| planted(name, Compensated::new, &[20.0, 75.0], change, mistake);
     vec![
         fault(
-            "bsdf-compensated/table-off-by-a-row",
+            "whole/compensated/table-off-by-a-row",
             ValueAndWeight(|m, o, i| m.value(o, i, 1.0)),
             "the table of albedos read a row too far",
         ),
         fault(
-            "bsdf-compensated/mean-without-cosine",
+            "whole/compensated/mean-without-cosine",
             ValueAndWeight(|m, o, i| {
                 let mean = m.table.iter().sum::<f64>() / ROWS as f64;
                 let lost = |w: Direction| 1.0 - m.single(w[2], 0.0);
@@ -116,7 +116,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the mean albedo without 2 cos θ",
         ),
         fault(
-            "bsdf-compensated/not-reciprocal",
+            "whole/compensated/not-reciprocal",
             ValueAndWeight(|m, o, i| {
                 let lost = 1.0 - m.single(o[2], 0.0);
                 if o[2] > 0.0 && i[2] > 0.0 { m.rough.eval(o, i, &[])[0] + lost * FRAC_1_PI } else { 0.0 }
@@ -124,7 +124,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "what is lost at wo returned as a uniform lobe: conserves energy, and is not reciprocal",
         ),
         fault(
-            "bsdf-compensated/left-out",
+            "whole/compensated/left-out",
             ValueAndWeight(|m, o, i| m.rough.eval(o, i, &[])[0]),
             "single scattering alone, said to conserve energy",
         ),

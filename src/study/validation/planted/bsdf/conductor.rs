@@ -37,77 +37,77 @@ pub fn faults() -> Vec<PlantedFault> {
     let fault = |name, change, mistake| planted(name, metal, WOS, change, mistake);
     vec![
         fault(
-            "bsdf-conductor/missing-jacobian",
+            "whole/conductor/missing-jacobian",
             PdfAndWeight(|m, o, i| m.pair(o, i).map_or(0.0, |p| m.visible(o, &p))),
             "the pdf of the normal for that of the direction: 1/(4 wo·m) forgotten, weights with it",
         ),
         fault(
-            "bsdf-conductor/jacobian-with-surface-normal",
+            "whole/conductor/jacobian-with-surface-normal",
             PdfAndWeight(|m, o, i| m.pair(o, i).map_or(0.0, |p| 0.25 * m.visible(o, &p) / o[2])),
             "1/(4 wo·n) for 1/(4 wo·m)",
         ),
         fault(
-            "bsdf-conductor/masking-without-shadowing",
+            "whole/conductor/masking-without-shadowing",
             ValueAndWeight(|m, o, i| value(m, o, i, m.g1(o) / m.g2(o, i))),
             "G₁(wo) for G₂: shadowing is left out, so that wo and wi differ",
         ),
         fault(
-            "bsdf-conductor/separable-g2-in-values",
+            "whole/conductor/separable-g2-in-values",
             Value(|m, o, i| value(m, o, i, m.g1(o) * m.g1(i) / m.g2(o, i))),
             "G₁ G₁ in values, and Smith's G₂ for correlated heights in weights",
         ),
         fault(
-            "bsdf-conductor/pdf-without-masking",
+            "whole/conductor/pdf-without-masking",
             Pdf(|m, o, i| m.pdf(o, i) / m.g1(o)),
             "the pdf of visible normals without G₁",
         ),
         fault(
-            "bsdf-conductor/wo-and-wi-exchanged-in-pdf",
+            "whole/conductor/wo-and-wi-exchanged-in-pdf",
             PdfAndWeight(|m, o, i| m.pdf(i, o)),
             "wo and wi exchanged in the pdf, weights divided by it",
         ),
         fault(
-            "bsdf-conductor/ndf-pdf-for-vndf-samples",
+            "whole/conductor/ndf-pdf-for-vndf-samples",
             PdfAndWeight(|m, o, i| m.pair(o, i).map_or(0.0, |p| m.d(p.m) * p.m.z / (4.0 * p.cos_o))),
             "the pdf of the full distribution of normals with samples of the visible ones",
         ),
-        fault("bsdf-conductor/cosine-twice", Weight(|_, _, s| s.weight[0] * s.wi[2]), "weights with cos θᵢ twice"),
+        fault("whole/conductor/cosine-twice", Weight(|_, _, s| s.weight[0] * s.wi[2]), "weights with cos θᵢ twice"),
         fault(
-            "bsdf-conductor/cosine-missing",
+            "whole/conductor/cosine-missing",
             Weight(|m, o, s| m.eval(o, s.wi, &[])[0] / m.pdf(o, s.wi)),
             "weights without cos θᵢ",
         ),
         fault(
-            "bsdf-conductor/cosine-in-values",
+            "whole/conductor/cosine-in-values",
             ValueAndWeight(|m, o, i| value(m, o, i, i[2].max(0.0))),
             "values that contain cos θᵢ, which the caller multiplies again",
         ),
         fault(
-            "bsdf-conductor/fresnel-at-the-normal",
+            "whole/conductor/fresnel-at-the-normal",
             ValueAndWeight(|m, o, i| {
                 m.pair(o, i).map_or(0.0, |p| m.value(o, i, &p, m.g2(o, i), m.fresnel(i[2].abs(), 1.0)))
             }),
             "F at the cosine of wi with the surface, for that with the facet",
         ),
         fault(
-            "bsdf-conductor/roughness-squared-in-values",
+            "whole/conductor/roughness-squared-in-values",
             Value(|m, o, i| Rough { alpha: m.alpha.map(|a| a * a), ..*m }.eval(o, i, &[])[0]),
             "α² in values and α in samples: the remapping of a roughness applied in one place",
         ),
         fault(
-            "bsdf-conductor/factor-4-missing",
+            "whole/conductor/factor-4-missing",
             ValueAndWeight(|m, o, i| value(m, o, i, 4.0)),
             "1/4 left out of the Torrance–Sparrow formula: more light than arrives",
         ),
         fault(
-            "bsdf-conductor/negative-fresnel",
+            "whole/conductor/negative-fresnel",
             ValueAndWeight(|m, o, i| {
                 m.pair(o, i).map_or(0.0, |p| m.value(o, i, &p, m.g2(o, i), 0.5 - p.cos_o.powi(6)))
             }),
             "a polynomial fit of F that is negative near normal incidence",
         ),
         fault(
-            "bsdf-conductor/nan-at-wo",
+            "whole/conductor/nan-at-wo",
             Value(|m, o, i| {
                 let apart = (0..3).map(|k| (o[k] - i[k]).powi(2)).sum::<f64>().sqrt();
                 value(m, o, i, apart * apart.recip())
@@ -115,42 +115,42 @@ pub fn faults() -> Vec<PlantedFault> {
             "a factor that is 0/0 where wi is wo",
         ),
         planted(
-            "bsdf-anisotropic/alphas-swapped-in-pdf",
+            "whole/anisotropic/alphas-swapped-in-pdf",
             brushed,
             &[50.0],
             PdfAndWeight(|m, o, i| swapped(m).pdf(o, i)),
             "α of x and y exchanged in the pdf, weights divided by it",
         ),
         planted(
-            "bsdf-anisotropic/alphas-swapped-in-values",
+            "whole/anisotropic/alphas-swapped-in-values",
             brushed,
             &[50.0],
             Value(|m, o, i| swapped(m).eval(o, i, &[])[0]),
             "α of x and y exchanged in values, with weights of the right one",
         ),
         planted(
-            "bsdf-anisotropic/masking-by-one-alpha",
+            "whole/anisotropic/masking-by-one-alpha",
             brushed,
             &[70.0],
             Value(|m, o, i| value(m, o, i, Rough { alpha: [m.alpha[0]; 2], ..*m }.g2(o, i) / m.g2(o, i))),
             "G₂ by α of x alone, in values",
         ),
         planted(
-            "bsdf-anisotropic/frame-flipped-at-normal-incidence",
+            "whole/anisotropic/frame-flipped-at-normal-incidence",
             brushed,
             &[0.001],
             Sample(|m, o, u| sampled_by(m, &if o[2] > 0.999 { swapped(m) } else { *m }, o, u)),
             "another tangent frame near normal incidence, where the azimuth of wo is not defined",
         ),
         planted(
-            "bsdf-conductor/alpha-clamped-in-values",
+            "whole/conductor/alpha-clamped-in-values",
             polished,
             &[30.0],
             Value(|m, o, i| Rough { alpha: m.alpha.map(|a| a.max(1e-3)), ..*m }.eval(o, i, &[])[0]),
             "α clamped to 10⁻³ in values and not in samples",
         ),
         planted(
-            "bsdf-conductor/alpha-clamped-in-samples",
+            "whole/conductor/alpha-clamped-in-samples",
             polished,
             &[30.0],
             Sample(|m, o, u| sampled_by(m, &Rough { alpha: m.alpha.map(|a| a.max(1e-3)), ..*m }, o, u)),

@@ -34,25 +34,25 @@ pub fn faults() -> Vec<PlantedFault> {
     let fault = |name, degrees, change, mistake| planted(name, glass, degrees, change, mistake);
     vec![
         fault(
-            "bsdf-dielectric/missing-reflection-jacobian",
+            "whole/dielectric/missing-reflection-jacobian",
             WOS,
             PdfAndWeight(|m, o, i| pdf(m, o, i, |p| if p.is_reflection { 4.0 * p.cos_o } else { 1.0 })),
             "the pdf of reflections without 1/(4 wo·m)",
         ),
         fault(
-            "bsdf-dielectric/transmission-jacobian-of-wo",
+            "whole/dielectric/transmission-jacobian-of-wo",
             WOS,
             PdfAndWeight(|m, o, i| pdf(m, o, i, |p| if p.is_reflection { 1.0 } else { p.cos_o / p.cos_i })),
             "|wo·m| for |wi·m| in the Jacobian of refraction",
         ),
         fault(
-            "bsdf-dielectric/transmission-jacobian-without-index",
+            "whole/dielectric/transmission-jacobian-without-index",
             WOS,
             Pdf(|m, o, i| pdf(m, o, i, |p| 1.0 / eta2(p))),
             "η² left out of the Jacobian of refraction",
         ),
         fault(
-            "bsdf-dielectric/half-vector-not-oriented",
+            "whole/dielectric/half-vector-not-oriented",
             WOS,
             Value(|m, o, i| {
                 let up = m.eta(o) > 1.0 || o[2] * i[2] > 0.0;
@@ -61,7 +61,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the half vector of a refraction inside the glass points down, where D is 0",
         ),
         fault(
-            "bsdf-dielectric/inverted-half-vector",
+            "whole/dielectric/inverted-half-vector",
             OUTSIDE,
             Value(|m, o, i| {
                 let inverted = Rough { facets: Facets::Dielectric(1.0 / m.index()), ..*m };
@@ -70,7 +70,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "η of the wrong side in the half vector of a refraction",
         ),
         fault(
-            "bsdf-dielectric/total-reflection-lost",
+            "whole/dielectric/total-reflection-lost",
             INSIDE,
             Sample(|m, o, u| {
                 let normal = m.sample_normal(o, [u[1], u[2]]);
@@ -80,7 +80,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "no sample where a facet reflects all light, as if refraction had failed",
         ),
         fault(
-            "bsdf-dielectric/lobe-chosen-at-the-normal",
+            "whole/dielectric/lobe-chosen-at-the-normal",
             OUTSIDE,
             Sample(|m, o, u| {
                 let reflects = u[0] < m.fresnel(o[2].abs(), m.eta(o));
@@ -90,7 +90,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "the lobe chosen by F at the surface's normal, and weighted by F at the facet's",
         ),
         fault(
-            "bsdf-dielectric/lobes-chosen-with-equal-probability",
+            "whole/dielectric/lobes-chosen-with-equal-probability",
             OUTSIDE,
             Sample(|m, o, u| {
                 let wi = m.scatter(o, m.sample_normal(o, [u[1], u[2]]), u[0] < 0.5)?;
@@ -99,37 +99,37 @@ pub fn faults() -> Vec<PlantedFault> {
             "both lobes chosen with probability ½, and weighted as if by Fresnel",
         ),
         fault(
-            "bsdf-dielectric/pdf-without-lobe-probability",
+            "whole/dielectric/pdf-without-lobe-probability",
             OUTSIDE,
             PdfAndWeight(|m, o, i| pdf(m, o, i, |p| 1.0 / m.share(p))),
             "the pdf of the lobe without the probability of choosing it",
         ),
         fault(
-            "bsdf-dielectric/radiance-not-scaled",
+            "whole/dielectric/radiance-not-scaled",
             OUTSIDE,
             ValueAndWeight(|m, o, i| value(m, o, i, eta2)),
             "1/η² of refracted radiance left out, in values and weights",
         ),
         fault(
-            "bsdf-dielectric/radiance-scaled-twice",
+            "whole/dielectric/radiance-scaled-twice",
             INSIDE,
             ValueAndWeight(|m, o, i| value(m, o, i, |p| 1.0 / eta2(p))),
             "1/η² of refracted radiance twice, in values and weights",
         ),
         fault(
-            "bsdf-dielectric/radiance-scaled-in-values-alone",
+            "whole/dielectric/radiance-scaled-in-values-alone",
             OUTSIDE,
             Weight(|m, o, s| s.weight[0] * m.pair(o, s.wi).map_or(1.0, |p| eta2(&p))),
             "1/η² in values and not in weights",
         ),
         fault(
-            "bsdf-dielectric/radiance-scaled-by-the-inverse",
+            "whole/dielectric/radiance-scaled-by-the-inverse",
             INSIDE,
             ValueAndWeight(|m, o, i| value(m, o, i, |p| eta2(p) * eta2(p))),
             "refracted radiance times η² for 1/η²",
         ),
         fault(
-            "bsdf-dielectric/fresnel-at-the-normal",
+            "whole/dielectric/fresnel-at-the-normal",
             OUTSIDE,
             ValueAndWeight(|m, o, i| {
                 let f = |p: Pair| {
@@ -141,7 +141,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "F at the cosine of wo with the surface, for that with the facet",
         ),
         fault(
-            "bsdf-dielectric/fresnel-of-the-other-side",
+            "whole/dielectric/fresnel-of-the-other-side",
             OUTSIDE,
             Value(|m, o, i| {
                 let f = |p: Pair| {
@@ -153,13 +153,13 @@ pub fn faults() -> Vec<PlantedFault> {
             "F at wi·m with the index for wo, which differ in refraction",
         ),
         fault(
-            "bsdf-dielectric/backfacing-facets",
+            "whole/dielectric/backfacing-facets",
             OUTSIDE,
             Value(|m, o, i| m.unoriented(o, i).map_or(0.0, |p| m.value(o, i, &p, m.g2(o, i), m.share(&p)))),
             "light refracted by facets that one of the directions does not see",
         ),
         fault(
-            "bsdf-dielectric/wrong-side-kept",
+            "whole/dielectric/wrong-side-kept",
             OUTSIDE,
             Sample(|m, o, u| {
                 let normal = m.sample_normal(o, [u[1], u[2]]);
@@ -172,19 +172,19 @@ pub fn faults() -> Vec<PlantedFault> {
             "directions on the wrong side mirrored to the right one instead of dropped",
         ),
         fault(
-            "bsdf-dielectric/adjoint-as-radiance",
+            "whole/dielectric/adjoint-as-radiance",
             OUTSIDE,
             AdjointValue(|m, o, i| m.eval(o, i, &[])[0]),
             "the same values for importance as for radiance",
         ),
         fault(
-            "bsdf-dielectric/adjoint-weight-as-radiance",
+            "whole/dielectric/adjoint-weight-as-radiance",
             INSIDE,
             AdjointWeight(|_, _, s| s.weight[0]),
             "the same weights for importance as for radiance",
         ),
         fault(
-            "bsdf-dielectric/reverse-pdf",
+            "whole/dielectric/reverse-pdf",
             OUTSIDE,
             CarriedPdf(|m, o, i| m.pdf(i, o)),
             "a sample carries the pdf of the reverse direction",

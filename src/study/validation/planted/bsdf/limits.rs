@@ -20,7 +20,7 @@ fn limit(name: &'static str, compare: fn(bool, &Protocol) -> Result<Outcome>, mi
 pub fn faults() -> Vec<PlantedFault> {
     vec![
         limit(
-            "bsdf-limit/alpha-clamped",
+            "whole/limit/alpha-clamped",
             |faulty, protocol| {
                 let alpha = if faulty { 0.05 } else { 1e-4 };
                 let rough = Rough { alpha: [alpha; 2], facets: Facets::Dielectric(1.5) };
@@ -29,7 +29,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "α clamped to 0.05, where α → 0 should become a smooth surface",
         ),
         limit(
-            "bsdf-limit/index-of-one",
+            "whole/limit/index-of-one",
             |faulty, protocol| {
                 let index = if faulty { 1.0 + 0.1 } else { 1.0 + 1e-6 };
                 let rough = Rough { alpha: [0.01; 2], facets: Facets::Dielectric(index) };
@@ -38,7 +38,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "η clamped to 1.1, where η → 1 should become no boundary",
         ),
         limit(
-            "bsdf-limit/weight-of-zero",
+            "whole/limit/weight-of-zero",
             |faulty, protocol| {
                 let paint = |albedo| Lambertian { albedo };
                 same_values(&paint(if faulty { 1e-3 } else { 0.0 }), &paint(0.0), towards(50.0), protocol)
@@ -46,7 +46,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "a lobe of weight 0 that still reflects 0.1 %",
         ),
         limit(
-            "bsdf-limit/compensation-not-switched-off",
+            "whole/limit/compensation-not-switched-off",
             |faulty, protocol| {
                 let rough = Rough { alpha: [0.8; 2], facets: Facets::Conductor(1.0) };
                 let compensated = Compensated::new();

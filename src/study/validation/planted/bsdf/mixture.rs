@@ -66,17 +66,17 @@ pub fn faults() -> Vec<PlantedFault> {
     let fault = |name, change, mistake| planted(name, mixture, &[50.0], change, mistake);
     vec![
         fault(
-            "bsdf-mixture/pdf-without-probabilities",
+            "whole/mixture/pdf-without-probabilities",
             PdfAndWeight(|m, o, i| m.diffuse.pdf(o, i) + m.glossy.pdf(o, i)),
             "pdfs of the lobes added without the probabilities of choosing them",
         ),
         fault(
-            "bsdf-mixture/pdf-of-equal-probabilities",
+            "whole/mixture/pdf-of-equal-probabilities",
             PdfAndWeight(|m, o, i| 0.5 * (m.diffuse.pdf(o, i) + m.glossy.pdf(o, i))),
             "the pdf of lobes chosen with probability ½, which are chosen with 0.3 and 0.7",
         ),
         fault(
-            "bsdf-mixture/weight-of-the-chosen-lobe",
+            "whole/mixture/weight-of-the-chosen-lobe",
             Weight(|m, o, s| {
                 let (bsdf, probability) = m.lobe(s.lobe);
                 m.eval(o, s.wi, &[])[0] * s.wi[2] / (probability * bsdf.pdf(o, s.wi))
@@ -84,22 +84,22 @@ pub fn faults() -> Vec<PlantedFault> {
             "f of all lobes over the pdf of the chosen one: light counted for every lobe",
         ),
         fault(
-            "bsdf-mixture/lobe-probability-missing-in-weight",
+            "whole/mixture/lobe-probability-missing-in-weight",
             Weight(|m, o, s| 0.5 * m.lobe(s.lobe).0.eval(o, s.wi, &[])[0] * s.wi[2] / m.lobe(s.lobe).0.pdf(o, s.wi)),
             "the chosen lobe's weight, not divided by the probability of choosing it",
         ),
         fault(
-            "bsdf-mixture/random-number-reused",
+            "whole/mixture/random-number-reused",
             Sample(|m, o, u| m.sample(o, &[u[0], u[0], u[2]])),
             "the random number that chooses the lobe is used again for the direction",
         ),
         fault(
-            "bsdf-mixture/mis-weights-of-equal-lobes",
+            "whole/mixture/mis-weights-of-equal-lobes",
             LobePdf(|m, o, i, lobe| 0.5 * m.lobe(lobe).0.pdf(o, i)),
             "pdfs of the lobes for MIS with other probabilities than in sampling",
         ),
         fault(
-            "bsdf-mixture/lobes-not-weighted",
+            "whole/mixture/lobes-not-weighted",
             ValueAndWeight(|m, o, i| 2.0 * m.eval(o, i, &[])[0]),
             "the lobes added without their weights: more light than arrives",
         ),

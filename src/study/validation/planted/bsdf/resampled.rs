@@ -73,21 +73,21 @@ pub fn faults() -> Vec<PlantedFault> {
     let walk = || Walk(Lambertian { albedo: 0.7 });
     vec![
         planted(
-            "bsdf-resampled/sum-for-mean",
+            "whole/resampled/sum-for-mean",
             resampled,
             &[40.0],
             Weight(|_, _, s| 2.0 * s.weight[0]),
             "the sum of the candidates' contributions for their mean",
         ),
         planted(
-            "bsdf-resampled/weight-of-the-chosen",
+            "whole/resampled/weight-of-the-chosen",
             resampled,
             &[40.0],
             Weight(|m, o, s| m.eval(o, s.wi, &[])[0] * std::f64::consts::PI),
             "the chosen candidate's contribution as if it had been sampled alone",
         ),
         planted(
-            "bsdf-resampled/candidates-chosen-uniformly",
+            "whole/resampled/candidates-chosen-uniformly",
             resampled,
             &[40.0],
             Sample(|m, o, u| {
@@ -97,14 +97,14 @@ pub fn faults() -> Vec<PlantedFault> {
             "candidates chosen with probability ½: right in the mean over the sphere, wrong everywhere",
         ),
         planted(
-            "bsdf-walk/path-lost",
+            "whole/walk/path-lost",
             walk,
             &[40.0],
             Value(|_, o, i| if o[2] > 0.0 && i[2] > 0.3 { 1.0 } else { 0.7 }),
             "random walks that leave at grazing angles are lost",
         ),
         planted(
-            "bsdf-walk/weight-without-absorption",
+            "whole/walk/weight-without-absorption",
             walk,
             &[40.0],
             Weight(|_, _, s| s.weight[0] / 0.7),

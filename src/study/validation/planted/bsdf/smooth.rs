@@ -118,49 +118,49 @@ pub fn faults() -> Vec<PlantedFault> {
     let glass = || Glass { index: 1.5 };
     vec![
         planted(
-            "bsdf-diffuse/pi-left-out",
+            "whole/diffuse/pi-left-out",
             paint,
             &[40.0],
             ValueAndWeight(|m, o, i| m.eval(o, i, &[])[0] / FRAC_1_PI),
             "the albedo for the BSDF, without 1/π",
         ),
         planted(
-            "bsdf-diffuse/weight-of-uniform-samples",
+            "whole/diffuse/weight-of-uniform-samples",
             paint,
             &[40.0],
             Weight(|m, _, s| 2.0 * m.albedo * s.wi[2]),
             "weights for uniform samples with cosine-weighted ones",
         ),
         planted(
-            "bsdf-diffuse/light-from-below",
+            "whole/diffuse/light-from-below",
             paint,
             &[40.0],
             Value(|m, o, _| if o[2] > 0.0 { m.albedo * FRAC_1_PI } else { 0.0 }),
             "values for light from below, where nothing is sampled",
         ),
         planted(
-            "bsdf-diffuse/samples-for-views-from-below",
+            "whole/diffuse/samples-for-views-from-below",
             paint,
             &[120.0],
             Sample(|m, o, u| m.sample([o[0], o[1], -o[2]], u)),
             "samples that carry light to views from below, where values are 0",
         ),
         planted(
-            "bsdf-glass/fresnel-not-in-the-choice",
+            "whole/glass/fresnel-not-in-the-choice",
             glass,
             &[60.0],
             Sample(|m, o, u| m.sample(o, &[(2.0 * (u[0] - 0.5)).max(0.0), u[1], u[2]])),
             "lobes chosen with other probabilities than their samples say",
         ),
         planted(
-            "bsdf-glass/radiance-not-scaled",
+            "whole/glass/radiance-not-scaled",
             glass,
             &[30.0],
             Throughput(|m, o, lobe| lobe.throughput[0] * if refracted(o, lobe) { m.eta(o).powi(2) } else { 1.0 }),
             "1/η² of refracted radiance left out",
         ),
         planted(
-            "bsdf-glass/schlick-of-the-wrong-side",
+            "whole/glass/schlick-of-the-wrong-side",
             glass,
             &[150.0],
             Throughput(|_, o, lobe| {

@@ -1,13 +1,37 @@
-//! Images whose camera paths and light paths come from different renders, which plants faults in the weights that combine
-//! them: each render alone weights both consistently.
+//! Faults in how an image is put together from its paths, which no render by itself can have.
 
 use crate::error::Result;
+use crate::math::Rgb;
 use crate::render::film::{Film, Pixel, PixelEstimate};
 use crate::render::{Settings, Silent, render};
 use crate::sampling::stream::StreamKind;
 use crate::scene::{Projection, Request, Scene};
 
-/// Camera paths from another render than light paths.
+/// A fault in how an image is put together.
+#[derive(Debug, Clone, Copy)]
+pub enum Plant {
+    /// Camera paths and light paths are weighted against others than these.
+    Split(Split),
+    /// The sum of a pixel's paths is divided by the mean number of paths, not by its own.
+    MeanNumber,
+}
+
+impl Plant {
+    /// The first channel of the image of `film` with the fault.
+    pub fn image(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
+        match self {
+            Self::Split(split) => split.with_light_paths_of(film, scene, request, seed),
+            Self::MeanNumber => {
+                let paths: Vec<f64> = film.pixels().iter().map(|pixel| f64::from(pixel.camera_paths())).collect();
+                let mean = paths.iter().sum::<f64>() / paths.len() as f64;
+                let sum = |(pixel, paths): (&Rgb, f64)| f64::from(pixel.x) * paths / mean;
+                Ok(film.image().pixels().iter().zip(paths).map(sum).collect())
+            }
+        }
+    }
+}
+
+/// Camera paths from another render than light paths: each render alone weights both consistently.
 #[derive(Debug, Clone, Copy)]
 pub struct Split {
     /// Of the camera paths.
@@ -22,7 +46,7 @@ pub struct Split {
 
 impl Split {
     /// The first channel of another render of the scene, with the light paths of `film`.
-    pub fn with_light_paths_of(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
+    fn with_light_paths_of(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
         let (width, wide) = (request.width, request.width * self.widths);
         let mut scene = scene.clone();
         if let Projection::Perspective { tan_half_width, .. } = &mut scene.camera.projection {
