@@ -51,16 +51,16 @@ fn one_fault_is_explained() {
     for said in ["mistake: ", "found: ", " % too many within ", "1 of 1 planted fault rejected"] {
         assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
     }
-    let list = json(folder.path(), &["validate", "--planted", "--list", "hemisphere"]);
+    let list = json(folder.path(), &["validate", "--planted", "--list", "warp/hemisphere"]);
     let names = list["tests"].as_array().unwrap();
-    assert!(names.len() > 3 && names.iter().all(|name| name.as_str().unwrap().starts_with("hemisphere/")));
+    assert!(names.len() > 3 && names.iter().all(|name| name.as_str().unwrap().starts_with("warp/hemisphere/")));
 }
 
 #[test]
 fn what_makes_no_sense_is_refused() {
     let folder = tempdir().unwrap();
     for bad in [
-        &["validate", "--planted", "warp"][..],
+        &["validate", "--planted", "warps"][..],
         &["validate", "--planted", "--samples", "0"],
         &["validate", "--planted", "--figures"],
     ] {
