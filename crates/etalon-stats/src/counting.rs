@@ -5,6 +5,7 @@ use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
 use crate::density::Atom;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::fixed::Share;
 use crate::mass::Integral;
 use crate::serial::Labels;
@@ -105,7 +106,7 @@ impl<D: Domain> Counting<'_, D> {
             // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
             let found = |cell: usize| {
                 let [difference, error] = check.difference(cell);
-                scale * (difference.abs() - CHANCE * error).max(0.0) + missed(cell)
+                scale * (difference.abs() - CHANCE * error).at_least(0.0) + missed(cell)
             };
             let error = |cell: usize| match &corrections {
                 Some(corrections) => corrections[cell][1],
@@ -120,7 +121,7 @@ impl<D: Domain> Counting<'_, D> {
                 let all_found: f64 = (0..subdivision.grid.len()).map(found).sum();
                 let shares = corrections.is_none().then(|| (refinement.shares(subdivision).times(scale), all_found));
                 for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
-                    *value = (*value + more).max(0.0);
+                    *value = (*value + more).at_least(0.0);
                 }
                 let scale = self.scale(&integrals.values);
                 integrals.values.iter_mut().for_each(|value| *value *= scale);
@@ -152,7 +153,7 @@ impl<D: Domain> Counting<'_, D> {
     fn is_uncertain(&self, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
         let n = self.samples as f64;
         // Cells that expect less than this are pooled.
-        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).max(FEWEST);
+        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).at_least(FEWEST);
         let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
         let of_none = self.whole.map_or(0.0, |whole| {
             let squares: f64 = (0..values.len()).map(|cell| error(cell).powi(2)).sum();

@@ -1,6 +1,7 @@
 //! Where observed and expected counts differ most: regions of cells, as lines of a table and in words.
 
 use crate::domain::Domain;
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::outcome::Counts;
 use crate::text::count;
@@ -51,7 +52,7 @@ impl Place {
 
 /// The error of a count in standard deviations of a Poisson count; at least one, where next to nothing is expected.
 fn sigma(observed: u64, expected: f64) -> f64 {
-    (observed as f64 - expected) / expected.max(1.0).sqrt()
+    (observed as f64 - expected) / expected.at_least(1.0).sqrt()
 }
 
 impl Region {
@@ -94,8 +95,8 @@ fn groups(counts: &Counts, least: f64) -> Vec<Cell> {
         let (mut around, mut queue) = (cells[first], VecDeque::from([first]));
         while let Some(at) = queue.pop_front() {
             let Cell { x, y } = cells[at];
-            around.x = [around.x[0].min(x[0]), around.x[1].max(x[1])];
-            around.y = [around.y[0].min(y[0]), around.y[1].max(y[1])];
+            around.x = [around.x[0].at_most(x[0]), around.x[1].at_least(x[1])];
+            around.y = [around.y[0].at_most(y[0]), around.y[1].at_least(y[1])];
             for (next, waits) in waiting.iter_mut().enumerate().filter(|(_, waits)| **waits) {
                 if sign(next) == sign(first) && meet(cells[next].x, x) && meet(cells[next].y, y) {
                     *waits = false;
@@ -116,8 +117,9 @@ fn all(counts: &Counts) -> Vec<Region> {
         (0..cells.len()).filter(|&i| within(around.x, cells[i].x) && within(around.y, cells[i].y)).collect::<Vec<_>>()
     };
     // Groups at several heights: of all cells that chance does not explain, and of the worst.
-    let largest = (0..cells.len()).map(|i| sigma(counts.observed[i], counts.expected[i]).abs()).fold(0.0, f64::max);
-    let groups = [1.0, 0.1 * largest, 0.4 * largest].into_iter().flat_map(|least| groups(counts, least.max(1.0)));
+    let largest =
+        (0..cells.len()).map(|i| sigma(counts.observed[i], counts.expected[i]).abs()).fold(0.0, f64::at_least);
+    let groups = [1.0, 0.1 * largest, 0.4 * largest].into_iter().flat_map(|least| groups(counts, least.at_least(1.0)));
     let groups = groups.map(|group| (Place::Cells(group), inside(&group)));
     let strips = counts.grid.strips().into_iter().filter(|(_, inside)| inside.len() > 1);
     let strips = strips.map(|(strip, inside)| (Place::Cells(strip), inside));

@@ -1,5 +1,6 @@
 //! Two means compared by Welch's t-test: the p-value, the difference that would have been found, and dominated replicates.
 
+use crate::extremes::Extremes;
 use crate::power::POWER;
 use crate::welch::{Mean, deviation, fewer_dof, two_sided};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -29,7 +30,7 @@ impl Difference {
     /// Difference by standard error, with the difference's sign: Welch's t. Infinite where values without noise differ.
     #[must_use]
     pub fn t(&self) -> f64 {
-        let excess = (self.value.abs() - self.allowance).max(0.0);
+        let excess = (self.value.abs() - self.allowance).at_least(0.0);
         if excess > 0.0 { excess.copysign(self.value) / self.standard_error } else { 0.0 }
     }
 
@@ -73,7 +74,7 @@ impl Difference {
 /// The t that is exceeded on either side with probability `level`.
 fn critical(level: f64, dof: f64) -> f64 {
     if dof < 1e6 {
-        StudentsT::new(0.0, 1.0, dof.max(1.0)).map_or(f64::INFINITY, |student| -student.inverse_cdf(0.5 * level))
+        StudentsT::new(0.0, 1.0, dof.at_least(1.0)).map_or(f64::INFINITY, |student| -student.inverse_cdf(0.5 * level))
     } else {
         Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(0.5 * level))
     }
@@ -93,7 +94,7 @@ pub fn is_dominated(replicates: &[f64], level: f64) -> bool {
     }
     let mean = replicates.iter().sum::<f64>() / n;
     let squares = replicates.iter().map(|x| (x - mean).powi(2));
-    let (sum, largest) = squares.fold((0.0, 0.0), |(sum, largest): (f64, f64), s| (sum + s, largest.max(s)));
+    let (sum, largest) = squares.fold((0.0, 0.0), |(sum, largest): (f64, f64), s| (sum + s, largest.at_least(s)));
     let t2 = critical(level / n, n - 2.0).powi(2);
     sum > 0.0 && largest / sum > (n - 1.0) / n * t2 / (n - 2.0 + t2)
 }

@@ -1,5 +1,6 @@
 //! Where samples lie: sets with a measure, each with an area-preserving chart to the unit square.
 
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::warp::turns;
 use std::f64::consts::{PI, TAU};
@@ -121,7 +122,7 @@ impl Line {
 /// `x` itself if it is in \[0, 1\], with 1 moved just inside.
 #[inline]
 fn within(x: f64) -> Option<f64> {
-    (0.0..=1.0).contains(&x).then(|| x.min(1f64.next_down()))
+    (0.0..=1.0).contains(&x).then(|| x.at_most(1f64.next_down()))
 }
 
 impl Domain for Line {
@@ -265,14 +266,14 @@ impl Domain for Directions {
         let below = if z > 0.0 { (x * x + y * y) / (1.0 + z) } else { 1.0 - z };
         let below = if self.half { below } else { 0.5 * below };
         // On the horizon of the hemisphere, and opposite to the pole, rounding must not leave the chart.
-        Some([below.min(1f64.next_down()), turns(y, x)])
+        Some([below.at_most(1f64.next_down()), turns(y, x)])
     }
 
     #[inline]
     fn point_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
         let below = if self.half { below } else { 2.0 * below };
         let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
-        let (sin, z) = ((below * (2.0 - below)).max(0.0).sqrt(), 1.0 - below);
+        let (sin, z) = ((below * (2.0 - below)).at_least(0.0).sqrt(), 1.0 - below);
         let (x, y) = (sin * cos_phi, sin * sin_phi);
         match self.pole {
             Pole::Z => [x, y, z],

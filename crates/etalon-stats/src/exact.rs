@@ -4,6 +4,7 @@ use crate::cubature::Probe;
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::power::chi_square_below;
 use crate::sampler::{Sample, Sampler};
 use crate::serial::SerialCounts;
@@ -126,7 +127,7 @@ pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
     let (runs, repeats) = (points.len() as f64, samples - points.len());
     points.sort_unstable();
     let pairs: f64 = points.chunk_by(|a, b| a == b).map(|same| (same.len() * (same.len() - 1)) as f64).sum();
-    let expected = samples as f64 * (pairs / (runs * (runs - 1.0)).max(1.0)).max(COINCIDENCE);
+    let expected = samples as f64 * (pairs / (runs * (runs - 1.0)).at_least(1.0)).at_least(COINCIDENCE);
     let p = if repeats > 0 { chi_square_below(2.0 * repeats as f64, 2.0 * expected) } else { 1.0 };
     let percent = 100.0 * repeats as f64 / samples as f64;
     (p < IMPOSSIBLE).then(|| format!("samples depend on those before them: {percent:.2} % repeat the one before"))
@@ -199,7 +200,7 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
     // A value that many times as many samples have as one value has on average, where the density is not so high that
     // single precision has no other value near.
     let common = groups.iter().max_by_key(|group| group.len())?;
-    let highest = common.iter().map(|(_, pdf)| *pdf).fold(0.0, f64::max);
+    let highest = common.iter().map(|(_, pdf)| *pdf).fold(0.0, f64::at_least);
     let is_steep = highest * measure * COINCIDENCE * samples > 1.0;
     (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
         let percent = 100.0 * common.len() as f64 / samples;

@@ -8,6 +8,7 @@ use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
@@ -120,7 +121,7 @@ impl Protocol {
     pub(crate) fn coarsest(&self) -> f64 {
         match self.samples {
             SampleCount::Fixed(_) => COARSEST,
-            SampleCount::Detect(w) => w.max(COARSEST),
+            SampleCount::Detect(w) => w.at_least(COARSEST),
         }
     }
 }
@@ -208,7 +209,7 @@ pub fn examine<D: Domain>(
         Mass::AtMostOne => {
             // Where the integral is not exact, "no sample" is never known to be impossible.
             let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
-            ((1.0 - at_atoms - values.iter().sum::<f64>()).max(least), mass.value > 1.0 + tolerated)
+            ((1.0 - at_atoms - values.iter().sum::<f64>()).at_least(least), mass.value > 1.0 + tolerated)
         }
         Mass::Unknown => (0.0, false),
     };
@@ -219,13 +220,13 @@ pub fn examine<D: Domain>(
     let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
     // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
-    let none_expected = n * none_expected.max(0.0);
+    let none_expected = n * none_expected.at_least(0.0);
     let expected: Vec<f64> = values
         .iter()
         .copied()
         .chain(atoms.iter().map(|atom| atom.probability))
-        .map(|share| (n * share).max(f64::MIN_POSITIVE))
-        .chain([none_expected.max(f64::MIN_POSITIVE)])
+        .map(|share| (n * share).at_least(f64::MIN_POSITIVE))
+        .chain([none_expected.at_least(f64::MIN_POSITIVE)])
         .collect();
     let observed: Vec<u64> = tally.observed.iter().copied().chain([none]).collect();
     // No sample where there must always be one is as impossible as a sample of pdf 0.
@@ -346,5 +347,5 @@ fn with_impossible(p: f64, impossible: u64, allowed: f64) -> f64 {
     }
     // P(Poisson(m) ≥ k) = P(χ²(2k) ≤ 2m); the smaller of two p-values counts twice (Bonferroni).
     let p_of_impossible = chi_square_below(2.0 * impossible as f64, 2.0 * allowed);
-    (2.0 * p.min(p_of_impossible)).min(1.0)
+    (2.0 * p.at_most(p_of_impossible)).at_most(1.0)
 }

@@ -1,5 +1,7 @@
 //! Sums of numbers between 0 and 1 that do not depend on the order of addition.
 
+use crate::extremes::Extremes;
+
 /// A sum of numbers from 0 to 1 in units of 2⁻²⁹, so that 2³⁵ of them fit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Share(u64);
@@ -11,7 +13,7 @@ impl Share {
     #[inline]
     #[must_use]
     pub fn new(value: f64) -> Self {
-        Self((value.clamp(0.0, 1.0) * UNIT).round() as u64)
+        Self((value.within(0.0, 1.0) * UNIT).round() as u64)
     }
 
     /// The sum.

@@ -1,5 +1,7 @@
 //! The Kolmogorov–Smirnov test of uniformity over \[0, 1\].
 
+use crate::extremes::Extremes;
+
 /// The outcome of a test for uniformity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -26,8 +28,8 @@ pub fn uniformity(values: &[f64]) -> Uniformity {
     let n = sorted.len() as f64;
     let (mut excess, mut distance) = (0.0, 0.0);
     for (i, x) in sorted.iter().enumerate() {
-        excess = f64::max(excess, (i + 1) as f64 / n - x);
-        distance = f64::max(distance, x - i as f64 / n).max(excess);
+        excess = f64::at_least(excess, (i + 1) as f64 / n - x);
+        distance = f64::at_least(distance, x - i as f64 / n).at_least(excess);
     }
     let corrected = |distance: f64| distance * (n.sqrt() + 0.12 + 0.11 / n.sqrt());
     Uniformity {
@@ -54,7 +56,7 @@ fn tail(x: f64) -> f64 {
         2.0 * (-2.0 * j * j * x * x).exp()
     };
     let sum: f64 = (1..=40).map(|j| if j % 2 == 1 { term(j) } else { -term(j) }).sum();
-    sum.clamp(0.0, 1.0)
+    sum.within(0.0, 1.0)
 }
 
 #[cfg(test)]

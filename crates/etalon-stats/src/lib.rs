@@ -7,6 +7,7 @@
 //! [`assert_samples_follow_pdf`] is for tests; [`validate`] returns an [`Outcome`], [`decide`] judges many.
 //!
 #![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod assertion;
 mod bounded;
@@ -22,6 +23,7 @@ mod error;
 pub mod estimate;
 mod exact;
 mod examine;
+mod extremes;
 mod fixed;
 mod grid;
 pub mod hash;
@@ -48,6 +50,7 @@ pub use density::{Atom, Density, DensityFn, Mass, density};
 pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};
 pub use error::{Error, Result};
 pub use examine::{Protocol, SampleCount, examine, validate};
+pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use outcome::{Counts, Outcome, Verdict, decide};

@@ -2,6 +2,7 @@
 
 use crate::bounded::mean_interval;
 use crate::cubature::{Check, Integrals};
+use crate::extremes::Extremes;
 use crate::fixed::Share;
 use crate::tally::Tally;
 use std::fmt;
@@ -67,10 +68,10 @@ impl Integral {
         let missed = interval(Share::total(tally.missed.iter().copied()), samples);
         // The lower ends, the means and the upper ends of the three intervals, as they affect the integral.
         let [least, value, most] = [0, 1, 2].map(|i| {
-            let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).max(0.0);
+            let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).at_least(0.0);
             if within_reach > 0.0 { within_reach / (1.0 - missed[i]) } else { 0.0 }
         });
-        Self { value, error: (most - value).max(value - least), bound: Bound::Statistical }
+        Self { value, error: (most - value).at_least(value - least), bound: Bound::Statistical }
     }
 
     /// The integral with something added that is known exactly.

@@ -1,5 +1,7 @@
 //! Many tests at once: levels and p-values that account for their number.
 
+use crate::extremes::Extremes;
+
 /// The level of each of `n` tests such that all accept with probability 1 − `level` if all should: 1 − (1 − level)^(1/n).
 ///
 /// Source: Šidák, "Rectangular Confidence Regions for the Means of Multivariate Normal Distributions", 1967.
@@ -45,8 +47,8 @@ pub fn any_of(p: f64, n: usize) -> f64 {
 /// weights.
 #[must_use]
 pub fn weighted(tests: &[(f64, f64)]) -> f64 {
-    let t = tests.iter().map(|(p, weight)| p / weight).fold(f64::INFINITY, f64::min);
-    -tests.iter().map(|(_, weight)| (-(weight * t).min(1.0)).ln_1p()).sum::<f64>().exp_m1()
+    let t = tests.iter().map(|(p, weight)| p / weight).fold(f64::INFINITY, f64::at_most);
+    -tests.iter().map(|(_, weight)| (-(weight * t).at_most(1.0)).ln_1p()).sum::<f64>().exp_m1()
 }
 
 /// The p-value of two independent tests of one hypothesis: P(U₁U₂ ≤ p₁p₂) = p₁p₂ (1 − ln p₁p₂).
@@ -55,7 +57,7 @@ pub fn weighted(tests: &[(f64, f64)]) -> f64 {
 #[must_use]
 pub fn fisher(p1: f64, p2: f64) -> f64 {
     let product = p1 * p2;
-    if product > 0.0 { (product * (1.0 - product.ln())).min(1.0) } else { 0.0 }
+    if product > 0.0 { (product * (1.0 - product.ln())).at_most(1.0) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! chi-square distribution with λ = N w², w² = Σ (qᵢ − pᵢ)²/pᵢ: w is the root mean square of the pdf's relative error
 //! over the cells. Source: Cohen, "Statistical Power Analysis for the Behavioral Sciences", 1988, chapter 7.
 
+use crate::extremes::Extremes;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// The probability with which an error of the stated size is detected.
@@ -29,7 +30,7 @@ pub fn noncentral_tail(dof: f64, lambda: f64, x: f64) -> f64 {
     let mean = 0.5 * lambda;
     // Beyond ten standard deviations of j nothing is left; the first ones cannot be skipped when the mean is small.
     let spread = 10.0 * mean.sqrt() + 10.0;
-    let (first, last) = ((mean - spread).max(0.0).floor(), (mean + spread).ceil());
+    let (first, last) = ((mean - spread).at_least(0.0).floor(), (mean + spread).ceil());
     let mut tail = chi_square_tail(dof + 2.0 * first, x);
     if mean == 0.0 {
         return tail;

@@ -13,6 +13,7 @@
 
 use crate::chi_square::FEWEST;
 use crate::cubature::Shares;
+use crate::extremes::Extremes;
 use crate::multiple::any_of;
 use crate::power::{chi_square_below, chi_square_tail, noncentrality_near};
 use crate::subdivision::{Parts, Subdivision};
@@ -81,7 +82,7 @@ impl ScaleTest {
             sum: self.sum + other.sum,
             mean: self.mean + other.mean,
             variance: self.variance + other.variance,
-            counted: self.counted.max(other.counted),
+            counted: self.counted.at_least(other.counted),
             shift: self.shift + other.shift,
             ..self
         }
@@ -111,7 +112,7 @@ impl ScaleTest {
         let n = samples as f64;
         let detectable =
             (self.counted >= MOST * n).then(|| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
-        let error = ((self.sum - self.mean).max(0.0) / self.counted).sqrt();
+        let error = ((self.sum - self.mean).at_least(0.0) / self.counted).sqrt();
         let words = format!(
             "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS)",
             self.parts,
@@ -182,7 +183,7 @@ impl Scales {
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
             let test = ScaleTest { parts, ..columns.plus(&rows) };
             // Columns are about twice as many as rows.
-            let coincidence = subdivision.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::max);
+            let coincidence = subdivision.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::at_least);
             let values = 1.0 / (coincidence * (2.0 * parts as f64).sqrt());
             if is_good(&test, values, subdivision.rounding(depth)) {
                 scales.tests.push(test);
@@ -215,7 +216,7 @@ fn halve(
     for pair in 0..parts / 2 {
         let (first, second) = (2 * pair, 2 * pair + 1);
         let (counts, expected) = ([observed[first], observed[second]], [values[first], values[second]]);
-        let error = errors[first].max(errors[second]);
+        let error = errors[first].at_least(errors[second]);
         test.add(counts, expected, error);
         for (end, at) in [(0, first), (1, second)] {
             if at == [0, parts - 1][end] {
@@ -233,7 +234,7 @@ fn halve(
 
 /// Whether one of the halves of a part with `n` samples expects fewer than Pearson's test needs.
 fn is_sparse(n: f64, q: f64) -> bool {
-    let least = n * q.min(1.0 - q);
+    let least = n * q.at_most(1.0 - q);
     least.is_nan() || least < FEWEST
 }
 
@@ -249,7 +250,7 @@ fn end_of(of: &str, parts: usize, end: usize, counts: [u64; 2], expected: [f64; 
     let above = if count > 0 { binomial.sf(count - 1) } else { 1.0 };
     let name = ["lower", "upper"][end];
     let words = format!("{count} samples, not {:.0}, within 1/{parts} of the {name} end of {of}", n as f64 * q);
-    Some(((2.0 * below.min(above)).min(1.0), words))
+    Some(((2.0 * below.at_most(above)).at_most(1.0), words))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! Mathematical Statistics 32, 1961.
 
 use crate::chi_square::FEWEST;
+use crate::extremes::Extremes;
 use crate::power::{chi_square_below, chi_square_tail};
 use crate::subdivision::Subdivision;
 
@@ -32,7 +33,7 @@ pub struct Labels {
 impl Labels {
     /// As many as `samples` samples fill.
     pub fn new(subdivision: &Subdivision, samples: u64) -> Self {
-        let bits = ((samples as f64 / SAMPLES_PER_ENTRY).log2() / 3.0).max(0.0) as u32;
+        let bits = ((samples as f64 / SAMPLES_PER_ENTRY).log2() / 3.0).at_least(0.0) as u32;
         let of_axes = [0, 1].map(|axis| subdivision.axes.get(axis).map_or(0, |axis| axis.bits()));
         Self { bits: bits.min(MOST_BITS).min(of_axes[0]), of_axes }
     }
@@ -162,7 +163,7 @@ impl SerialCounts {
         // Of B batches of n samples, Σ (L − qn)²/(nq(1 − q)) is chi-square distributed with B − 1 degrees of freedom.
         let of_axis = |[lower, products]: [u64; 2]| {
             let q = products as f64 / squares.max(1) as f64;
-            let spread = (lower as f64 - q * products as f64).max(0.0);
+            let spread = (lower as f64 - q * products as f64).at_least(0.0);
             let variance = q * (1.0 - q) * samples as f64 / batches as f64;
             (variance > 1.0).then(|| chi_square_below((batches - 1) as f64, spread / variance))
         };
@@ -188,7 +189,7 @@ struct Groups {
 fn grouped(sums: &[u64], least: f64) -> Option<Groups> {
     let (mut groups, mut rest) = (Groups { group: vec![usize::MAX; sums.len()], sums: Vec::new() }, 0);
     for (i, n) in sums.iter().enumerate() {
-        if *n as f64 >= least.max(1.0) {
+        if *n as f64 >= least.at_least(1.0) {
             groups.group[i] = groups.sums.len();
             groups.sums.push(*n);
         } else {
@@ -196,7 +197,7 @@ fn grouped(sums: &[u64], least: f64) -> Option<Groups> {
         }
     }
     // What is left is a group of its own, or joins the last.
-    let last = if rest as f64 >= least.max(1.0) || groups.sums.is_empty() {
+    let last = if rest as f64 >= least.at_least(1.0) || groups.sums.is_empty() {
         groups.sums.push(0);
         groups.sums.len() - 1
     } else {

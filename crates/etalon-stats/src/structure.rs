@@ -2,6 +2,7 @@
 
 use crate::chi_square::ChiSquare;
 use crate::cubature::Shares;
+use crate::extremes::Extremes;
 use crate::multiple::weighted;
 use crate::power::chi_square_below;
 use crate::scales::{Scale, Scales};
@@ -57,7 +58,7 @@ impl Counted<'_> {
         let uniform = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();
         let of_scales = scales.tests.iter().map(|test| test.below());
         let uniform: Vec<f64> = uniform.chain(of_scales).chain(tally.serial.stratification()).collect();
-        let least = uniform.iter().copied().fold(1.0, f64::min) * uniform.len() as f64;
+        let least = uniform.iter().copied().fold(1.0, f64::at_most) * uniform.len() as f64;
         let is_stratified = least < STRATIFIED;
 
         let dependence = tally.serial.dependence(&labels);

@@ -1,5 +1,6 @@
 //! Parts of the chart that are finer than the cells: both axes, and every cell, halved again and again.
 
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 
 /// Samples per part, on average, of the finest partitions.
@@ -65,7 +66,7 @@ impl Axis {
     /// The mean square of the displacement of a coordinate by rounding to f32, in units of the width of one of `parts` parts.
     pub fn rounding(&self, parts: usize) -> f64 {
         let ends: Vec<f64> = self.ends().into_iter().step_by((1 << self.bits) / parts).collect();
-        let square = |e: &[f64]| (ROUNDING * e[1] / (e[1] - e[0]).max(f64::MIN_POSITIVE)).powi(2);
+        let square = |e: &[f64]| (ROUNDING * e[1] / (e[1] - e[0]).at_least(f64::MIN_POSITIVE)).powi(2);
         ends.windows(2).map(square).sum::<f64>() / parts as f64
     }
 
@@ -95,7 +96,7 @@ fn coincidence(values: &[f64]) -> f64 {
     // Three standard deviations are chance.
     let rounded = narrow - uniform - 3.0 * (narrow + uniform).sqrt();
     let n = values.len() as f64;
-    equal.max(rounded) / (0.5 * n * (n - 1.0)).max(1.0)
+    equal.at_least(rounded) / (0.5 * n * (n - 1.0)).at_least(1.0)
 }
 
 /// The intervals between `ends`, each in `parts` equal ones.

@@ -6,6 +6,7 @@
 //! different population variances are involved", Biometrika 34, 1947; for images Jung, Hanika & Dachsbacher, "Detecting
 //! Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020.
 
+use crate::extremes::Extremes;
 use crate::power::{chi_square_tail, noncentrality};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -70,7 +71,7 @@ fn joint_dof(means: &[Mean], variance: f64) -> f64 {
 /// Behrens–Fisher statistic", Annals of Mathematical Statistics 37, 1966.
 pub(crate) fn fewer_dof(a: Mean, b: Mean) -> f64 {
     let dof = |mean: Mean| if mean.variance > 0.0 { mean.dof } else { f64::INFINITY };
-    dof(a).min(dof(b))
+    dof(a).at_most(dof(b))
 }
 
 /// Means of the square tiles of an image, row by row: those at the right and lower edge may be smaller, pixels that
@@ -118,10 +119,10 @@ pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> ImageComparison {
     for [a, b] in pairs {
         let (difference, variance) = ((a.value - b.value).abs(), a.variance + b.variance);
         if variance == 0.0 {
-            exact_difference = exact_difference.max(difference);
+            exact_difference = exact_difference.at_least(difference);
             continue;
         }
-        let t = (difference - allowance).max(0.0) / variance.sqrt();
+        let t = (difference - allowance).at_least(0.0) / variance.sqrt();
         let p = two_sided(t, fewer_dof(*a, *b));
         tiles.push(p);
         z.push(deviation(p, t));
@@ -153,11 +154,11 @@ impl ImageComparison {
 pub(crate) fn two_sided(t: f64, dof: f64) -> f64 {
     // Beyond this the normal distribution is the same to 10⁻⁶.
     let tail = if dof < 1e6 {
-        StudentsT::new(0.0, 1.0, dof.max(1.0)).map_or(f64::NAN, |student| student.sf(t))
+        StudentsT::new(0.0, 1.0, dof.at_least(1.0)).map_or(f64::NAN, |student| student.sf(t))
     } else {
         Normal::new(0.0, 1.0).map_or(f64::NAN, |normal| normal.sf(t))
     };
-    (2.0 * tail).min(1.0)
+    (2.0 * tail).at_most(1.0)
 }
 
 /// The normal deviate that is as unlikely as `p` on both sides; `t` where p is too small to tell.

@@ -1,5 +1,7 @@
 //! A furnace test with numbers: the directional albedo of BSDFs over the angle and parameters.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod table;
 
 pub use table::{Row, Table, is_wrong};
@@ -8,6 +10,7 @@ use super::validation::families::{Facets, position, values};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
+use etalon_stats::Extremes;
 use etalon_stats::bsdf::{Albedo, Basis, BatchBsdf, Energy, Family, directional_albedo};
 use etalon_stats::cubature::integrate;
 use etalon_stats::{Grid, Protocol, Square, density};
@@ -199,7 +202,7 @@ fn masked<D: Microfacet<f64> + Sync>(facets: D, alpha: [f64; 2], wo: [f64; 3]) -
         let facing = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
         // dωₘ = z³ dsx dsy = z³ αx αy r² d(ln r) dφ.
         let area = z.powi(3) * alpha[0] * alpha[1] * r * r * width * std::f64::consts::TAU;
-        visible * facets.d(m) * facing.max(0.0) * area
+        visible * facets.d(m) * facing.at_least(0.0) * area
     });
     Ok(integrate(&Square, &integrand, &Grid::equal([6, 4], None))?.values.iter().sum())
 }

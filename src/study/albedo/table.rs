@@ -1,5 +1,6 @@
 //! The table of a furnace test, and the verdict on it.
 
+use etalon_stats::Extremes;
 use etalon_stats::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -93,7 +94,7 @@ impl Table {
     /// The largest albedo over the channels, by value of the parameters and angle.
     #[must_use]
     pub fn largest_channels(&self) -> Vec<f64> {
-        let largest = |rows: &[Row]| rows.iter().map(|row| row.albedo).fold(f64::MIN, f64::max);
+        let largest = |rows: &[Row]| rows.iter().map(|row| row.albedo).fold(f64::MIN, f64::at_least);
         self.rows.chunk_by(|_, next| next.channel != 0).map(largest).collect()
     }
 

@@ -1,5 +1,6 @@
 //! A claim, its findings and its verdict.
 
+use etalon_stats::Extremes;
 use serde::Serialize;
 
 /// Standard errors that a number must be away from its bound.
@@ -163,7 +164,7 @@ pub fn percent(share: f64) -> String {
     if percent == 0.0 {
         return "0 %".into();
     }
-    let decimals = (-percent.max(1e-9).log10().floor()).clamp(0.0, 4.0) as usize + usize::from(percent < 10.0);
+    let decimals = (-percent.at_least(1e-9).log10().floor()).within(0.0, 4.0) as usize + usize::from(percent < 10.0);
     format!("{percent:.decimals$} %")
 }
 

@@ -4,6 +4,7 @@ use super::claim::{Bound, Claim, Finding, Unit, VISIBLE};
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::warp;
 use crate::study::sampling_strategies::{StrategyComparison, Zone, ZoneImage, quotient};
+use etalon_stats::Extremes;
 use glam::DVec3;
 
 /// Tests the claims on a statue of copper by importance and by hemisphere sampling.
@@ -49,7 +50,7 @@ fn half_vectors(view_deg: f64, alpha: f64) -> [f64; 2] {
     for i in 0..STEPS * STEPS {
         let at = |n: u32| (f64::from(n) + 0.5) / f64::from(STEPS);
         let half = (wo + warp::uniform_hemisphere([at(i % STEPS), at(i / STEPS)])).normalize();
-        angle += half.z.min(1.0).acos().to_degrees();
+        angle += half.z.at_most(1.0).acos().to_degrees();
         above += f64::from(u8::from(facets.d(half.to_array()) > 0.01 * peak));
     }
     [angle, above].map(|sum| sum / f64::from(STEPS * STEPS))

@@ -15,6 +15,7 @@ use crate::study::depth::{DEPTHS, Depths};
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
 use crate::study::sampling_strategies::quotient;
 use Event::{BlueWall, Ceiling, Diffuse, Mirror, Reflected, Refracted};
+use etalon_stats::Extremes;
 use glam::DVec3;
 
 /// How many paths are traced.
@@ -285,7 +286,7 @@ fn nothing_else(scene: &Scene, depths: &Depths) -> Claim {
 fn brighter(depths: &Depths) -> Claim {
     let steps: Vec<f64> = DEPTHS.windows(2).map(|pair| depths.mean(pair[1]) / depths.mean(pair[0]) - 1.0).collect();
     let list: Vec<String> = steps.iter().map(|step| percent(*step)).collect();
-    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::at_most);
     Claim {
         place: "Fig. 1",
         claim: "The overall intensity increases at every step.",

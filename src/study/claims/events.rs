@@ -8,6 +8,7 @@ use crate::math::{Frame, Rgb};
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::bvh::Bvh;
 use crate::scene::{Material, Object, Projection, Ray, Rectangle, ScatterModel, Scene, Shape, Sphere};
+use etalon_stats::Extremes;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -353,7 +354,7 @@ impl<'a> World<'a> {
             }
             (ray, weight) = (next, weight * factor);
             if depth > SAFE {
-                let survival = weight.max_element().min(0.95);
+                let survival = weight.max_element().at_most(0.95);
                 if roulette >= survival {
                     return;
                 }

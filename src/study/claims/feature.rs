@@ -10,6 +10,7 @@ use crate::raster::Image;
 use crate::sampling::stream::{Independent, Stream};
 use crate::scene::{Ray, Request, Scene};
 use crate::study::depth::Depths;
+use etalon_stats::Extremes;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -251,7 +252,7 @@ impl ClassImage {
         for axis in 0..2 {
             let mean = sum(&|at| at[axis]) / total;
             let deviation = (sum(&|at| (at[axis] - mean).powi(2)) / total).sqrt();
-            place.from[axis] = (mean - REACH * deviation).floor().max(0.0) as usize;
+            place.from[axis] = (mean - REACH * deviation).floor().at_least(0.0) as usize;
             place.to[axis] = ((mean + REACH * deviation).ceil() as usize).min(size[axis]);
         }
         (total > 0.0).then_some(place)

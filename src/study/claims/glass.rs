@@ -4,6 +4,7 @@ use super::claim::{Bound, Claim, Finding, Unit, VISIBLE};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::optics::{conductor, dielectric, schlick};
 use crate::study::metal::MetalTable;
+use etalon_stats::Extremes;
 
 const ETA: f64 = 1.45;
 /// Angles at which formulas are compared.
@@ -17,7 +18,7 @@ fn cosines(limit: f64) -> impl Iterator<Item = f64> {
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, f64::max)
+    values.map(f64::abs).fold(0.0, f64::at_least)
 }
 
 /// Squares of the amplitudes of reflection and transmission, each a mean of both polarizations, at a cosine: as the equations stand.
@@ -33,7 +34,7 @@ fn amplitudes(cos_i: f64, eta: f64) -> [f64; 2] {
 pub(super) fn squared_amplitudes_error() -> f64 {
     let critical = (1.0 / ETA).asin().to_degrees();
     let error = |cos: f64, eta: f64| amplitudes(cos, eta)[0] - dielectric::fresnel(cos, eta).unpolarized();
-    largest(cosines(90.0).map(|c| error(c, ETA))).max(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
+    largest(cosines(90.0).map(|c| error(c, ETA))).at_least(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
 }
 
 /// The largest difference of the reflectances that the first report prints, of each polarization, from those that are rendered: squares
@@ -45,10 +46,10 @@ fn printed_quotients_error() -> f64 {
         // With η of the near side 1, and η of the far side `eta`
         let parallel = ((eta * cos - cos_t) / (eta * cos + cos_t)).powi(2);
         let perpendicular = ((cos - eta * cos_t) / (cos + eta * cos_t)).powi(2);
-        (parallel - exact.parallel).abs().max((perpendicular - exact.perpendicular).abs())
+        (parallel - exact.parallel).abs().at_least((perpendicular - exact.perpendicular).abs())
     };
     let critical = (1.0 / ETA).asin().to_degrees();
-    largest(cosines(90.0).map(|c| error(c, ETA))).max(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
+    largest(cosines(90.0).map(|c| error(c, ETA))).at_least(largest(cosines(critical).map(|c| error(c, 1.0 / ETA))))
 }
 
 /// The difference of the reflectances from both sides of glass at normal incidence, and the largest at one angle, below the critical
@@ -78,7 +79,7 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
         transmitted * eta_cos_t / cos + exact(cos, eta) - 1.0
     };
     let conserved =
-        largest(cosines(89.0).map(|c| power(c, ETA))).max(largest(cosines(critical).map(|c| power(c, inside))));
+        largest(cosines(89.0).map(|c| power(c, ETA))).at_least(largest(cosines(critical).map(|c| power(c, inside))));
     let from_outside = largest(cosines(90.0).map(|c| schlick::schlick(c, ETA) - exact(c, ETA)));
     // The error rises steeply up to the critical angle, which the steps miss.
     let up_to_critical = || cosines(critical).chain([critical.to_radians().cos()]);

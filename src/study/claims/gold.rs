@@ -7,6 +7,7 @@ use crate::scene::{Bvh, Material, Ray, Request, Scene, Shape};
 use crate::study::pixel_mean::inside;
 use crate::study::roughness::StatueRender;
 use crate::study::sampling_strategies::quotient;
+use etalon_stats::Extremes;
 use glam::DVec3;
 
 /// What the claims on gold are tested on.
@@ -134,7 +135,7 @@ impl Chosen {
     /// Those of them that mirror this.
     fn share_of(&self, mirrored: &[Mirrored], what: Mirrored) -> [f64; 2] {
         let count = self.pixels.iter().zip(mirrored).filter(|(chosen, m)| **chosen && **m == what).count();
-        [count as f64, self.error].map(|number| number / self.count.max(1.0))
+        [count as f64, self.error].map(|number| number / self.count.at_least(1.0))
     }
 }
 

@@ -11,6 +11,7 @@ use crate::study::map_samples::{self, SampleRow};
 use crate::study::median_cut::{self, Centroid, RegionRow};
 use crate::study::proposal::Proposal;
 use crate::study::sphere::{Exact, Series, normal};
+use etalon_stats::Extremes;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
@@ -144,7 +145,7 @@ fn middle_shares(map: &EnvMap, of_rows: bool) -> [f64; 2] {
         for x in 0..width {
             // The part of a texel in the middle half
             let (i, n) = if of_rows { (y, height) } else { (x, width) };
-            let [from, to] = [0.25, 0.75].map(|edge| (edge * n as f64 - i as f64).clamp(0.0, 1.0));
+            let [from, to] = [0.25, 0.75].map(|edge| (edge * n as f64 - i as f64).within(0.0, 1.0));
             inside += (to - from) * map.energy(x, y);
             total += map.energy(x, y);
             inside_flat += (to - from) * map.mean_rgb(x, y);
@@ -254,7 +255,7 @@ fn sphere_error(exact: &Exact, lights: &[RegionRow]) -> f64 {
     let (mut square, mut truth, mut count) = (0.0, 0.0, 0.0);
     for (i, pixel) in exact.pixels.iter().enumerate() {
         let (Some(expected), Some(n)) = (pixel, normal(i % exact.size, i / exact.size, exact.size)) else { continue };
-        let light = |l: &RegionRow| l.energy * n.dot(DVec3::new(l.dir_x, l.dir_y, l.dir_z)).max(0.0);
+        let light = |l: &RegionRow| l.energy * n.dot(DVec3::new(l.dir_x, l.dir_y, l.dir_z)).at_least(0.0);
         let got = f64::from(SPHERE_ENV_SCALE) / PI * lights.iter().map(light).sum::<f64>();
         let expected = expected.element_sum() / 3.0;
         square += (got - expected).powi(2);

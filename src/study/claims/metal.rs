@@ -6,6 +6,7 @@ use crate::optics::metals::{IRON, WAVELENGTHS_NM};
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::warp;
 use crate::study::metal::MetalTable;
+use etalon_stats::Extremes;
 use std::f64::consts::PI;
 
 /// Tests the claims on formulas and indices, which no scene has a part in.
@@ -33,7 +34,7 @@ fn iron() -> Claim {
     let difference = |(channel, ([low, high], nm)): (usize, (&[[f64; 3]; 2], f64))| {
         let t = (nm - low[0]) / (high[0] - low[0]);
         let [eta, k] = [1, 2].map(|i| low[i] + t * (high[i] - low[i]));
-        (IRON.eta[channel] - eta).abs().max((IRON.k[channel] - k).abs())
+        (IRON.eta[channel] - eta).abs().at_least((IRON.k[channel] - k).abs())
     };
     Claim {
         place: "Table 1",
@@ -41,7 +42,7 @@ fn iron() -> Claim {
         number: "2.8851 + 3.0449i, 2.9500 + 2.9300i, 2.6500 + 2.8095i",
         findings: vec![Finding::exact(
             "largest difference of η or k from Johnson & Christy, interpolated (their last digit: 0.01)",
-            measured.map(difference).fold(0.0, f64::max),
+            measured.map(difference).fold(0.0, f64::at_least),
             Unit::Plain,
             Bound::AtMost(0.005),
         )],
@@ -101,7 +102,7 @@ fn integrals(alpha: f64) -> [f64; 2] {
 fn density() -> Claim {
     const ALPHAS: [f64; 4] = [0.005, 0.05, 0.25, 0.5];
     let [all, projected] =
-        [0, 1].map(|which| ALPHAS.iter().map(|&a| (integrals(a)[which] - 1.0).abs()).fold(0.0, f64::max));
+        [0, 1].map(|which| ALPHAS.iter().map(|&a| (integrals(a)[which] - 1.0).abs()).fold(0.0, f64::at_least));
     let what = format!("largest difference of ∫ D dω from 1 (of ∫ D cos θ dω: {})", percent(projected));
     Claim {
         place: "text",
@@ -128,7 +129,7 @@ fn half_vector() -> Claim {
         claim: "4 eᵣ·h = 2 |eᵣ + eᵢ|.",
         findings: vec![Finding::exact(
             "largest difference, pairs of directions",
-            pairs.map(|(n, m)| error(n, m)).fold(0.0, f64::max),
+            pairs.map(|(n, m)| error(n, m)).fold(0.0, f64::at_least),
             Unit::Plain,
             Bound::AtMost(1e-12),
         )],

@@ -2,6 +2,8 @@
 //!
 //! A claim has findings: numbers with standard errors, each compared with a bound. The verdict follows from them alone.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod claim;
 mod copper;
 mod deep;

@@ -1,6 +1,7 @@
 //! Linear functionals of images: the mean, low-order cosine modes, the mean of each tile.
 
 use crate::raster::Image;
+use etalon_stats::Extremes;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -116,7 +117,7 @@ impl Spread {
     fn add(&mut self, variance: f64) {
         self.sum += variance;
         self.squares += variance * variance;
-        self.largest = self.largest.max(variance);
+        self.largest = self.largest.at_least(variance);
     }
 
     /// Variance, Satterthwaite's degrees of freedom with one for each pixel (whose variance may come from a single sample),

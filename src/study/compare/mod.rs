@@ -5,6 +5,8 @@
 //! replicates must be independent. Source of the test by tiles: Jung, Hanika & Dachsbacher, "Detecting Bias in Monte Carlo
 //! Renderers using Welch's t-test", JCGT 9(2), 2020.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod exact;
 mod explain;
 mod functionals;
@@ -23,6 +25,7 @@ use self::functionals::{Blocks, Layout};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::Image;
+use etalon_stats::Extremes;
 use etalon_stats::difference::{Difference, is_dominated};
 use etalon_stats::welch::Mean;
 use rayon::prelude::*;
@@ -184,7 +187,9 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     };
     let whole = &families[0];
     let level_of = |family: &FamilyResult| plan.level / FAMILIES / family.tests.len().max(1) as f64;
-    let uniform = whole.tests.iter().map(|test| relative(test, level_of(whole))).fold(f64::INFINITY, f64::min);
+    // Of a channel that is black on both sides there is no share.
+    let shares = whole.tests.iter().map(|test| relative(test, level_of(whole))).filter(|share| !share.is_nan());
+    let uniform = shares.fold(f64::INFINITY, f64::at_most);
     let uniform_bias = Some(uniform).filter(|bias| bias.is_finite() && whole.dominated == 0);
     let usable = families[2].tests.iter().filter(|test| !test.dominated);
     let mut tile_biases: Vec<f64> =
@@ -298,7 +303,7 @@ impl FamilyResult {
     /// The p-value of a test, corrected for the number of tests and of families.
     #[must_use]
     pub fn adjusted(&self, test: &Tested) -> f64 {
-        (test.difference.p() * self.tests.len() as f64 * FAMILIES).min(1.0)
+        (test.difference.p() * self.tests.len() as f64 * FAMILIES).at_most(1.0)
     }
 }
 
@@ -368,7 +373,7 @@ fn widen(observed: &mut [[Observed; 3]], layout: &Layout) {
     let variances: Vec<[f64; 3]> = tiles.iter().map(|&i| [0, 1, 2].map(|channel| pooled(i, channel))).collect();
     for (i, pooled) in tiles.into_iter().zip(variances) {
         for (observed, pooled) in observed[i].iter_mut().zip(pooled) {
-            observed.mean.variance = observed.mean.variance.max(pooled);
+            observed.mean.variance = observed.mean.variance.at_least(pooled);
         }
     }
 }

@@ -10,6 +10,7 @@
 use super::functionals::{Layout, WAVES};
 use super::side::Side;
 use crate::raster::Image;
+use etalon_stats::Extremes;
 use etalon_stats::welch::Mean;
 
 /// The variance and the degrees of freedom of the mean and the modes of a side, from replicates; by functional and channel.
@@ -23,7 +24,7 @@ pub fn pool([side, other]: [&Side; 2], layout: &Layout, own: &[[Mean; 3]]) -> Ve
     let mut variances = variances(&side.images);
     if other.images.len() > 1 {
         for (variance, other) in variances.iter_mut().zip(self::variances(&other.images)) {
-            *variance = std::array::from_fn(|channel| variance[channel].max(other[channel]));
+            *variance = std::array::from_fn(|channel| variance[channel].at_least(other[channel]));
         }
     }
     let covariances = layout.covariances(&variances);
@@ -36,7 +37,7 @@ pub fn pool([side, other]: [&Side; 2], layout: &Layout, own: &[[Mean; 3]]) -> Ve
         let squares: f64 = noisy.iter().flat_map(|&i| noisy.iter().map(move |&j| correlation(i, j))).sum();
         for &i in &noisy {
             let mean = &mut pooled[i][channel];
-            mean.variance = mean.variance.max(factor * covariance[i][i] / n);
+            mean.variance = mean.variance.at_least(factor * covariance[i][i] / n);
             mean.dof = (n - 1.0) * count * count / squares;
         }
     }

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::raster::{ExrFile, Image, ReadOptions, read_with_notes};
 use crate::render::film::ERRORS_OF_SUMS;
+use etalon_stats::Extremes;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -191,7 +192,7 @@ fn error_of_moments(mean: &Image, square: &Image, spp: u32) -> Image {
     Image::from_fn(mean.width(), mean.height(), |x, y| {
         let (m, s) = (mean.get(x, y), square.get(x, y));
         Rgb::from_array(std::array::from_fn(|c| {
-            let variance = (f64::from(s[c]) - f64::from(m[c]).powi(2)).max(0.0);
+            let variance = (f64::from(s[c]) - f64::from(m[c]).powi(2)).at_least(0.0);
             (variance / (f64::from(spp) - 1.0)).sqrt() as f32
         }))
     })

@@ -10,6 +10,7 @@ use crate::import::renderer::Renderer;
 use crate::raster::Image;
 use crate::render::Settings;
 use crate::scene::{Request, Scene};
+use etalon_stats::Extremes;
 use serde::Serialize;
 use std::time::Duration;
 
@@ -181,7 +182,7 @@ impl<'a> Replicate<'a> {
             Source::Recorded { .. } => 0.0,
             Source::Renderer { .. } => {
                 let [(spp0, t0), (spp1, t1)] = self.last;
-                let per_sample = (t1 - t0).max(0.0) / f64::from(spp1.saturating_sub(spp0).max(1));
+                let per_sample = (t1 - t0).at_least(0.0) / f64::from(spp1.saturating_sub(spp0).max(1));
                 t1 + per_sample * f64::from(spp1) * f64::from(APART - 1)
             }
         }

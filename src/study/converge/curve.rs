@@ -6,6 +6,7 @@ use super::reference::Reference;
 use crate::error::Result;
 use crate::raster::{Comparison, Image};
 use crate::study::fit;
+use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;
@@ -241,7 +242,7 @@ impl Curve {
     /// `None` where that is within two standard errors of nothing.
     pub fn variance_efficiency(&self) -> Option<f64> {
         let level = self.levels.last()?;
-        let variance = level.mse.value - self.bias2.value.max(0.0);
+        let variance = level.mse.value - self.bias2.value.at_least(0.0);
         (variance > 2.0 * self.bias2.standard_error).then(|| 1.0 / (variance * level.cpu_seconds))
     }
 

@@ -6,6 +6,8 @@
 //! Errors are relative to an exact image where there is one, else to two independent long renders whose own errors
 //! cancel (see [`compare_with_halves`](crate::raster::compare_with_halves)).
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod answer;
 pub mod contender;
 pub mod curve;

@@ -3,6 +3,7 @@
 use super::contender::Fault;
 use super::curve::{self, Curve, CurveVerdict};
 use super::reference::{Facts, Reference};
+use etalon_stats::Extremes;
 use serde::Serialize;
 
 /// The curves of all contenders on one scene.
@@ -44,14 +45,17 @@ impl Convergence {
     /// The processor time that all contenders have had: the shortest of their last levels.
     pub fn common_seconds(&self) -> f64 {
         let last = self.curves.iter().filter_map(|curve| Some(curve.levels.last()?.cpu_seconds));
-        last.fold(f64::INFINITY, f64::min)
+        last.fold(f64::INFINITY, f64::at_most)
     }
 
     /// The smallest RMSE that every contender without bias has reached.
     pub fn common_rmse(&self) -> f64 {
         let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
-        let least = |curve: &Curve| curve.levels.iter().map(curve::Level::rmse).fold(f64::INFINITY, f64::min);
-        unbiased.map(least).fold(f64::NAN, f64::max)
+        // Of an unbiased estimate of the MSE below 0 there is no root.
+        let known = |curve: &Curve| {
+            curve.levels.iter().map(curve::Level::rmse).filter(|rmse| !rmse.is_nan()).fold(f64::INFINITY, f64::at_most)
+        };
+        unbiased.map(known).reduce(f64::at_least).unwrap_or(f64::NAN)
     }
 
     /// Whether any contender has a verdict.

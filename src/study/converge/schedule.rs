@@ -10,6 +10,7 @@ use super::result::Convergence;
 use crate::error::Result;
 use crate::raster::{Image, hdr_flip};
 use crate::scene::{Request, Scene};
+use etalon_stats::Extremes;
 
 /// The share of the time that is reserved for evaluating errors.
 const RESERVE: f64 = 0.03;
@@ -95,7 +96,7 @@ pub fn run(
         for (entry, one) in entries.iter_mut().zip(growing) {
             result.faults.extend(one.and_then(|one| entry.finish(one, index)));
         }
-        longest = longest.max(before - all.left());
+        longest = longest.at_least(before - all.left());
     }
     let has_verdicts = entries.iter().all(|entry| entry.given_up || entry.runs.len() >= REPLICATES_FOR_VERDICT);
     if !has_verdicts && longest > 0.0 {

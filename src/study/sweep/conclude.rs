@@ -4,6 +4,7 @@ use super::part::Part;
 use super::plan::Plan;
 use crate::error::Result;
 use crate::interrupt;
+use etalon_stats::Extremes;
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Decided, State, Survivor, Survivors, confirm, decide, shrink};
 use serde::Serialize;
@@ -131,7 +132,7 @@ impl Sums {
             for cell in &cells {
                 let group = self.groups.entry((family, cell.check)).or_default();
                 group.configurations += 1;
-                group.min_p = [group.min_p, cell.p].into_iter().flatten().reduce(f64::min);
+                group.min_p = [group.min_p, cell.p].into_iter().flatten().reduce(f64::at_most);
                 let found = cell.detectable.is_some_and(|error| error <= 1.01 * plan.description.detect());
                 group.powered += u64::from(found);
                 match cell.state {

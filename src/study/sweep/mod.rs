@@ -1,5 +1,7 @@
 //! Sweeps of BSDFs over their parameters and directions: plans, parts that are computed anywhere, and the decision on all of them.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod conclude;
 mod part;
 mod plan;

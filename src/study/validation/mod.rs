@@ -1,14 +1,19 @@
 //! The project's own samplers, tested: cases, suites of them, and runs.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod calibrate;
 mod case;
 mod external;
 pub mod families;
+// What is tested, and not what tests it.
+#[allow(clippy::disallowed_methods)]
 pub mod planted;
 mod run;
 pub mod scattering;
 mod select;
 mod shared;
+#[allow(clippy::disallowed_methods)]
 pub mod suite;
 mod whole;
 

@@ -1,6 +1,7 @@
 //! Checks of a whole BSDF as one test.
 
 use crate::error::Result;
+use etalon_stats::Extremes;
 use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction};
 use etalon_stats::{Outcome, Protocol};
 
@@ -39,7 +40,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             let violation = found.violation.take().or(outcome.violation.clone().map(named));
             let reason = found.inconclusive_reason.take().or(outcome.inconclusive_reason.clone().map(named));
             if check.is_statistical {
-                detectable = detectable.max(outcome.detectable.unwrap_or(0.0));
+                detectable = detectable.at_least(outcome.detectable.unwrap_or(0.0));
             } else {
                 exact.push((outcome.detectable.unwrap_or(0.0), outcome.samples));
             }
@@ -50,7 +51,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             found = Outcome { violation, inconclusive_reason: reason, samples, seconds, ..found };
         }
     }
-    found.detectable = Some(detectable.max(found_in_most(exact)));
+    found.detectable = Some(detectable.at_least(found_in_most(exact)));
     // 1 − (1 − p)ⁿ, precise for small p.
     found.p = found.p.map(|p| if p < 1.0 { -(tests as f64 * (-p).ln_1p()).exp_m1() } else { 1.0 });
     Ok(found)

@@ -10,6 +10,7 @@ use super::vector::{place, sphere};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
+use crate::extremes::Extremes;
 use crate::grid::Grid;
 use crate::multiple::sidak;
 use crate::outcome::Outcome;
@@ -98,7 +99,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
                 "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}"
             )
         };
-        detectable = detectable.max(uncertainty.detectable(level) + ROUNDING);
+        detectable = detectable.at_least(uncertainty.detectable(level) + ROUNDING);
         if uncertainty.is_deterministic() {
             violation = violation.or_else(|| (p < 1.0).then(message));
         } else if least.as_ref().is_none_or(|(least, _)| p < *least) {
@@ -111,7 +112,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             100.0 * detectable
         )
     });
-    let p = least.as_ref().map(|(p, _)| (p * integrals.len() as f64).min(1.0));
+    let p = least.as_ref().map(|(p, _)| (p * integrals.len() as f64).at_most(1.0));
     Ok(Some(Outcome {
         p,
         detectable: Some(detectable),
@@ -171,7 +172,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         SampleCount::Detect(w) => {
             let n = (2 * BATCH) as f64;
             let relative = first.iter().filter(|sum| sum.sum > 0.0);
-            let variance = relative.map(|all| n * all.squares / (all.sum * all.sum) - 1.0).fold(0.0, f64::max);
+            let variance = relative.map(|all| n * all.squares / (all.sum * all.sum) - 1.0).fold(0.0, f64::at_least);
             ((noncentrality(1, level) * variance / (w * w)) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
@@ -183,13 +184,13 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
     for ((channel, integrals), found) in integrals.iter().zip(&found) {
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel]).sum::<f64>();
         let (expected, mean) = (integrals.total() + deltas, found.sum / n);
-        let sampled = (found.squares / n - mean * mean).max(0.0) / (n - 1.0);
+        let sampled = (found.squares / n - mean * mean).at_least(0.0) / (n - 1.0);
         let deviation = (sampled + integrals.variances.iter().sum::<f64>()).sqrt();
         // Errors of cubature and of single precision explain a part of the difference.
         let error = if subject.is_deterministic() { integrals.uncertainty.bound(0.5 * CHANCE * CHANCE) } else { 0.0 };
         let explained = error + ROUNDING * expected;
         let explained = explained + uniform.unseen(*channel, found.largest.sqrt(), n);
-        let excess = ((mean - expected).abs() - explained).max(0.0);
+        let excess = ((mean - expected).abs() - explained).at_least(0.0);
         let z = if excess == 0.0 { 0.0 } else { excess / deviation };
         let at = || {
             let error = 100.0 * (mean / expected - 1.0);
@@ -201,8 +202,8 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         if least.as_ref().is_none_or(|(largest, _)| z > *largest) {
             least = Some((z, at()));
         }
-        let scale = expected.max(f64::MIN_POSITIVE);
-        detectable = detectable.max((explained + deviation * noncentrality(1, level).sqrt()) / scale);
+        let scale = expected.at_least(f64::MIN_POSITIVE);
+        detectable = detectable.at_least((explained + deviation * noncentrality(1, level).sqrt()) / scale);
         if found.squares > 0.0 && found.largest > LARGEST * found.squares {
             reason = Some("a single weight decides: their tail is not controlled".to_owned());
         }
@@ -214,7 +215,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
     let coarse = Some(detectable).filter(|&w| w > subject.protocol.coarsest());
     let reason = reason.or(coarse
         .map(|w| format!("too few samples: an error of the albedo below {:.0} % would remain undetected", 100.0 * w)));
-    let p = least.as_ref().map(|(z, _)| (libm::erfc(z / 2f64.sqrt()) * channels.len() as f64).min(1.0));
+    let p = least.as_ref().map(|(z, _)| (libm::erfc(z / 2f64.sqrt()) * channels.len() as f64).at_most(1.0));
     Ok(Some(Outcome {
         statistic: least.as_ref().map_or(0.0, |(z, _)| z * z),
         // Where the tolerance explains all, p is 1: it has no continuous distribution.

@@ -1,5 +1,7 @@
 //! The contract of a BSDF under test: what it evaluates and samples, and what it declares of itself.
 
+use crate::extremes::Extremes;
+
 /// A unit vector in the local frame, the normal at +z, that points away from the surface.
 pub type Direction = [f64; 3];
 
@@ -124,7 +126,7 @@ impl Parameter {
     pub fn at(&self, share: f64) -> f64 {
         let [from, to] = self.range;
         let value = if self.is_logarithmic() { from * (to / from).powf(share) } else { from + (to - from) * share };
-        value.clamp(from, to)
+        value.within(from, to)
     }
 }
 

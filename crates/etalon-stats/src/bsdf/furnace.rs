@@ -5,6 +5,7 @@ use super::contract::{Direction, Properties, Spectrum};
 use super::subject::Subject;
 use crate::error::Result;
 use crate::examine::Protocol;
+use crate::extremes::Extremes;
 use integral::{Weights, integral, unresolved};
 use mapped::{Mapped, UNSEEN};
 use sequence::by_sequence;
@@ -124,12 +125,12 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             None => {
                 let mut weights = Weights::new(&mapped, channel);
                 let rounded = if largest.is_none() { unresolved(&mut weights)? } else { 0.0 };
-                let target = (error - rounded - rest(largest.unwrap_or(1.0))).max(0.5 * error);
+                let target = (error - rounded - rest(largest.unwrap_or(1.0))).at_least(0.5 * error);
                 let [value, bound] = integral(&mut weights, largest, target)?;
                 let integral = [value, bound + rounded];
                 let [least, most] = weights.extremes;
                 if let Basis::Found(found) = &mut albedo.basis {
-                    *found = found.max(most);
+                    *found = found.at_least(most);
                 }
                 if let Some(declared) = largest.filter(|largest| least < 0.0 || most > *largest) {
                     albedo.basis = Basis::Exceeded { declared, found: if least < 0.0 { least } else { most } };

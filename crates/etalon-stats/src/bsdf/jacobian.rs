@@ -6,6 +6,7 @@ use super::contract::{BsdfSample, Direction, PdfKind};
 use super::subject::{Comparison, Subject};
 use super::vector::{cross, length};
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::outcome::Outcome;
 use rand::RngExt;
 use std::iter::repeat_n;
@@ -137,7 +138,7 @@ fn derivative(places: &[Option<Direction>], steps: &[f64], precision: f64) -> De
     let (best, &(value, error)) = all.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
     // Rounding that is larger than expected shows in the next steps.
     let next = [best.checked_sub(1), best.checked_add(1)].into_iter().flatten().filter_map(|i| all.get(i));
-    let spread = next.map(|(other, _)| distance(value, *other)).fold(0.0, f64::max);
+    let spread = next.map(|(other, _)| distance(value, *other)).fold(0.0, f64::at_least);
     Some((value, error + spread))
 }
 

@@ -7,6 +7,7 @@ use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid}
 use crate::density::Density;
 use crate::domain::{Directions, Domain};
 use crate::error::{Result, poll};
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::outcome::Outcome;
 use rand::RngExt;
@@ -71,8 +72,9 @@ impl Pilot {
         let wis: Vec<Direction> = self.places.iter().take(SAMPLES).flat_map(of_sample).collect();
         let values = subject.bsdf.eval(&subject.pairs(&wis), &[])?;
         let changed = |[f, moved @ ..]: &[Spectrum; 4]| {
-            let change = |other: &Spectrum| (other[0] - f[0]).abs() / f[0].max(other[0]).max(f64::MIN_POSITIVE);
-            moved.iter().map(change).fold(0.0, f64::max)
+            let change =
+                |other: &Spectrum| (other[0] - f[0]).abs() / f[0].at_least(other[0]).at_least(f64::MIN_POSITIVE);
+            moved.iter().map(change).fold(0.0, f64::at_least)
         };
         let (of_samples, _) = values.as_chunks::<4>();
         let mean = of_samples.iter().map(changed).sum::<f64>() / of_samples.len().max(1) as f64;
@@ -100,7 +102,7 @@ impl Pilot {
             let places: Vec<[f64; 2]> =
                 self.places.iter().copied().filter(|&[x, _]| (within.x[0]..within.x[1]).contains(&x)).collect();
             let cells = count as f64 * places.len() as f64 / self.places.len().max(1) as f64;
-            let rows = (0.5 * cells).sqrt().round().max(1.0);
+            let rows = (0.5 * cells).sqrt().round().at_least(1.0);
             let shape = [rows as usize, ((cells / rows) as usize).max(1)];
             Grid::adapted(&places, shape, within, None)
         };
@@ -166,7 +168,7 @@ impl Uncertainty {
         // Solve √(2t) deviation + t single = excess for √t.
         let linear = 2f64.sqrt() * self.deviation;
         let root = 2.0 * excess / (linear + (linear * linear + 4.0 * self.single * excess).sqrt());
-        (3.0 * (-root * root).exp()).min(1.0)
+        (3.0 * (-root * root).exp()).at_most(1.0)
     }
 
     /// The error that a test by [`p_value`](Self::p_value) at `level` finds with 90 % probability.
@@ -200,7 +202,7 @@ impl Light<'_> {
             let above = weight * (1.0 - refinement.share_within(probe));
             cells[grid.find(probe.at)] += above / n;
             squares += above * above;
-            largest = largest.max(weight);
+            largest = largest.at_least(weight);
         }
         Ok(MissedLight { cells, deviation: squares.sqrt() / n, largest: largest / n })
     }
@@ -266,7 +268,7 @@ pub fn integrate(
     }
     let integrals = integration.integrals();
     let beyond_chance =
-        |(error, [difference, chance]): (&f64, &[f64; 2])| error + (difference.abs() - CHANCE * chance).max(0.0);
+        |(error, [difference, chance]): (&f64, &[f64; 2])| error + (difference.abs() - CHANCE * chance).at_least(0.0);
     let errors = integrals.errors.iter().zip(&differences).map(beyond_chance);
     let errors: Vec<f64> = errors.zip(&missed.cells).map(|(error, more)| error + more).collect();
     let difference: f64 = differences.iter().map(|[difference, _]| difference).sum();
@@ -307,17 +309,17 @@ fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellInt
             for value in values {
                 sum += value;
                 squares += value * value;
-                largest = largest.max(value);
+                largest = largest.at_least(value);
             }
         }
         let (n, size) = (points as f64, cell.area() * domain.measure());
-        let variance = (squares - sum * sum / n).max(0.0) / (n * (n - 1.0));
+        let variance = (squares - sum * sum / n).at_least(0.0) / (n * (n - 1.0));
         Ok(CellMean { value: size * sum / n, variance: size * size * variance, largest: size * largest / n, invalid })
     };
     let all: Vec<_> = grid.cells().enumerate().collect();
     let found = all.into_par_iter().map(of_cell).collect::<Result<Vec<_>>>()?;
     let variances: Vec<f64> = found.iter().map(|cell| cell.variance).collect();
-    let largest = found.iter().map(|cell| cell.largest).fold(0.0, f64::max);
+    let largest = found.iter().map(|cell| cell.largest).fold(0.0, f64::at_least);
     Ok(CellIntegrals {
         values: found.iter().map(|cell| cell.value).collect(),
         errors: vec![0.0; grid.len()],

@@ -6,6 +6,7 @@ use super::vector::{place, same_side, sphere};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::examine::Protocol;
+use crate::extremes::Extremes;
 use crate::outcome::Outcome;
 use crate::stream::CounterRng;
 use crate::text::count;
@@ -117,7 +118,7 @@ impl<'a> Subject<'a> {
         let values = function(&all)?;
         let of = |(&f, values): (&f64, &[f64])| {
             let change = |other: &f64| if other.is_finite() { (other - f).abs() } else { 0.0 };
-            let largest = |both: &[f64]| both.iter().map(change).fold(0.0, f64::max);
+            let largest = |both: &[f64]| both.iter().map(change).fold(0.0, f64::at_least);
             let along = |axis: &[f64]| largest(&axis[..2]) + largest(&axis[2..]);
             self.last_places(f) + values.chunks_exact(4).map(along).sum::<f64>()
         };
@@ -132,7 +133,7 @@ impl<'a> Subject<'a> {
     /// A message on a sample whose weight contradicts the declared bound: the mean over lobes is at least what its lobe adds.
     pub fn above_bound(&self, sample: &BsdfSample) -> Option<String> {
         let bound = self.properties.largest_weight.filter(|_| !sample.is_delta())?;
-        let weight = sample.weight[..self.properties.channels].iter().copied().fold(0.0, f64::max);
+        let weight = sample.weight[..self.properties.channels].iter().copied().fold(0.0, f64::at_least);
         let found = sample.lobe_probability * weight * self.eta2(sample.wi);
         (found > bound + self.last_places(bound))
             .then(|| format!("{}: a weight of {found}, above the declared bound {bound}", self.at(sample.wi)))
@@ -185,7 +186,7 @@ impl Comparison {
         let far: Vec<usize> = (0..numbers.len()).filter(|i| !is_close(i)).collect();
         if !far.is_empty() {
             for (&i, tolerance) in far.iter().zip(tolerances(&far)?) {
-                tolerated[i] = tolerance.max(tolerated[i]);
+                tolerated[i] = tolerance.at_least(tolerated[i]);
                 let (difference, [found, expected]) = (difference(i), numbers[i]);
                 if difference.is_nan() || difference > tolerated[i] {
                     self.fail(difference / tolerated[i], || format!("{}: {found:.6e} and {expected:.6e}", message(i)));
@@ -194,9 +195,9 @@ impl Comparison {
         }
         for (tolerance, [found, expected]) in tolerated.into_iter().zip(numbers) {
             // Numbers near 0 have no relative error.
-            let scale = found.abs().max(expected.abs());
+            let scale = found.abs().at_least(expected.abs());
             if scale > TINY.sqrt() {
-                self.tolerated.push((tolerance / scale).min(1.0));
+                self.tolerated.push((tolerance / scale).at_most(1.0));
             }
         }
         Ok(())

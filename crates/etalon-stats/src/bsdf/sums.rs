@@ -4,6 +4,7 @@ use super::subject::Subject;
 use super::vector::sphere;
 use crate::domain::Domain;
 use crate::error::{Result, poll};
+use crate::extremes::Extremes;
 use crate::grid::Grid;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -27,7 +28,7 @@ impl CellSum {
         let square = weight * weight;
         self.sum += weight;
         self.squares += square;
-        self.largest = self.largest.max(square);
+        self.largest = self.largest.at_least(square);
     }
 
     /// The sums of two cells, or of two batches of one cell.
@@ -35,7 +36,7 @@ impl CellSum {
         Self {
             sum: self.sum + other.sum,
             squares: self.squares + other.squares,
-            largest: self.largest.max(other.largest),
+            largest: self.largest.at_least(other.largest),
         }
     }
 }

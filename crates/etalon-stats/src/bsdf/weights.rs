@@ -12,6 +12,7 @@ use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
+use crate::extremes::Extremes;
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome};
 use crate::power::{chi_square_tail, noncentrality, samples_for};
@@ -136,10 +137,10 @@ impl Cells {
     /// The same as counts: effective numbers of samples, observed and expected.
     fn counts(&self, grid: crate::grid::Grid, atoms: usize) -> Counts {
         let expected: Vec<f64> =
-            self.terms.iter().map(|term| term.effective(self.ratio).max(f64::MIN_POSITIVE)).collect();
+            self.terms.iter().map(|term| term.effective(self.ratio).at_least(f64::MIN_POSITIVE)).collect();
         let observed = |(term, expected): (&Term, &f64)| match term.expected > 0.0 {
             true => (expected * term.found.sum / term.expected).round() as u64,
-            false => (term.found.sum / self.ratio.max(f64::MIN_POSITIVE)).round() as u64,
+            false => (term.found.sum / self.ratio.at_least(f64::MIN_POSITIVE)).round() as u64,
         };
         let observed = self.terms.iter().zip(&expected).map(observed).collect();
         Counts { axes: sphere().axes(), grid, observed, expected, atoms }
@@ -166,7 +167,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
                 let lit = cells.iter().filter(|cell| cell.squares > 0.0);
                 lit.map(|cell| cell.sum * cell.sum / cell.squares).sum::<f64>() / (2 * BATCH) as f64
             };
-            let least = efficiency.cells.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::min);
+            let least = efficiency.cells.iter().map(of).filter(|&share| share > 0.0).fold(1.0, f64::at_most);
             ((equal as f64 / least) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
@@ -186,14 +187,14 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
             continue;
         };
         if tested.dof > 0 {
-            detectable = detectable.max((noncentrality(tested.dof, level) / tested.effective).sqrt());
+            detectable = detectable.at_least((noncentrality(tested.dof, level) / tested.effective).sqrt());
         }
-        uncontrolled = uncontrolled.max(tested.uncontrolled);
+        uncontrolled = uncontrolled.at_least(tested.uncontrolled);
         if worst.as_ref().is_none_or(|(worst, _)| tested.p < worst.p) {
             worst = Some((tested, cells));
         }
     }
-    let p = worst.as_ref().map(|(worst, _)| (worst.p * channels.len() as f64).min(1.0));
+    let p = worst.as_ref().map(|(worst, _)| (worst.p * channels.len() as f64).at_most(1.0));
     let reason = if !decided {
         Some("too few samples carry light".to_owned())
     } else if uncontrolled > UNCONTROLLED {

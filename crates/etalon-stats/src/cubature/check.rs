@@ -4,6 +4,7 @@ use super::pieces::{LARGE, Piece};
 use super::{InvalidPdf, Probe, Refinement, first_invalid, values_at};
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::fixed::{Share, add};
 use crate::stream::CounterRng;
 use crate::tally::{BATCH, FOUND};
@@ -76,7 +77,7 @@ impl<D: Domain> Refinement<'_, D> {
                 // One point in each of `count` equal parts of `reach`.
                 let at = (i as f64 + rng.random::<f64>()) / count as f64 * reach;
                 let piece = &self.pieces[ends.partition_point(|&end| end <= at).min(ends.len() - 1)];
-                let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).min(to.next_down());
+                let along = |[from, to]: [f64; 2], u: f64| (from + (to - from) * u).at_most(to.next_down());
                 let [u, v] = rng.random::<[f64; 2]>();
                 let chart = [along(piece.part.at.x, u), if plane { along(piece.part.at.y, v) } else { 0.5 }];
                 chosen.push(piece);

@@ -2,6 +2,7 @@
 
 use super::Probe;
 use super::rule::{KRONROD, interpolate, rules};
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 
 /// How far above the values at its nodes a piece may be expected to reach. What is above counts as missed.
@@ -55,7 +56,7 @@ impl Piece {
     /// The rules' results from the densities at the nodes; `measure` is that of the whole chart.
     pub(super) fn new(part: Part, values: &[f64], measure: f64) -> Self {
         let [k, gx, gy] = rules(values).map(|sum| 0.25 * part.at.area() * measure * sum);
-        let top = REACH * values.iter().copied().fold(0.0, f64::max);
+        let top = REACH * values.iter().copied().fold(0.0, f64::at_least);
         let shape = values.iter().map(|value| if top > 0.0 { value / top } else { 0.0 }).collect();
         let errors = [(gx - k).abs(), (gy - k).abs()];
         Self { part, integral: k, errors, mismatch: 0.0, top, shape }
@@ -64,7 +65,7 @@ impl Piece {
     /// Estimate of the error of `integral`; infinite where the density is beyond reach.
     #[inline]
     pub(super) fn error(&self) -> f64 {
-        (self.errors[0] + self.errors[1]).max(self.mismatch)
+        (self.errors[0] + self.errors[1]).at_least(self.mismatch)
     }
 
     /// The share of a density that is within reach.
@@ -80,7 +81,7 @@ impl Piece {
         if self.top == 0.0 {
             return 0.0;
         }
-        ((probe.pdf / self.top).min(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).clamp(-1.0, 1.0)
+        ((probe.pdf / self.top).at_most(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).within(-1.0, 1.0)
     }
 
     /// The integral of the largest density that the piece is expected to reach.
@@ -104,7 +105,7 @@ impl Piece {
         }
         let difference = self.difference(probe).abs();
         if difference > LARGE {
-            self.mismatch = self.mismatch.max(difference * self.reach(measure));
+            self.mismatch = self.mismatch.at_least(difference * self.reach(measure));
         }
     }
 

@@ -6,6 +6,7 @@ use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use rayon::prelude::*;
 
@@ -232,7 +233,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
         self.reach = vec![f64::INFINITY; cells];
         for piece in &self.pieces {
             let reach = &mut self.reach[piece.part.cell];
-            *reach = reach.min(piece.top);
+            *reach = reach.at_most(piece.top);
         }
         Ok(())
     }

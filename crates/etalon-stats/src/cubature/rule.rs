@@ -1,5 +1,6 @@
 //! The tensor product of the Gauss–Kronrod rule (7, 15). Source: Piessens et al., QUADPACK, 1983.
 
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 
 /// Nodes of the Kronrod rule.
@@ -94,7 +95,7 @@ fn lagrange(x: f64) -> [f64; KRONROD] {
 /// The polynomial through `values` at the [`nodes`] of `at`, whose integral is what Kronrod's rule returns.
 #[inline]
 pub(super) fn interpolate(values: &[f64], at: &Cell, [x, y]: [f64; 2]) -> f64 {
-    let local = |v: f64, [from, to]: [f64; 2]| ((2.0 * v - from - to) / (to - from)).clamp(-1.0, 1.0);
+    let local = |v: f64, [from, to]: [f64; 2]| ((2.0 * v - from - to) / (to - from)).within(-1.0, 1.0);
     let along_x = lagrange(local(x, at.x));
     let sum = |basis: &[f64; KRONROD], values: &[f64]| {
         basis.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>()

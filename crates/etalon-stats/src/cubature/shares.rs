@@ -8,6 +8,7 @@ use super::pieces::Piece;
 use super::refine::Refinement;
 use super::rule::{KRONROD, RULE};
 use crate::domain::Domain;
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::subdivision::{Parts, Subdivision, subdivided};
 use std::collections::BTreeMap;
@@ -75,7 +76,7 @@ pub(super) fn met(ends: &[f64], [from, to]: [f64; 2]) -> Range<usize> {
 
 /// The [`primitives`] of the interval `within` over each of the intervals `met` between `ends`.
 fn over(ends: &[f64], met: Range<usize>, [from, to]: [f64; 2]) -> Vec<[f64; TERMS]> {
-    let at = |end: f64| primitives(((2.0 * end - from - to) / (to - from)).clamp(-1.0, 1.0));
+    let at = |end: f64| primitives(((2.0 * end - from - to) / (to - from)).within(-1.0, 1.0));
     let ends: Vec<[f64; TERMS]> = ends[met.start..=met.end].iter().map(|&end| at(end)).collect();
     ends.windows(2).map(|e| std::array::from_fn(|k| e[1][k] - e[0][k])).collect()
 }
@@ -121,7 +122,7 @@ impl<D: Domain> Refinement<'_, D> {
                 .collect();
             for (row, x) in rows.clone().zip(over(&xs, rows, part.at.x)) {
                 for (column, terms) in columns.clone().zip(&of_columns) {
-                    add(subdivision.part(part.cell, [row, column]), dot(&x, terms).max(0.0));
+                    add(subdivision.part(part.cell, [row, column]), dot(&x, terms).at_least(0.0));
                 }
             }
         }
@@ -131,7 +132,7 @@ impl<D: Domain> Refinement<'_, D> {
                 let interval = interval.map(f64::from_bits);
                 let met = met(&ends, interval);
                 for (part, x) in met.clone().zip(over(&ends, met, interval)) {
-                    shares.values.axes[axis][part] += dot(&x, &terms).max(0.0);
+                    shares.values.axes[axis][part] += dot(&x, &terms).at_least(0.0);
                     shares.errors.axes[axis][part] += error;
                 }
             }

@@ -5,6 +5,7 @@ use super::{Integrals, InvalidPdf, first_invalid};
 use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
+use crate::extremes::Extremes;
 use crate::subdivision::{Parts, Subdivision, subdivided};
 use rayon::prelude::*;
 
@@ -20,7 +21,7 @@ type Overlaps = Vec<Vec<(usize, f64)>>;
 /// How the intervals between `lines` share out to those between `ends`.
 fn overlaps(lines: &[f64], ends: &[f64]) -> Overlaps {
     let of = |line: &[f64]| -> Vec<(usize, f64)> {
-        let part = |part: usize| (part, line[1].min(ends[part + 1]) - line[0].max(ends[part]));
+        let part = |part: usize| (part, line[1].at_most(ends[part + 1]) - line[0].at_least(ends[part]));
         met(ends, [line[0], line[1]]).map(part).filter(|(_, length)| *length > 0.0).collect()
     };
     lines.windows(2).map(of).collect()

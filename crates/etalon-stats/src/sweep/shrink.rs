@@ -4,6 +4,7 @@ use super::configuration::Configuration;
 use super::screen::{CONFIRM_LEVEL, Finding, State, confirm};
 use crate::bsdf::{Family, Parameter};
 use crate::error::Result;
+use crate::extremes::Extremes;
 
 /// A failure in the simplest configuration that was found.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +87,7 @@ fn simpler(configuration: &Configuration, parameters: &[Parameter], axis: usize)
     let candidates: Vec<f64> = match axis.checked_sub(parameters.len()) {
         None => round_values(&configuration.values[..=axis], &parameters[..=axis]),
         Some(0) => {
-            let whole = side(side(theta).round()).clamp(0.0, 180.0);
+            let whole = side(side(theta).round()).within(0.0, 180.0);
             let whole = if whole == 90.0 { theta } else { whole };
             // Above the surface is simpler than below.
             let above = is_below.then_some(180.0 - theta);

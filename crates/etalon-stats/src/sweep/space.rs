@@ -3,6 +3,7 @@
 use super::configuration::{Configuration, LARGEST_ANGLE};
 use crate::bsdf::{Family, Parameter};
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::hash::mix64;
 
 /// How configurations are chosen.
@@ -110,7 +111,7 @@ impl Space {
         let theta = if side < 0.5 { theta } else { 180.0 - theta };
         let rounded = |(value, parameter): (f64, &Parameter)| {
             let [from, to] = parameter.range;
-            if [from, to, parameter.value].contains(&value) { value } else { short(value).clamp(from, to) }
+            if [from, to, parameter.value].contains(&value) { value } else { short(value).within(from, to) }
         };
         // Half a word for the seed: it is a part of what users type.
         let seed = mix64(self.seed ^ number) >> 32;

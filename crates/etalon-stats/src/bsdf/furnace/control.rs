@@ -1,6 +1,7 @@
 //! A function on the unit square as polynomials on rectangles: a control variate for its integral.
 
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 
 /// Nodes of Gauss's rule along each axis, on \[−1, 1\], and their weights, which sum to 1.
@@ -49,7 +50,7 @@ impl Piece {
         let columns: [[f64; 3]; 3] = std::array::from_fn(|j| fit([along_y[0][j], along_y[1][j], along_y[2][j]]));
         let coefficients = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
         let mean: f64 = (0..9).map(|k| WEIGHTS[k / 3] * WEIGHTS[k % 3] * values[k]).sum();
-        let most = values.iter().copied().fold(most, f64::max);
+        let most = values.iter().copied().fold(most, f64::at_least);
         Self { at, coefficients, integral: at.area() * mean, distance, most }
     }
 

@@ -5,6 +5,7 @@ use super::mapped::Mapped;
 use super::{RISK, borders};
 use crate::bounded::EmpiricalBernstein;
 use crate::error::{Result, poll};
+use crate::extremes::Extremes;
 use rand::RngExt;
 
 /// Points at a time, so few that their samples stay in the cache.
@@ -47,7 +48,8 @@ impl<'a> Weights<'a> {
                 let value = weight[self.channel];
                 (0..3).for_each(|other| self.equal[other] &= weight[other] == value);
                 let [least, most] = self.extremes;
-                self.extremes = [weight.into_iter().fold(least, f64::min), weight.into_iter().fold(most, f64::max)];
+                self.extremes =
+                    [weight.into_iter().fold(least, f64::at_most), weight.into_iter().fold(most, f64::at_least)];
                 values.push(value);
             }
         }
@@ -74,7 +76,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(Stratum::new).collect();
     // A black surface has no weights to compare with.
-    let mean_weight = polynomials.max(error);
+    let mean_weight = polynomials.at_least(error);
     let mut mean = EmpiricalBernstein::default();
     let (mut result, mut used) = ([polynomials, f64::INFINITY], 0.0);
     for round in 0.. {
@@ -98,7 +100,7 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
             points *= 1.1;
         }
         if round == 0 {
-            points = (points / 8.0).max(FEWEST);
+            points = (points / 8.0).at_least(FEWEST);
         }
         let counts: Vec<f64> = shares.iter().map(|share| (share * points).ceil()).collect();
         let total: f64 = counts.iter().sum();
@@ -141,8 +143,8 @@ fn differences(
     for ((number, at), value) in numbers().zip(local).zip(weights.at(&places)?) {
         let stratum = &mut strata[number];
         let difference = value - stratum.piece.value(at);
-        stratum.piece.most = stratum.piece.most.max(value);
-        stratum.most = stratum.most.max(difference.abs());
+        stratum.piece.most = stratum.piece.most.at_least(value);
+        stratum.most = stratum.most.at_least(difference.abs());
         (stratum.squares, stratum.count) = (stratum.squares + difference * difference, stratum.count + 1.0);
         // A point stands for its stratum's area over its share of the points.
         let weighted = difference * stratum.area() * total / counts[number];
@@ -172,8 +174,8 @@ impl Stratum {
     fn bound(&mut self, largest: Option<f64>, mean: f64) {
         let [low, high] = self.piece.range();
         self.largest_difference = match largest {
-            Some(largest) => high.max(largest - low),
-            None => (OVER_FOUND * self.most).max(LEAST_DISTANCE * self.piece.most.max(mean)),
+            Some(largest) => high.at_least(largest - low),
+            None => (OVER_FOUND * self.most).at_least(LEAST_DISTANCE * self.piece.most.at_least(mean)),
         };
     }
 
@@ -198,7 +200,7 @@ fn scale(strata: &[Stratum], shares: &[f64]) -> f64 {
         .iter()
         .zip(shares)
         .map(|(stratum, share)| stratum.largest_difference * stratum.area() / share)
-        .fold(0.0, f64::max)
+        .fold(0.0, f64::at_least)
 }
 
 /// The shares of the points that strata have.

@@ -4,6 +4,7 @@ use super::{Albedo, Basis, PLACES, RISK, borders, student};
 use crate::bsdf::contract::{Properties, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::{Result, poll};
+use crate::extremes::Extremes;
 use crate::stream::{Sobol, Stream};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -64,7 +65,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
             let eta2 = subject.eta2(sample.wi);
             for channel in 0..3 {
                 let weight = sample.weight[channel] * eta2;
-                (sum[channel], most[channel]) = (sum[channel] + weight, weight.max(most[channel]));
+                (sum[channel], most[channel]) = (sum[channel] + weight, weight.at_least(most[channel]));
             }
         }
         Ok([sum.map(|sum| sum / points), most])
@@ -73,7 +74,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
     let (n, freedom) = (REPLICATES as f64, (REPLICATES - 1) as f64);
     let mut albedo = Albedo { value: [0.0; 3], error: [f64::INFINITY; 3], basis: Basis::Normal(freedom) };
     for channel in 0..properties.channels {
-        largest[channel] = found.iter().map(|[_, most]| most[channel]).fold(largest[channel], f64::max);
+        largest[channel] = found.iter().map(|[_, most]| most[channel]).fold(largest[channel], f64::at_least);
         let mean = found.iter().map(|[mean, _]| mean[channel]).sum::<f64>() / n;
         let variance = found.iter().map(|[other, _]| (other[channel] - mean).powi(2)).sum::<f64>() / freedom;
         // Of independent points none would be in a part of this size with probability `RISK`; weights are as large as the largest there.
