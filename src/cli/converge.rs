@@ -19,7 +19,7 @@ use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
 use crate::view::converge_images;
-use crate::view::text::{rounded, wrapped};
+use crate::view::text::{counted, rounded, wrapped};
 use clap::{ArgAction, Args};
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
@@ -153,7 +153,7 @@ impl Converge {
         let (max_spp, replicates_asked) = (self.max_spp, self.replicates);
         let keep = self.keep_runs.clone();
         let plan = Plan { budget, max_spp, replicates: replicates_asked, seed: global.seed, keep };
-        let reference = self.reference(&contenders, &request)?;
+        let reference = self.reference(&contenders, &request, console)?;
         let reference = reference.as_ref().map(|reference| match reference {
             Chosen::Image(image) => Asked::Known(image),
             Chosen::By(contender) => Asked::By(contender),
@@ -198,16 +198,20 @@ impl Converge {
     }
 
     /// The reference that is asked for: by a contender's name, a file, or a strategy that is not compared.
-    fn reference(&self, contenders: &[Contender], request: &Request) -> Result<Option<Chosen>> {
+    fn reference(&self, contenders: &[Contender], request: &Request, console: &Console) -> Result<Option<Chosen>> {
         let Some(name) = &self.reference else { return Ok(None) };
         if let Some(contender) = contenders.iter().find(|contender| contender.name() == name) {
             return Ok(Some(Chosen::By(Box::new(contender.clone()))));
         }
         let path = Path::new(name);
         if path.is_file() {
-            let image = raster::read(path, ReadOptions::default())?;
-            return Reference::given(image, request, path.display().to_string())
-                .map(|r| Some(Chosen::Image(Box::new(r))));
+            let (image, notes) = raster::read_with_notes(path, ReadOptions::default())?;
+            notes.iter().for_each(|note| console.warn(note));
+            let bad = image.pixels().iter().filter(|pixel| !pixel.is_finite()).count();
+            if bad > 0 {
+                console.warn(&format!("{name}: left out: {} with NaN or infinite values", counted(bad, "pixel")));
+            }
+            return Reference::given(image, request, name.clone()).map(|r| Some(Chosen::Image(Box::new(r))));
         }
         let strategy = name.parse::<Strategy>().map_err(|_| {
             Error::parameter("reference", format!("{name:?} is no file, renderer or strategy"))
@@ -280,7 +284,10 @@ fn text(output: &Output<'_>) -> String {
         text += &line(curve, width, curve.variance_efficiency().unwrap_or(f64::NAN), "");
         text += &format!("  {bias}\n");
     }
-    text += &format!("* processor time to an RMSE of {}; the CSV file has more columns\n", rounded(*common_rmse, 3));
+    if common_rmse.is_finite() {
+        text += &format!("* processor time to an RMSE of {}; ", rounded(*common_rmse, 3));
+    }
+    text += "the CSV file has more columns\n";
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
         let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);

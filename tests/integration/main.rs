@@ -18,6 +18,7 @@ mod kill;
 mod limits;
 mod merge;
 mod mesh_files;
+mod not_a_number;
 mod odd_images;
 mod outputs;
 mod page;

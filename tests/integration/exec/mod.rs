@@ -14,12 +14,12 @@ use std::process::Command;
 use tempfile::tempdir;
 
 /// The path of an example.
-fn example(name: &str) -> String {
+pub fn example(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).display().to_string()
 }
 
 /// Whether a command succeeds; says that a test is skipped if not.
-fn has(program: &str, args: &[&str]) -> bool {
+pub fn has(program: &str, args: &[&str]) -> bool {
     let found = Command::new(program).args(args).output().is_ok_and(|output| output.status.success());
     if !found {
         eprintln!("skipped: {program} {args:?} does not run here");

@@ -124,10 +124,17 @@ fn by_map(subject: &Subject, map: [usize; 2], error: f64) -> Result<Albedo> {
             Some(integral) => integral,
             None => {
                 let mut weights = Weights::new(&mapped, channel);
-                let rounded = if largest.is_none() { unresolved(&mut weights)? } else { 0.0 };
-                let target = (error - rounded - rest(largest.unwrap_or(1.0))).at_least(0.5 * error);
-                let [value, bound] = integral(&mut weights, largest, target)?;
-                let integral = [value, bound + rounded];
+                let mut measure = || -> Result<[f64; 2]> {
+                    let rounded = if largest.is_none() { unresolved(&mut weights)? } else { 0.0 };
+                    let target = (error - rounded - rest(largest.unwrap_or(1.0))).at_least(0.5 * error);
+                    let [value, bound] = integral(&mut weights, largest, target)?;
+                    Ok([value, bound + rounded])
+                };
+                let measured = measure();
+                let integral = match weights.not_finite() {
+                    Some(weight) => [weight, f64::INFINITY],
+                    None => measured?,
+                };
                 let [least, most] = weights.extremes;
                 if let Basis::Found(found) = &mut albedo.basis {
                     *found = found.at_least(most);

@@ -4,7 +4,7 @@ use super::control::{LINES, LINES_TO_POLES, Piece, pieces};
 use super::mapped::Mapped;
 use super::{RISK, borders};
 use crate::bounded::EmpiricalBernstein;
-use crate::error::{Result, poll};
+use crate::error::{Error, Result, poll};
 use crate::extremes::Extremes;
 use rand::RngExt;
 
@@ -52,8 +52,17 @@ impl<'a> Weights<'a> {
                     [weight.into_iter().fold(least, f64::at_most), weight.into_iter().fold(most, f64::at_least)];
                 values.push(value);
             }
+            // No number of points would make an integral of it.
+            if self.not_finite().is_some() {
+                return Err(Error::external("a weight is not finite"));
+            }
         }
         Ok(values)
+    }
+
+    /// A weight that is NaN or infinite, if one was met.
+    pub fn not_finite(&self) -> Option<f64> {
+        self.extremes.into_iter().find(|weight| !weight.is_finite())
     }
 }
 

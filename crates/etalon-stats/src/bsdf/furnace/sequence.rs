@@ -20,8 +20,11 @@ const MARGIN: f64 = 0.7;
 /// The mean weight over a randomized sequence, so long that the error of the mean is likely to be at most `error`. The length is found
 /// with other randomizations than the mean, which would otherwise stop where the error happens to be estimated too small.
 pub fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
-    let is_enough =
-        |albedo: &Albedo| albedo.error[..subject.properties.channels].iter().all(|&bound| bound <= MARGIN * error);
+    let channels = subject.properties.channels;
+    // More points make no number of a mean that is none.
+    let is_enough = |Albedo { value, error: bounds, .. }: &Albedo| {
+        value.iter().any(|mean| !mean.is_finite()) || bounds[..channels].iter().all(|&bound| bound <= MARGIN * error)
+    };
     let (mut power, mut largest, rounded) = (*SEQUENCE.start(), [0.0; 3], unresolved(subject)?);
     while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0, &mut largest, rounded)?) {
         power += 1;
