@@ -39,6 +39,7 @@ class _Sampler:
     dimension: int | None
     mass: float | str
     table: tuple[int, int] | None
+    precision: float
     atoms: list[tuple[list[float], float]]
 
 
@@ -50,6 +51,7 @@ def check_sampler(
     dimension: int | None = None,
     mass: float | Literal["at-most-1", "unknown"] = 1.0,
     table: tuple[int, int] | None = None,
+    precision: float | Literal["exact", "single"] = "exact",
     atoms: Sequence[tuple[Sequence[float] | float, float]] = (),
     invert: Callable[..., Any] | None = None,
     name: str = "sampler",
@@ -75,6 +77,8 @@ def check_sampler(
             "unknown" only the shape of the pdf is tested.
         table: rows and columns of a table in whose cells the pdf is constant, as `etalon validate --pdf` reads it: equal steps of θ
             and φ on sphere and hemisphere, of y and x on the square, of x (and 1 column) on the line. Integrals are then exact.
+        precision: the relative difference that the pdfs in `Samples` may have from those of `pdf`: none, to the last bit, that of
+            roundings in "single" precision, or a number up to 0.01.
         atoms: points that are sampled with a probability of their own, such as the direction of a mirror, and the probability.
         invert: the inverse of `sample`, to be tested too: points, shape (1, d), to random numbers, shape (1, dimension).
         name: of the test, in messages and figures. The random numbers depend on it.
@@ -99,9 +103,12 @@ def check_sampler(
         raise ValueError(f'mass: {mass}; wanted a number from 0 to 1, "at-most-1" or "unknown"')
     if table is not None and not all(1 <= side <= 1 << 16 for side in table):
         raise ValueError(f"table: {table}; wanted two numbers from 1 to 65536")
+    if not (precision in ("exact", "single") or 0 <= float(precision) <= 0.01):
+        raise ValueError(f'precision: {precision}; wanted "exact", "single" or a number from 0 to 0.01')
+    relative = {"exact": 0.0, "single": -1.0}[precision] if isinstance(precision, str) else float(precision)
     share = mass if isinstance(mass, str) else float(mass)
     points = [([float(x) for x in (at if isinstance(at, Sequence) else [at])], float(share)) for at, share in atoms]
-    sampler = _Sampler(name, sample, pdf, invert, dimension, share, table, points)
+    sampler = _Sampler(name, sample, pdf, invert, dimension, share, table, relative, points)
     return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
 
 

@@ -6,7 +6,9 @@ use crate::calls::Calls;
 use crate::found::Found;
 use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::study::validation::{Case, run as validate};
-use etalon_stats::{Atom, Density, Mass, Protocol, Sample, SampleCount, Sampler, Verdict, examine, explain};
+use etalon_stats::{
+    Atom, Density, Mass, Protocol, SINGLE_PRECISION, Sample, SampleCount, Sampler, Verdict, examine, explain,
+};
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -43,6 +45,8 @@ pub struct Declared {
     mass: DeclaredMass,
     /// Rows and columns of the table in whose cells the pdf is constant.
     table: Option<(usize, usize)>,
+    /// Of the pdfs that samples carry; negative for single precision.
+    precision: f64,
     /// Points with their probabilities.
     atoms: Vec<(Vec<f64>, f64)>,
 }
@@ -89,6 +93,7 @@ impl Visitor for Test<'_> {
             DeclaredMass::Words(_) => Mass::AtMostOne,
         };
         let table = declared.table.map(|(rows, columns)| [rows, columns]);
+        let precision = if declared.precision < 0.0 { SINGLE_PRECISION } else { declared.precision };
         let (name, protocol) = (declared.name, plan.protocol());
         let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
         let invert = declared.invert.map(Arc::new);
@@ -102,6 +107,7 @@ impl Visitor for Test<'_> {
                 dimension,
                 mass,
                 table,
+                precision,
                 atoms,
                 calls: Default::default(),
             };
@@ -135,6 +141,7 @@ struct Functions<D: Coordinates> {
     dimension: usize,
     mass: Mass,
     table: Option<[usize; 2]>,
+    precision: f64,
     atoms: Vec<Atom<D::Point>>,
     /// Of `sample` and of `pdf`.
     calls: Arc<[Calls; 2]>,
@@ -222,6 +229,10 @@ impl<D: Coordinates> Density<D::Point> for Functions<D> {
 
     fn atoms(&self) -> Vec<Atom<D::Point>> {
         self.atoms.clone()
+    }
+
+    fn precision(&self) -> f64 {
+        self.precision
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {

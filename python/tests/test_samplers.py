@@ -188,3 +188,20 @@ def test_assertions_have_the_signature_and_the_documentation_of_the_checks():
     assert inspect.signature(eb.assert_sampler) == inspect.signature(eb.check_sampler)
     assert eb.assert_sampler.__name__ == "assert_sampler" and "raises AssertionError" in eb.assert_sampler.__doc__
     assert "dimension:" in eb.assert_sampler.__doc__
+
+
+def test_carried_pdfs_may_have_a_declared_precision():
+    def sample(u):
+        x = np.sqrt(u[:, 0])
+        return eb.Samples(x, pdf=(2 * x).astype(np.float32))
+
+    def check(**options):
+        return eb.check_sampler(sample, lambda x: 2 * x, "line", dimension=1, **options)
+
+    exact = check()
+    assert exact.verdict == "reject" and "precision=single" in str(exact), str(exact)
+    assert check(precision="single"), str(check(precision="single"))
+    assert check(precision=1e-6)
+    assert check(precision=1e-9).verdict == "reject"
+    with pytest.raises(ValueError, match="precision"):
+        check(precision=0.5)

@@ -81,6 +81,9 @@ fn would_do(needed: &Needed) -> String {
 /// The verdict, a line for each family of tests, and the biases that would have been found.
 pub fn text(compared: &Compared) -> String {
     let mut text = wrapped(&sentence(compared), "", 100);
+    if compared.non_finite > 0 {
+        text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
+    }
     for family in &compared.families {
         text += &format!("{:<14} ", family.family.name());
         text += &match (family.untested, family.adjusted_p.zip(family.worst)) {

@@ -22,6 +22,9 @@ pub struct Atom<P> {
     pub probability: f64,
 }
 
+/// What the roundings of two computations in single precision may differ by: 64 units of the last place.
+pub const SINGLE_PRECISION: f64 = 64.0 * f32::EPSILON as f64;
+
 /// A pdf over a domain, with respect to the domain's measure, plus atoms.
 pub trait Density<P>: Sync {
     /// Appends the pdf at each of `points`.
@@ -40,6 +43,12 @@ pub trait Density<P>: Sync {
         Vec::new()
     }
 
+    /// The relative difference that the pdf carried by a sample may have from the one asked for: 0, to the last bit, unless more is
+    /// declared, such as [`SINGLE_PRECISION`].
+    fn precision(&self) -> f64 {
+        0.0
+    }
+
     /// For a pdf that is piecewise constant in the domain's chart: the lines between the pieces, ascending and strictly
     /// between 0 and 1, for each axis. Its integrals are then exact sums.
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
@@ -53,11 +62,12 @@ pub struct DensityFn<P, F> {
     mass: Mass,
     atoms: Vec<Atom<P>>,
     steps: Option<[Vec<f64>; 2]>,
+    precision: f64,
 }
 
 /// The density that `pdf` returns: of mass 1, without atoms, not piecewise constant.
 pub fn density<P, F: Fn(P) -> f64 + Sync>(pdf: F) -> DensityFn<P, F> {
-    DensityFn { pdf, mass: Mass::Exactly(1.0), atoms: Vec::new(), steps: None }
+    DensityFn { pdf, mass: Mass::Exactly(1.0), atoms: Vec::new(), steps: None, precision: 0.0 }
 }
 
 impl<P, F> DensityFn<P, F> {
@@ -71,6 +81,12 @@ impl<P, F> DensityFn<P, F> {
     #[must_use]
     pub fn with_atoms(self, atoms: Vec<Atom<P>>) -> Self {
         Self { atoms, ..self }
+    }
+
+    /// Declares the precision of the pdfs that samples carry; see [`Density::precision`].
+    #[must_use]
+    pub fn with_precision(self, precision: f64) -> Self {
+        Self { precision, ..self }
     }
 
     /// Declares the lines of the chart between which the pdf is constant; see [`Density::steps`].
@@ -96,5 +112,9 @@ impl<P: Copy + Sync, F: Fn(P) -> f64 + Sync> Density<P> for DensityFn<P, F> {
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
         self.steps.clone()
+    }
+
+    fn precision(&self) -> f64 {
+        self.precision
     }
 }

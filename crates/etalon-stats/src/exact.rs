@@ -1,7 +1,7 @@
 //! Deterministic checks: what must hold for every sample and every value of the pdf.
 
 use crate::cubature::Probe;
-use crate::density::Density;
+use crate::density::{Density, SINGLE_PRECISION};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -12,16 +12,22 @@ use crate::text::{count, tuple};
 use std::fmt::Debug;
 
 /// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
-/// carries another one. At single points a pdf may be infinite.
-pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64) -> Option<String> {
+/// carries another one, by more than the declared precision. At single points a pdf may be infinite.
+pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64, precision: f64) -> Option<String> {
     if pdf.is_nan() || pdf < 0.0 {
         return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
     }
     let claimed = sample.pdf?;
-    (claimed.to_bits() != pdf.to_bits()).then(|| {
-        format!("the sample {} carries the pdf {claimed:e}, but the density says {pdf:e}", tuple(&sample.point))
-    })
+    let is_near = |precision: f64| (claimed - pdf).abs() <= precision * claimed.abs().at_least(pdf.abs());
+    if claimed.to_bits() == pdf.to_bits() || precision > 0.0 && is_near(precision) {
+        return None;
+    }
+    let hint = if is_near(SINGLE_PRECISION) { AS_SINGLE } else { "" };
+    Some(format!("the sample {} carries the pdf {claimed:e}, but the density says {pdf:e}{hint}", tuple(&sample.point)))
 }
+
+/// The end of a message on two numbers that differ as roundings in single precision do.
+pub const AS_SINGLE: &str = ": as near as roundings in single precision (declare precision=single if it computes so)";
 
 /// What is wrong with a sample that has no chart coordinates.
 pub fn outside<P: Debug>(sample: &Sample<P>) -> String {
@@ -79,7 +85,7 @@ pub fn corners<D: Domain>(
     let mut pdfs = Vec::with_capacity(points.len());
     density.pdf(&points, &mut pdfs)?;
     for ((u, sample), pdf) in spread.iter().zip(pdfs) {
-        if let Some(violation) = pdf_violation(sample, pdf) {
+        if let Some(violation) = pdf_violation(sample, pdf, density.precision()) {
             corners.violation.get_or_insert_with(|| from(u, violation));
         }
         if pdf == f64::INFINITY {

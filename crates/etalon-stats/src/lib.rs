@@ -46,7 +46,7 @@ pub mod warp;
 pub mod welch;
 
 pub use assertion::{assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
-pub use density::{Atom, Density, DensityFn, Mass, density};
+pub use density::{Atom, Density, DensityFn, Mass, SINGLE_PRECISION, density};
 pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};
 pub use error::{Error, Result};
 pub use examine::{Protocol, SampleCount, examine, validate};

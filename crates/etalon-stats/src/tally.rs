@@ -177,8 +177,9 @@ impl<D: Domain> Source<'_, D> {
         self.density.pdf(&points, &mut pdfs)?;
 
         // Check and count samples that have a density.
+        let precision = self.density.precision();
         for ((i, sample, at), pdf) in spread.into_iter().zip(pdfs) {
-            if let Some(violation) = pdf_violation(sample, pdf) {
+            if let Some(violation) = pdf_violation(sample, pdf, precision) {
                 note(i, violation);
             }
             tally.outside_support += u64::from(pdf == 0.0);

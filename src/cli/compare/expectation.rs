@@ -10,7 +10,7 @@ use crate::study::compare::{Answer, Compared, FamilyResult, Needed, Plan, Side, 
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
 use crate::view::compare_text::{sentence, text};
-use crate::view::text::{counted, p_is, rounded};
+use crate::view::text::{p_is, rounded};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -88,9 +88,6 @@ impl Compare {
                           not reach it",
                 if tiles == 1 { "one tile is equal".into() } else { format!("{tiles} tiles are equal") }
             ));
-        }
-        if compared.non_finite > 0 {
-            console.warn(&format!("left out: {} with NaN or infinite values", counted(compared.non_finite, "pixel")));
         }
         let shown = result(&compared);
         console.saved(&shown, &written, || text(&compared));

@@ -9,7 +9,8 @@
 //! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
 //!
 //! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
-//! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`.
+//! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`;
+//! `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
 
 use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
@@ -17,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::import::number::{number, real};
 use crate::import::place::quote;
 use crate::import::sampler::{Coordinates, Space, write_numbers};
-use etalon_stats::{Atom, Density, Mass, Sample, Sampler};
+use etalon_stats::{Atom, Density, Mass, SINGLE_PRECISION, Sample, Sampler};
 use std::sync::{Mutex, PoisonError};
 
 /// Most rows or columns of a table.
@@ -39,6 +40,8 @@ struct Description {
     table: Option<[usize; 2]>,
     /// Whether it has the inverse of its sampler.
     invert: bool,
+    /// Of the pdfs that samples carry.
+    precision: f64,
 }
 
 impl Description {
@@ -50,6 +53,7 @@ impl Description {
             domain: None,
             table: None,
             invert: false,
+            precision: 0.0,
         };
         for (key, value) in &greeting.keys {
             let refused = || greeting.meaningless(key, value);
@@ -68,6 +72,7 @@ impl Description {
                     let mass = mass.ok_or_else(|| greeting.wrong("has a mass that is not from 0 to 1"))?;
                     found.mass = Mass::Exactly(mass);
                 }
+                "precision" => found.precision = precision(value).ok_or_else(refused)?,
                 "domain" => found.domain = Some(value.parse().map_err(|_| refused())?),
                 "invert" => {
                     found.invert = match value.as_str() {
@@ -80,6 +85,15 @@ impl Description {
             }
         }
         Ok(found)
+    }
+}
+
+/// The precision of carried pdfs: `exact`, `single`, or a relative difference up to 1 %.
+fn precision(value: &str) -> Option<f64> {
+    match value {
+        "exact" => Some(0.0),
+        "single" => Some(SINGLE_PRECISION),
+        other => number(other).filter(|precision| (0.0..=0.01).contains(precision)),
     }
 }
 
@@ -259,6 +273,10 @@ impl<D: Coordinates> Density<D::Point> for Program<D> {
 
     fn mass(&self) -> Mass {
         self.description.mass
+    }
+
+    fn precision(&self) -> f64 {
+        self.description.precision
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {

@@ -3,8 +3,10 @@
 use super::batch::{BatchBsdf, Pair};
 use super::contract::{BsdfSample, DeltaLobe, Direction, Properties, Spectrum};
 use super::vector::{place, same_side, sphere};
+use crate::density::SINGLE_PRECISION;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::exact::AS_SINGLE;
 use crate::examine::Protocol;
 use crate::extremes::Extremes;
 use crate::outcome::Outcome;
@@ -145,6 +147,14 @@ impl<'a> Subject<'a> {
     }
 }
 
+/// Two different numbers, with as many digits as tell them apart.
+fn different(a: f64, b: f64) -> String {
+    let text = (6..=16).map(|digits| [a, b].map(|number| format!("{number:.digits$e}"))).find(|[a, b]| a != b);
+    let [first, second] = text.unwrap_or_else(|| [a, b].map(|number| format!("{number:e}")));
+    let is_near = (a - b).abs() <= SINGLE_PRECISION * a.abs().at_least(b.abs());
+    format!("{first} and {second}{}", if is_near { AS_SINGLE } else { "" })
+}
+
 /// One channel of spectra.
 pub fn channel_of(values: &[Spectrum], channel: usize) -> Vec<f64> {
     values.iter().map(|value| value[channel]).collect()
@@ -189,7 +199,8 @@ impl Comparison {
                 tolerated[i] = tolerance.at_least(tolerated[i]);
                 let (difference, [found, expected]) = (difference(i), numbers[i]);
                 if difference.is_nan() || difference > tolerated[i] {
-                    self.fail(difference / tolerated[i], || format!("{}: {found:.6e} and {expected:.6e}", message(i)));
+                    let numbers = || different(found, expected);
+                    self.fail(difference / tolerated[i], || format!("{}: {}", message(i), numbers()));
                 }
             }
         }
