@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -198,8 +199,8 @@ def furnace(
     function(bsdf, "bsdf")
     ranges = [(key, float(value), float(low), float(high)) for key, (value, low, high) in (parameters or {}).items()]
     for key, value, low, high in ranges:
-        if not low <= value <= high:
-            raise ValueError(f"parameters: {key} = {value} is not from {low} to {high}")
+        if not (low <= value <= high and math.isfinite(low) and math.isfinite(high)):
+            raise ValueError(f"parameters: {key} = {value} is not from {low} to {high}, or these are not finite")
     return Result(_native.furnace(_Bsdfs(name, bsdf, ranges), tabulated))
 
 

@@ -55,7 +55,9 @@ pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()
             properties.energy = match value.split_once(':').unwrap_or((value, "0")) {
                 ("at-most-1", "0") => Energy::AtMostOne,
                 ("any", "0") => Energy::MayExceedOne("the program says so"),
-                ("conserved", error) => Energy::Conserved(real(error).filter(|error| *error >= 0.0)?),
+                ("conserved", error) => {
+                    Energy::Conserved(real(error).filter(|error| *error >= 0.0 && error.is_finite())?)
+                }
                 _ => return None,
             }
         }

@@ -1,7 +1,7 @@
 //! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers.
 
 use super::batch::{BatchBsdf, Pair};
-use super::contract::{BsdfSample, DeltaLobe, Direction, Properties, Spectrum};
+use super::contract::{BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
 use super::vector::{place, same_side, sphere};
 use crate::density::SINGLE_PRECISION;
 use crate::domain::Domain;
@@ -72,6 +72,19 @@ impl<'a> Subject<'a> {
             (false, true) => eta * eta,
             (false, false) => 1.0 / (eta * eta),
         }
+    }
+
+    /// The weight of a sample as power, that is times η²; NaN where its direction or its density is not finite, so that no sum
+    /// of weights passes over that.
+    pub fn power(&self, sample: &BsdfSample) -> Spectrum {
+        let density = match sample.density {
+            Density::Delta(probability) => probability,
+            Density::Pdf(pdf) => pdf,
+            Density::Unknown => 0.0,
+        };
+        let is_finite = sample.wi.iter().chain([&density]).all(|number| number.is_finite());
+        let factor = if is_finite { self.eta2(sample.wi) } else { f64::NAN };
+        sample.weight.map(|weight| weight * factor)
     }
 
     /// Random numbers and samples: at all pairs of edges, then at random.

@@ -72,9 +72,9 @@ impl Mapped<'_> {
                     unknown.step *= STEP_FACTOR;
                 } else {
                     if !sample.is_delta() {
-                        let eta2 = self.subject.eta2(sample.wi);
+                        let power = self.subject.power(&sample);
                         let sum = &mut sums[unknown.point];
-                        (0..3).for_each(|i| sum[i] += sample.lobe_probability * sample.weight[i] * eta2);
+                        (0..3).for_each(|i| sum[i] += sample.lobe_probability * power[i]);
                     }
                     let passed = sample.lobe_probability;
                     if unknown.from_above {

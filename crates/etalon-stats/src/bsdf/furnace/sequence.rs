@@ -44,8 +44,8 @@ fn unresolved(subject: &Subject) -> Result<Spectrum> {
     }
     let mut sum: Spectrum = [0.0; 3];
     for sample in subject.sample(&u)?.into_iter().flatten() {
-        let eta2 = subject.eta2(sample.wi);
-        (0..3).for_each(|channel| sum[channel] += sample.weight[channel] * eta2);
+        let power = subject.power(&sample);
+        (0..3).for_each(|channel| sum[channel] += power[channel]);
     }
     Ok(sum.map(|sum| precision * sum / ALONG as f64))
 }
@@ -65,9 +65,9 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
         let u: Vec<f64> = (0..1 << power).flat_map(numbers).collect();
         let (mut sum, mut most) = ([0.0; 3], [0.0; 3]);
         for sample in subject.sample(&u)?.into_iter().flatten() {
-            let eta2 = subject.eta2(sample.wi);
+            let power = subject.power(&sample);
             for channel in 0..3 {
-                let weight = sample.weight[channel] * eta2;
+                let weight = power[channel];
                 (sum[channel], most[channel]) = (sum[channel] + weight, weight.at_least(most[channel]));
             }
         }
