@@ -21,11 +21,14 @@ pub const FEWEST: f64 = 5.0;
 ///
 /// Cells are pooled in ascending order of expectation until each group expects at least 5; what is left over joins the
 /// last group, so nothing is dropped. A count where nothing is expected is impossible: p = 0. `None` when fewer than
-/// two groups remain, which means too few samples for any verdict.
+/// two groups remain, which means too few samples for any verdict, or when an expectation is not finite.
 ///
 /// The p-value is the survival function itself, not 1 − cdf, which would be 0 below 10⁻¹⁶.
 #[must_use]
 pub fn chi_square(observed: &[u64], expected: &[f64]) -> Option<ChiSquare> {
+    if !expected.iter().all(|e| e.is_finite()) {
+        return None;
+    }
     let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(observed.iter().map(|&o| o as f64)).collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
     let impossible = cells.iter().any(|&(e, o)| e <= 0.0 && o > 0.0);
@@ -72,6 +75,9 @@ mod tests {
         assert_eq!(chi_square(&[1, 50, 49], &[0.0, 50.0, 50.0]).unwrap().p, 0.0);
         assert_eq!(chi_square(&[2, 2], &[2.0, 2.0]), None, "no verdict, rather than a pass");
         assert_eq!(chi_square(&[], &[]), None);
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(chi_square(&[50, 50, 7], &[50.0, 50.0, wrong]), None);
+        }
     }
 
     #[test]

@@ -27,14 +27,19 @@ impl Difference {
         Self { value: a.value - b.value, standard_error, dof: fewer_dof(a, b), allowance }
     }
 
-    /// Difference by standard error, with the difference's sign: Welch's t. Infinite where values without noise differ.
+    /// Difference by standard error, with the difference's sign: Welch's t. Infinite where values without noise differ, NaN of
+    /// two infinities, of NaN, and of a variance that is not finite.
     #[must_use]
     pub fn t(&self) -> f64 {
+        // Noise without end would hide everything.
+        if !self.standard_error.is_finite() {
+            return f64::NAN;
+        }
         let excess = (self.value.abs() - self.allowance).at_least(0.0);
-        if excess > 0.0 { excess.copysign(self.value) / self.standard_error } else { 0.0 }
+        if excess == 0.0 { 0.0 } else { excess.copysign(self.value) / self.standard_error }
     }
 
-    /// P(|T| ≥ |t|) if the expectations agree.
+    /// P(|T| ≥ |t|) if the expectations agree; NaN where t is.
     #[must_use]
     pub fn p(&self) -> f64 {
         if self.t().is_infinite() { 0.0 } else { two_sided(self.t().abs(), self.dof) }
@@ -49,7 +54,7 @@ impl Difference {
     /// Half the interval around `value` that holds the true difference with the probability 1 − `level`.
     #[must_use]
     pub fn half_width(&self, level: f64) -> f64 {
-        if self.standard_error > 0.0 { critical(level, self.dof) * self.standard_error } else { 0.0 }
+        if self.standard_error == 0.0 { 0.0 } else { critical(level, self.dof) * self.standard_error }
     }
 
     /// The smallest true difference that such a test at `level` finds with 90 % probability; infinite if there is none.

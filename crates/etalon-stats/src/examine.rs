@@ -205,11 +205,11 @@ pub fn examine<D: Domain>(
     let mass = integral.plus(at_atoms);
     let tolerated = MASS + mass.error;
     let (none_expected, mass_is_wrong) = match density.mass() {
-        Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs() > tolerated),
+        Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs().may_exceed(tolerated)),
         Mass::AtMostOne => {
             // Where the integral is not exact, "no sample" is never known to be impossible.
             let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
-            ((1.0 - at_atoms - values.iter().sum::<f64>()).at_least(least), mass.value > 1.0 + tolerated)
+            ((1.0 - at_atoms - values.iter().sum::<f64>()).at_least(least), mass.value.may_exceed(1.0 + tolerated))
         }
         Mass::Unknown => (0.0, false),
     };
@@ -261,6 +261,7 @@ pub fn examine<D: Domain>(
     };
     let inconclusive_reason = match detectable {
         _ if uncertain => Some("the integrals of the pdf are too uncertain for that many samples".to_owned()),
+        None if !expected.iter().all(|e| e.is_finite()) => Some("expected counts are not finite".to_owned()),
         None => Some("too few samples: all cells had to be pooled".to_owned()),
         Some(w) if w > protocol.coarsest() => {
             Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))

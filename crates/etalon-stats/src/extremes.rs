@@ -10,6 +10,10 @@ pub trait Extremes {
     #[must_use]
     fn at_most(self, most: Self) -> Self;
 
+    /// Whether the number is larger than `limit`, or this cannot be said, as one of them is NaN.
+    #[must_use]
+    fn may_exceed(self, limit: Self) -> bool;
+
     /// The nearest number from `least` to `most`.
     #[must_use]
     fn within(self, least: Self, most: Self) -> Self;
@@ -22,6 +26,10 @@ impl Extremes for f64 {
 
     fn at_most(self, most: Self) -> Self {
         if self < most || self.is_nan() { self } else { most }
+    }
+
+    fn may_exceed(self, limit: Self) -> bool {
+        self > limit || self.is_nan() || limit.is_nan()
     }
 
     fn within(self, least: Self, most: Self) -> Self {
@@ -42,6 +50,7 @@ mod tests {
             assert!(nan.is_nan());
         }
         assert_eq!([2.0.at_least(1.0), 2.0.at_most(1.0), 2.0.within(0.0, 1.0)], [2.0, 1.0, 1.0]);
+        assert!(f64::NAN.may_exceed(1.0) && 1f64.may_exceed(f64::NAN) && 1.0.may_exceed(0.5) && !1.0.may_exceed(1.0));
         assert!([f64::NAN, 1.0].into_iter().fold(0.0, f64::at_least).is_nan());
     }
 }

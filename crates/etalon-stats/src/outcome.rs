@@ -117,6 +117,15 @@ impl Outcome {
         self.p.filter(|_| self.dof > 0)
     }
 
+    /// Why nothing can be said, if that is so: the reason that the test gives, or a number that it could not compute. NaN is
+    /// neither above nor below a level, and must not count as a pass.
+    pub(crate) fn undecided(&self) -> Option<String> {
+        let is_nan = |number: Option<f64>| number.is_some_and(f64::is_nan);
+        let names = [(is_nan(self.p), "the p-value"), (is_nan(self.detectable), "the error that would be detected")];
+        let nan = names.into_iter().find_map(|(is_nan, name)| is_nan.then(|| format!("{name} is not a number")));
+        self.inconclusive_reason.clone().or(nan)
+    }
+
     /// The violation, else whether the test was cancelled, else why it is inconclusive.
     #[must_use]
     pub fn remark(&self) -> Option<&str> {
@@ -179,7 +188,8 @@ impl fmt::Display for Outcome {
 ///
 /// Tests that Holm's step-down rejects are repeated once with fresh random numbers by `repeat` (given the test's index), the
 /// two p-values are combined by Fisher's method, and the step-down is done again. Nothing is selected: a repetition always
-/// counts, and a test that fails an exact check stays rejected. Cancelled tests are inconclusive.
+/// counts, and a test that fails an exact check stays rejected. Cancelled tests are inconclusive, and so are those with a p-value or
+/// a detectable error that is NaN.
 ///
 /// # Errors
 /// Those of `repeat`.
@@ -200,6 +210,7 @@ pub fn decide<E>(
     }
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
+        outcome.inconclusive_reason = outcome.undecided();
         outcome.verdict = if outcome.violation.is_some() || rejected && !outcome.interrupted {
             Verdict::Reject
         } else if outcome.interrupted || outcome.inconclusive_reason.is_some() {
@@ -210,4 +221,25 @@ pub fn decide<E>(
         outcome.diagnosis.take_if(|_| outcome.verdict != Verdict::Reject);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_number_is_no_pass() {
+        let right = Outcome { p: Some(0.5), detectable: Some(0.02), ..Outcome::open(100) };
+        let mut all = [
+            right.clone(),
+            Outcome { p: Some(f64::NAN), ..right.clone() },
+            Outcome { detectable: Some(f64::NAN), ..right.clone() },
+            Outcome { p: Some(0.0), detectable: Some(f64::NAN), ..right },
+        ];
+        decide(&mut all, 0.01, |i| Ok::<_, ()>(Outcome { p: Some([f64::NAN, 0.0][i / 3]), ..Outcome::open(1) }))
+            .unwrap();
+        use Verdict::{Accept, Inconclusive, Reject};
+        assert_eq!(all.each_ref().map(|outcome| outcome.verdict), [Accept, Inconclusive, Inconclusive, Reject]);
+        assert_eq!(all[1].remark(), Some("the p-value is not a number"));
+    }
 }

@@ -97,7 +97,8 @@ pub struct ImageComparison {
     pub statistic: f64,
     /// Tiles with noise.
     pub dof: usize,
-    /// Probability of a statistic at least this large if the images agree; 1 without noise.
+    /// Probability of a statistic at least this large if the images agree; 1 without noise, NaN where a mean with noise or
+    /// its variance is not finite.
     pub p: f64,
     /// Kurtosis of the tiles' z: 3 for normal ones, much more where tails are too heavy for this test.
     pub kurtosis: f64,
@@ -122,7 +123,9 @@ pub fn compare(pairs: &[[Mean; 2]], allowance: f64) -> ImageComparison {
             exact_difference = exact_difference.at_least(difference);
             continue;
         }
-        let t = (difference - allowance).at_least(0.0) / variance.sqrt();
+        // Noise without end would hide everything.
+        let noise = if variance.is_finite() { variance.sqrt() } else { f64::NAN };
+        let t = (difference - allowance).at_least(0.0) / noise;
         let p = two_sided(t, fewer_dof(*a, *b));
         tiles.push(p);
         z.push(deviation(p, t));
@@ -150,8 +153,11 @@ impl ImageComparison {
     }
 }
 
-/// P(|T| ≥ t) for Student's distribution.
+/// P(|T| ≥ t) for Student's distribution; NaN for NaN.
 pub(crate) fn two_sided(t: f64, dof: f64) -> f64 {
+    if t.is_nan() || dof.is_nan() {
+        return f64::NAN;
+    }
     // Beyond this the normal distribution is the same to 10⁻⁶.
     let tail = if dof < 1e6 {
         StudentsT::new(0.0, 1.0, dof.at_least(1.0)).map_or(f64::NAN, |student| student.sf(t))
@@ -161,9 +167,9 @@ pub(crate) fn two_sided(t: f64, dof: f64) -> f64 {
     (2.0 * tail).at_most(1.0)
 }
 
-/// The normal deviate that is as unlikely as `p` on both sides; `t` where p is too small to tell.
+/// The normal deviate that is as unlikely as `p` on both sides; `t` where p is too small to tell, or NaN.
 pub(crate) fn deviation(p: f64, t: f64) -> f64 {
-    if p < 1e-200 {
+    if p < 1e-200 || p.is_nan() {
         return t;
     }
     Normal::new(0.0, 1.0).map_or(f64::NAN, |normal| -normal.inverse_cdf(0.5 * p))
@@ -172,6 +178,7 @@ pub(crate) fn deviation(p: f64, t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::difference::Difference;
     use crate::kolmogorov::uniformity;
     use crate::stream::{Independent, Stream};
 
@@ -223,6 +230,20 @@ mod tests {
         assert!((38..=50).contains(&found), "{found} of 50");
         let spot = |i: usize| if i % 24 < 4 && i / 24 < 4 { 0.3 } else { 0.0 };
         assert!(test(&image(1, 64, spot), &truth).p < 1e-6);
+    }
+
+    #[test]
+    fn means_that_are_not_finite_agree_with_nothing() {
+        let number = Mean { value: 1.0, variance: 0.1, dof: 9.0 };
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for mean in [Mean { value: wrong, ..number }, Mean { variance: wrong.abs(), ..number }] {
+                let found = compare(&[[number, number], [mean, mean]], 0.0);
+                assert!(found.p.is_nan(), "{mean:?}: {found:?}");
+                assert!(!Difference::of(mean, mean, 0.0).p().is_finite(), "{mean:?}");
+            }
+            let exact = compare(&[[Mean::exact(1.0); 2], [Mean::exact(wrong); 2]], 0.0);
+            assert!(exact.exact_difference.is_nan(), "{exact:?}");
+        }
     }
 
     #[test]

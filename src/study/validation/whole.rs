@@ -45,7 +45,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
                 exact.push((outcome.detectable.unwrap_or(0.0), outcome.samples));
             }
             let (samples, seconds) = (found.samples + outcome.samples, found.seconds + outcome.seconds);
-            if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least)) {
+            if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least || p.is_nan())) {
                 found = Outcome { diagnosis: outcome.diagnosis.clone().map(named), ..outcome };
             }
             found = Outcome { violation, inconclusive_reason: reason, samples, seconds, ..found };
@@ -53,7 +53,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
     }
     found.detectable = Some(detectable.at_least(found_in_most(exact)));
     // 1 − (1 − p)ⁿ, precise for small p.
-    found.p = found.p.map(|p| if p < 1.0 { -(tests as f64 * (-p).ln_1p()).exp_m1() } else { 1.0 });
+    found.p = found.p.map(|p| if p >= 1.0 { 1.0 } else { -(tests as f64 * (-p).ln_1p()).exp_m1() });
     Ok(found)
 }
 

@@ -88,6 +88,10 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
         let Some(claim) = Claim::of(subject.properties.energy, declared.map(|albedo| albedo[*channel])) else {
             continue;
         };
+        if !claim.albedo.is_finite() {
+            let message = || format!("wo {}: the declared albedo is {}", place(subject.wo), claim.albedo);
+            violation = violation.or_else(|| Some(message()));
+        }
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
         let (value, uncertainty) = (integrals.total() + deltas, integrals.uncertainty);
         let p = if value.is_finite() { uncertainty.p_value(claim.error_of(value)) } else { 0.0 };
@@ -101,8 +105,8 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
         };
         detectable = detectable.at_least(uncertainty.detectable(level) + ROUNDING);
         if uncertainty.is_deterministic() {
-            violation = violation.or_else(|| (p < 1.0).then(message));
-        } else if least.as_ref().is_none_or(|(least, _)| p < *least) {
+            violation = violation.or_else(|| 1.0.may_exceed(p).then(message));
+        } else if least.as_ref().is_none_or(|(least, _)| least.may_exceed(p)) {
             least = Some((p, message()));
         }
     }
@@ -199,7 +203,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
                 place(subject.wo)
             )
         };
-        if least.as_ref().is_none_or(|(largest, _)| z > *largest) {
+        if least.as_ref().is_none_or(|(largest, _)| z.may_exceed(*largest)) {
             least = Some((z, at()));
         }
         let scale = expected.at_least(f64::MIN_POSITIVE);

@@ -47,17 +47,18 @@ impl Finding {
     fn new(check: usize, outcome: &Outcome) -> Self {
         let is_statistical = ALL[check].is_statistical;
         let is_violated = outcome.violation.is_some();
+        let undecided = outcome.undecided();
         let p = if is_violated && is_statistical { Some(0.0) } else { outcome.p };
         let state = if is_violated && !is_statistical {
             State::Violated
         } else if p.is_some_and(|p| p < SCREEN_LEVEL) {
             State::Suspicious
-        } else if outcome.inconclusive_reason.is_some() {
+        } else if undecided.is_some() {
             State::Inconclusive
         } else {
             State::Holds
         };
-        let texts = [&outcome.violation, &outcome.diagnosis, &outcome.inconclusive_reason];
+        let texts = [&outcome.violation, &outcome.diagnosis, &undecided];
         let message = texts.into_iter().flatten().next().filter(|_| state != State::Holds).cloned();
         Self { check, state, p, detectable: outcome.detectable, message }
     }
