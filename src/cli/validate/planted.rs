@@ -97,10 +97,11 @@ fn text(findings: &Findings, explain: bool) -> String {
         }
     }
     text += &format!(
-        "\n{} of {} rejected; tests without the fault that are not accepted: {}; {:.1} s\n",
+        "\n{} of {} rejected; tests without the fault: {} rejected, {} inconclusive; {:.1} s\n",
         findings.rejected,
         counted(tests.len(), "planted fault"),
         findings.false_alarms,
+        findings.sound_inconclusive,
         findings.seconds,
     );
     if findings.interrupted {

@@ -78,8 +78,10 @@ pub struct Findings {
     pub rejected: usize,
     /// Planted faults that could not be decided: should be 0.
     pub inconclusive: usize,
-    /// Tests without a mistake that were not accepted.
+    /// Tests without a mistake that were rejected.
     pub false_alarms: usize,
+    /// Tests without a mistake that could not be decided.
+    pub sound_inconclusive: usize,
     /// Whether the process was asked to stop before all tests were finished.
     pub interrupted: bool,
     /// Wall-clock time of the run.
@@ -87,9 +89,9 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Whether every fault was rejected, and no test without one.
+    /// Whether every fault was rejected, and every test without one accepted.
     pub fn is_good(&self) -> bool {
-        self.rejected == self.tests.len() && self.false_alarms == 0
+        self.rejected == self.tests.len() && self.false_alarms + self.sound_inconclusive == 0
     }
 }
 
@@ -115,12 +117,14 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
         tests.push(Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark: remark });
     }
     let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
+    let sound = |verdict| tests.iter().filter(|test| test.sound == verdict).count();
     Ok(Findings {
         level: protocol.level,
         accepted: count(Verdict::Accept),
         rejected: count(Verdict::Reject),
         inconclusive: count(Verdict::Inconclusive),
-        false_alarms: tests.iter().filter(|test| test.sound != Verdict::Accept).count(),
+        false_alarms: sound(Verdict::Reject),
+        sound_inconclusive: sound(Verdict::Inconclusive),
         interrupted: validation.interrupted,
         seconds: validation.seconds,
         tests,
