@@ -389,27 +389,3 @@ fn what_could_not_be_tested_is_an_error() {
         error(1, &one, bad);
     }
 }
-
-#[test]
-fn carried_pdfs_may_have_a_declared_precision() {
-    // The pdf that samples carry is rounded to single precision, or wrong by 1e-4.
-    let verdict = |carried: fn(f64) -> f64, precision: f64| {
-        let pdf = |x: f64| 2.0 * x + 1e-3 * (1.0 - 2.0 * x);
-        let draw = move |u: &[f64]| {
-            let x = ((0.001f64).powi(2) + 4.0 * 0.999 * u[0]).sqrt();
-            let x = ((x - 0.001) / (2.0 * 0.999)).clamp(0.0, 1.0);
-            Some(Sample { pdf: Some(carried(pdf(x))), ..Sample::new(x) })
-        };
-        let outcome =
-            validate(&Line::UNIT, &sampler(1, draw), &density(pdf).with_precision(precision), &Protocol::default());
-        let outcome = outcome.unwrap();
-        (outcome.verdict, outcome.violation.unwrap_or_default())
-    };
-    let single = |pdf: f64| f64::from(pdf as f32);
-    let (exact, why) = verdict(single, 0.0);
-    assert!(exact == Verdict::Reject && why.contains("precision=single"), "{why}");
-    assert_eq!(verdict(single, SINGLE_PRECISION).0, Verdict::Accept, "{}", verdict(single, SINGLE_PRECISION).1);
-    let (wrong, why) = verdict(|pdf| pdf * 1.0001, SINGLE_PRECISION);
-    assert!(wrong == Verdict::Reject && !why.contains("precision=single"), "{why}");
-    assert_eq!(verdict(|pdf| pdf * 1.0001, 1e-3).0, Verdict::Accept);
-}
