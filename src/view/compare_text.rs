@@ -40,10 +40,8 @@ pub fn sentence(compared: &Compared) -> String {
             let worst = compared.families.iter().filter_map(|family| Some((family, family.adjusted_p?, family.worst?)));
             worst.min_by(|a, b| a.1.total_cmp(&b.1)).map_or("different".into(), |(family, _, test)| {
                 let (at, channel) = (test.functional, compared.channels[test.channel]);
-                format!(
-                    "different: most at {at}, {channel}: A − B is {} of the mean of image B",
-                    bias(compared, family, &test)
-                )
+                let of = if compared.bias(family, &test).is_some() { " of the mean of image B" } else { "" };
+                format!("different: most at {at}, {channel}: A − B is {}{of}", bias(compared, family, &test))
             })
         }
         _ if compared.noise_hides_difference => {
