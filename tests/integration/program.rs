@@ -13,7 +13,7 @@ pub struct Ran {
 /// Runs `etalon` with `folder` as its working directory.
 pub fn etalon(folder: &Path, args: &[&str]) -> Ran {
     let mut command = assert_cmd::Command::cargo_bin("etalon").unwrap();
-    let output = command.current_dir(folder).args(args).timeout(Duration::from_secs(180)).output().unwrap();
+    let output = command.current_dir(folder).args(args).timeout(Duration::from_secs(400)).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     let (stdout, stderr) = (text(output.stdout), text(output.stderr));
     assert!(!stderr.contains("panicked"), "{args:?}: {stderr}");
