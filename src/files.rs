@@ -17,26 +17,51 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The files that have been read: scenes, and all that they name.
-static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// What tells whether two paths lead to the same file.
+#[cfg(unix)]
+type Identity = (u64, u64);
+#[cfg(not(unix))]
+type Identity = PathBuf;
 
-fn inputs() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+/// The identity of the file at `path`, if there is one.
+fn identity(path: &Path) -> Option<Identity> {
+    #[cfg(unix)]
+    let found = {
+        use std::os::unix::fs::MetadataExt;
+        path.metadata().map(|there| (there.dev(), there.ino()))
+    };
+    #[cfg(not(unix))]
+    let found = path.canonicalize();
+    found.ok()
+}
+
+/// Whether both paths lead to the same existing file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((identity(a), identity(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// The files that this process reads: those that its arguments name, and those that these name.
+static INPUTS: Mutex<BTreeSet<Identity>> = Mutex::new(BTreeSet::new());
+
+fn inputs() -> MutexGuard<'static, BTreeSet<Identity>> {
     INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Remembers a file that is read.
+/// Remembers a file that is read, so that no result replaces it.
 pub fn note_input(path: &Path) {
-    inputs().insert(path.into());
+    inputs().extend(identity(path));
 }
 
 /// Forgets a file that was read to be continued, and may be replaced.
 pub fn release_input(path: &Path) {
-    inputs().retain(|input| !is_same_file(input, path));
+    if let Some(identity) = identity(path) {
+        inputs().remove(&identity);
+    }
 }
 
-/// Whether `path` leads to a file that has been read.
+/// Whether `path` leads to a file that this process reads.
 pub fn is_input(path: &Path) -> bool {
-    path.exists() && inputs().iter().any(|input| is_same_file(input, path))
+    identity(path).is_some_and(|identity| inputs().contains(&identity))
 }
 
 /// Keeps a file in the list; dropped, it removes the file from there.
@@ -98,18 +123,6 @@ fn link_target(path: &Path) -> Result<PathBuf> {
 
 /// As many symbolic links are followed as Linux follows.
 const MAX_LINKS: usize = 40;
-
-/// Whether both paths lead to the same existing file.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    #[cfg(unix)]
-    let identity = |path: &Path| {
-        use std::os::unix::fs::MetadataExt;
-        path.metadata().map(|there| (there.dev(), there.ino()))
-    };
-    #[cfg(not(unix))]
-    let identity = Path::canonicalize;
-    matches!((identity(a), identity(b)), (Ok(a), Ok(b)) if a == b)
-}
 
 /// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
 fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {

@@ -17,8 +17,6 @@ pub struct Target {
     name: Option<OsString>,
     /// End of default names: the parameters that differ from their defaults.
     variant: String,
-    /// Files that must not be replaced.
-    inputs: Vec<PathBuf>,
     /// Files in the folder before the command, unless a file was named.
     before: Vec<OsString>,
 }
@@ -47,18 +45,12 @@ impl Target {
         // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
         let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
-        Self { folder: folder.into(), name, variant: String::new(), inputs: Vec::new(), before }
+        Self { folder: folder.into(), name, variant: String::new(), before }
     }
 
     /// Makes default names end with `variant`; a name that `-o` gives is not changed.
     pub fn with_variant(self, variant: &str) -> Self {
         Self { variant: variant.into(), ..self }
-    }
-
-    /// Adds files that must not be replaced.
-    pub fn with_inputs(mut self, inputs: &[PathBuf]) -> Self {
-        self.inputs.extend_from_slice(inputs);
-        self
     }
 
     /// Whether a file was named, not a folder.
@@ -78,7 +70,7 @@ impl Target {
         });
         file.push(suffix);
         let stem = self.folder.join(file);
-        extensions.iter().try_for_each(|extension| check_no_input(&with_extension(&stem, extension), &self.inputs))?;
+        extensions.iter().try_for_each(|extension| check_no_input(&with_extension(&stem, extension)))?;
         Ok(stem)
     }
 
@@ -141,8 +133,8 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
 }
 
 /// An error if `path` is one of the inputs.
-pub fn check_no_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
-    if inputs.iter().any(|input| files::is_same_file(input, path)) || files::is_input(path) {
+pub fn check_no_input(path: &Path) -> Result<()> {
+    if files::is_input(path) {
         return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
             .with_hint("name another file or folder: the result would replace the input"));
     }
@@ -245,10 +237,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
         files::write_bytes(&at("a.csv"), b"input").unwrap();
-        let inputs = [at("a.csv")];
-        let onto = |out: &str, extensions: &[&str]| {
-            Target::new(Some(&at(out))).with_inputs(&inputs).stem("a", "", extensions).is_err()
-        };
+        files::note_input(&at("a.csv"));
+        let onto = |out: &str, extensions: &[&str]| Target::new(Some(&at(out))).stem("a", "", extensions).is_err();
         assert!(onto("a.png", &STUDY) && onto("", &STUDY) && onto("./a.csv", &STUDY));
         assert!(!onto("a.png", &DRAWING) && !onto("b.csv", &STUDY) && !onto("new", &STUDY));
 

@@ -1,7 +1,7 @@
 //! The arguments of a run as a whole: the files that it reads, and the arguments that the names of its results contain.
 
 use crate::error::{Error, Result};
-use crate::files::is_same_file;
+use crate::files;
 use crate::output::{Target, checksum, file_name};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
@@ -51,10 +51,10 @@ impl Arguments {
         found
     }
 
-    /// Refuses a path for results that is one of the files to read.
+    /// Refuses a path for results that is one of the files to read, also for those that the run names later.
     pub fn check(&self) -> Result<()> {
-        let onto = |path: &Path| self.inputs.iter().any(|input| input.is_file() && is_same_file(input, path));
-        match self.outputs.iter().find(|(_, path)| onto(path)) {
+        self.inputs.iter().filter(|input| input.is_file()).for_each(|input| files::note_input(input));
+        match self.outputs.iter().find(|(_, path)| files::is_input(path)) {
             None => Ok(()),
             Some((id, path)) => Err(Error::parameter(id, format!("{} is an input of this command", path.display()))
                 .with_hint("name another file: results would replace the input")),
@@ -66,7 +66,7 @@ impl Arguments {
     pub fn target(&self, out: Option<&Path>, in_name: &[&str]) -> Target {
         let texts = self.differing.iter().filter(|(id, _)| !in_name.contains(&id.as_str()));
         let variant: String = texts.map(|(_, text)| format!("-{text}")).collect();
-        Target::new(out).with_variant(&variant).with_inputs(&self.inputs)
+        Target::new(out).with_variant(&variant)
     }
 }
 

@@ -130,10 +130,8 @@ impl Converge {
         };
         let renderers = self.renderers(global)?;
         let recorded = self.runs.as_deref().map(Recorded::read_all).transpose()?.unwrap_or_default();
-        let Loaded { mut scene, request: asked, map } = self.scene.load(console)?;
-        let target = global
-            .target(&["scene", "renderer", "renderer_scene", "timeout", "runs", "keep_runs"])
-            .with_inputs(&Vec::from_iter(map));
+        let Loaded { mut scene, request: asked } = self.scene.load(console)?;
+        let target = global.target(&["scene", "renderer", "renderer_scene", "timeout", "runs", "keep_runs"]);
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let replicates = target.stem(&name, "-replicates", &["csv"])?;

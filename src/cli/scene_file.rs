@@ -70,8 +70,6 @@ pub struct Loaded {
     pub scene: Scene,
     /// Size, samples and depth that the scene asks for.
     pub request: Request,
-    /// The map that the scene file names, where no argument does.
-    pub map: Option<PathBuf>,
 }
 
 fn is_collada(path: &Path) -> bool {
@@ -179,7 +177,7 @@ impl SceneArgs {
         if is_collada && !self.fit && self.camera.is_none() {
             note_crop([request.width, request.height], console);
         }
-        Ok(Loaded { scene, request, map: imported.map })
+        Ok(Loaded { scene, request })
     }
 
     fn builtin(&self, console: &Console) -> Result<Loaded> {
@@ -224,7 +222,7 @@ impl SceneArgs {
             Some(size) => scene.resized(request, size),
             None => (scene, request),
         };
-        Ok(Loaded { scene, request, map: None })
+        Ok(Loaded { scene, request })
     }
 }
 

@@ -30,6 +30,4 @@ pub struct Imported {
     pub output: Option<PathBuf>,
     /// What was left out or filled in without an effect on the image, each with its place, in the file's order.
     pub warnings: Vec<String>,
-    /// The environment map that was read because the file names it.
-    pub map: Option<PathBuf>,
 }

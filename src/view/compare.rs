@@ -85,7 +85,7 @@ pub struct Row {
 
 pub fn rows(compared: &Compared) -> Vec<Row> {
     let family = |family: &crate::study::compare::FamilyResult| {
-        let level = compared.plan.level / (3 * family.tests.len().max(1)) as f64;
+        let level = family.level(compared.plan);
         let row = |test: &Tested| Row {
             family: family.family.name(),
             functional: test.functional.to_string(),
@@ -180,10 +180,10 @@ fn p_values(compared: &Compared) -> Panel {
         p.sort_unstable_by(f64::total_cmp);
         let n = p.len() as f64 + 1.0;
         let points: Vec<Point> = p.iter().enumerate().map(|(i, p)| [(i + 1) as f64 / n, *p]).collect();
-        if let (Some(point), tests) = (points.first(), family.tests.len()) {
+        if let Some(point) = points.first() {
+            let limit = family.level(compared.plan);
             first = first.min(point[0]);
-            foot = foot.min(point[1]).min(compared.plan.level / (3 * tests) as f64);
-            let limit = compared.plan.level / (3 * tests) as f64;
+            foot = foot.min(point[1]).min(limit);
             let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { rounded(limit, 2) };
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }

@@ -56,11 +56,6 @@ impl Images {
         Ok(Self { target, formats, look, shard })
     }
 
-    /// The same, which also refuses to replace `input`.
-    pub fn protecting(self, input: Option<PathBuf>) -> Self {
-        Self { target: self.target.with_inputs(&Vec::from_iter(input)), ..self }
-    }
-
     /// Writes the images of a render called `name`, and first `state`, from which a later run can continue. Of an
     /// interrupted render (`cut`) there is one such file in any case, and a preview.
     pub fn write(&self, part: &Part, name: &str, state: Option<&Path>, cut: bool) -> Result<Written> {

@@ -144,10 +144,9 @@ impl Render {
             return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));
         }
         let images = self.images(global)?;
-        let Loaded { scene, request: asked, map } = self.scene.load(console)?;
+        let Loaded { scene, request: asked } = self.scene.load(console)?;
         self.check_effect(&scene)?;
         let settings = self.settings(Settings { seed: global.seed, model, ..Settings::usual() });
-        let images = images.protecting(map);
         // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
         let held = state.map(resume::held).transpose()?.flatten();

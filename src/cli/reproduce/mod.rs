@@ -93,7 +93,7 @@ impl Reproduce {
         self.reports.check()?;
         let inputs = self.inputs(global, console)?;
         let folder = global.out.as_deref().unwrap_or(Path::new("figures"));
-        self.check_map(folder)?;
+        Self::check_inputs(folder)?;
         // Times of a former run of the same kind, if there was one in this folder
         let options = self.options(global);
         let records = gallery::page::read_records(folder, &gallery::registry())?;
@@ -122,13 +122,12 @@ impl Reproduce {
         Ok(Verdict::of(failed == 0, interrupted))
     }
 
-    /// Refuses a map that one of the figures in `folder` would replace.
-    fn check_map(&self, folder: &Path) -> Result<()> {
-        let map = [PathBuf::from(&self.envmap)];
+    /// Refuses inputs that one of the figures in `folder` would replace.
+    fn check_inputs(folder: &Path) -> Result<()> {
         gallery::registry().iter().try_for_each(|figure| {
             let stem = folder.join(figure.id);
             let mut images = ["png", "exr", "pfm", "ppm"].into_iter();
-            images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format), &map))
+            images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format)))
         })
     }
 

@@ -63,5 +63,5 @@ pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let scene = Scene { name, camera, objects: found.objects, lights, environment };
     let request = Request { width: size[0], height: size[1], spp: 1, light_samples: 1, max_depth: 1 };
-    Ok(Imported { scene, request, output: None, warnings: document.into_warnings(), map: None })
+    Ok(Imported { scene, request, output: None, warnings: document.into_warnings() })
 }

@@ -99,7 +99,6 @@ impl Reader<'_> {
                 return Err(at.unsupported(format!("{what} nor twice as wide as high (lat-long)")));
             }
         }
-        self.map = Some(path);
         Ok(image)
     }
 

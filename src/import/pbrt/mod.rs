@@ -52,10 +52,10 @@ pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
         return Err(Error::parameter("camera", "camera settings are for COLLADA scenes")
             .with_hint("a .pbrt file has its camera in itself"));
     }
-    let Imported { scene, request, output, warnings, map } = reader::Reader::scene(path, options)?;
+    let Imported { scene, request, output, warnings } = reader::Reader::scene(path, options)?;
     let (scene, request) = match options.resolution {
         Some(size) => scene.resized(request, size),
         None => (scene, request),
     };
-    Ok(Imported { scene, request, output, warnings, map })
+    Ok(Imported { scene, request, output, warnings })
 }

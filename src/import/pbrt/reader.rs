@@ -49,8 +49,6 @@ pub struct Reader<'a> {
     pub(super) environment: Option<Environment>,
     /// The most samples that a light asks for at each hit.
     pub(super) light_samples: Option<u32>,
-    /// The file of the map.
-    pub(super) map: Option<PathBuf>,
     /// How many more bytes of mesh files, and of shapes that are repeated, may be read.
     pub(super) mesh_bytes: u64,
     /// The shapes of each object that `ObjectInstance` repeats.
@@ -111,7 +109,6 @@ impl<'a> Reader<'a> {
             objects: Vec::new(),
             lights: Vec::new(),
             environment: None,
-            map: None,
             light_samples: None,
             mesh_bytes: MAX_MESH_BYTES,
             instanced: HashMap::new(),
@@ -136,7 +133,7 @@ impl<'a> Reader<'a> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let (objects, lights, environment) = (self.objects, self.lights, self.environment);
         let scene = Scene { name, camera, objects, lights, environment };
-        Ok(Imported { scene, request, output, warnings: self.warnings, map: self.map })
+        Ok(Imported { scene, request, output, warnings: self.warnings })
     }
 
     /// Reads one file; `from` is the directive that names it, if any.

@@ -172,7 +172,8 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
             observed.mean = Mean { variance: ratio * noise.variance, dof: noise.dof, ..observed.mean };
         }
     }
-    let scales = layout.scales(&side::mean_image(&sides[1]));
+    let means = sides.each_ref().map(side::mean_image);
+    let scales = layout.scales(&means[1]);
     let has_tiles = !sides.iter().any(Side::has_few_replicates);
     let families = families(&observed, &layout, &scales, has_tiles);
     let is_different =
@@ -186,14 +187,13 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
     };
     let whole = &families[0];
-    let level_of = |family: &FamilyResult| plan.level / FAMILIES / family.tests.len().max(1) as f64;
     // Of a channel that is black on both sides there is no share.
-    let shares = whole.tests.iter().map(|test| relative(test, level_of(whole))).filter(|share| !share.is_nan());
+    let shares = whole.tests.iter().map(|test| relative(test, whole.level(plan))).filter(|share| !share.is_nan());
     let uniform = shares.fold(f64::INFINITY, f64::at_most);
     let uniform_bias = Some(uniform).filter(|bias| bias.is_finite() && whole.dominated == 0);
     let usable = families[2].tests.iter().filter(|test| !test.dominated);
     let mut tile_biases: Vec<f64> =
-        usable.map(|test| relative(test, level_of(&families[2]))).filter(|b| b.is_finite()).collect();
+        usable.map(|test| relative(test, families[2].level(plan))).filter(|b| b.is_finite()).collect();
     tile_biases.sort_unstable_by(f64::total_cmp);
     let answer = match uniform_bias {
         _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
@@ -204,7 +204,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let of_image = [0, 1].map(|side| observed[side][0].each_ref().map(|channel| channel.mean));
     let is_noisy = answer == Answer::CannotTell && whole.dominated == 0 && !noise_hides_difference;
     let needed = if is_noisy {
-        needed::needed(&sides, of_image, scales[0].map(|scale| PRECISION * scale), level_of(whole), plan.detect)
+        needed::needed(&sides, of_image, scales[0].map(|scale| PRECISION * scale), whole.level(plan), plan.detect)
     } else {
         None
     };
@@ -224,7 +224,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         needed,
         constant_tiles,
         non_finite: valid.iter().filter(|v| !**v).count(),
-        means: sides.each_ref().map(side::mean_image),
+        means,
     })
 }
 
@@ -275,7 +275,7 @@ impl Compared {
     #[must_use]
     pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
         let mean = self.families[0].tests[test.channel].means[1].abs();
-        let half = test.difference.half_width(self.plan.level / FAMILIES / family.tests.len() as f64);
+        let half = test.difference.half_width(family.level(self.plan));
         let relative = |value: f64| value / mean;
         let value = test.difference.value;
         (mean > 0.0).then(|| Bias { value: relative(value), low: relative(value - half), high: relative(value + half) })
@@ -298,6 +298,12 @@ impl FamilyResult {
         let usable = self.tests.iter().filter(|test| !test.dominated);
         self.worst = usable.min_by(|a, b| a.by_p(b)).copied();
         self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
+    }
+
+    /// The level of each of its tests.
+    #[must_use]
+    pub fn level(&self, plan: Plan) -> f64 {
+        plan.level / FAMILIES / self.tests.len().max(1) as f64
     }
 
     /// The p-value of a test, corrected for the number of tests and of families.

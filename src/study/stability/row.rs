@@ -4,6 +4,7 @@
 use super::case::Case;
 use super::precision::Precision;
 use super::variant::STABLE;
+use etalon_stats::Extremes;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
 
@@ -53,8 +54,8 @@ impl ErrorRow {
 
     /// Takes an error of a further case into the largest ones. `what` is called if it is the largest relative one.
     pub fn add(&mut self, relative: f64, ulp: f64, condition: f64, what: impl FnOnce() -> String) {
-        self.max_ulp = self.max_ulp.max(ulp);
-        self.max_ulp_per_condition = self.max_ulp_per_condition.max(ulp / condition.max(1.0));
+        self.max_ulp = self.max_ulp.at_least(ulp);
+        self.max_ulp_per_condition = self.max_ulp_per_condition.at_least(ulp / condition.at_least(1.0));
         if self.worst.is_empty() || relative > self.max_relative || relative.is_nan() {
             (self.max_relative, self.condition_at_worst, self.worst) = (relative, condition, what());
         }
@@ -87,12 +88,12 @@ impl ErrorRow {
     /// Adds the errors that another thread found of the same variant.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
-        if self.cases == 0 || other.max_relative > self.max_relative {
+        if self.cases == 0 || other.max_relative > self.max_relative || other.max_relative.is_nan() {
             self.max_relative = other.max_relative;
             (self.condition_at_worst, self.worst) = (other.condition_at_worst, other.worst);
         }
-        self.max_ulp = self.max_ulp.max(other.max_ulp);
-        self.max_ulp_per_condition = self.max_ulp_per_condition.max(other.max_ulp_per_condition);
+        self.max_ulp = self.max_ulp.at_least(other.max_ulp);
+        self.max_ulp_per_condition = self.max_ulp_per_condition.at_least(other.max_ulp_per_condition);
         self.cases += other.cases;
         self.non_finite += other.non_finite;
         self.negative += other.negative;

@@ -25,7 +25,7 @@ use crate::scene::{
 };
 use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
-use etalon_stats::{Directions, Grid, Outcome, Pole, Protocol, SampleCount};
+use etalon_stats::{Directions, Extremes, Grid, Outcome, Pole, Protocol, SampleCount};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -125,7 +125,9 @@ impl RenderTest {
         let pixels = (self.request.width * self.request.height) as u64;
         let detectable = found.detectable(level).unwrap_or(PRECISION);
         let violation = match dropped.total() {
-            0 => (found.exact_difference > *allowance)
+            0 => found
+                .exact_difference
+                .may_exceed(*allowance)
                 .then(|| format!("tiles without noise have an error of {:.1e}", found.exact_difference)),
             n => Some(format!("{n} samples were not finite, or negative")),
         };
