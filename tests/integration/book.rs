@@ -158,7 +158,7 @@ fn files_and_tests_that_texts_name_exist() {
     for (name, text) in texts() {
         // A path in backquotes that begins with a folder of the repository
         for path in text.split('`').skip(1).step_by(2).filter(|quoted| !quoted.contains([' ', '\n', '…', '*', '{'])) {
-            let ours = ["src/", "crates/", "tests/", "docs/", "benches/", "examples/", "envmaps/generate"];
+            let ours = ["src/", "crates/", "tests/", "docs/", "benches/", "examples/"];
             if ours.iter().any(|folder| path.starts_with(folder)) && name.ends_with(".md") {
                 assert!(root.join(path).exists(), "{name} names {path}, which does not exist");
                 count += 1;

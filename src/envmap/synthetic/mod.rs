@@ -3,7 +3,7 @@
 //! Lat-long images, row 0 at the zenith (+y), columns from +x (u = 0) over +z (0.25), −x (0.5) and −z (0.75). Every
 //! value is a half float, so that an EXR file of halves keeps it exactly, and every machine computes the same bits:
 //! elementary functions come from `libm`, sums have a fixed order. The default map, `nave`, is a file of the repository
-//! that is embedded in the program; the package under `envmaps/generate` generates it.
+//! that is embedded in the program; `envmaps/README.md` says where it comes from.
 
 mod sun;
 
