@@ -162,8 +162,8 @@ mod tests {
             ("validate --seed 7", "out/x-seed-7"),
             ("render furnace -s 0256 -l 4 -m 7 -r 480 360", "out/x-r480x360-s256-l4-m7"),
             (
-                "render furnace -H --general --paths --model lambda-pi,inverse-distance --resume a.exr",
-                "out/x-H-model-lambda-pi+inverse-distance-paths-4",
+                "render furnace -H --general --paths --model lambda-pi,approximate-fresnel --resume a.exr",
+                "out/x-H-model-lambda-pi+approximate-fresnel-paths-4",
             ),
             ("render a.pbrt --envmap maps/sky.v2.exr --flip --ldr -c b/view.txt", "out/x-envmap-sky.v2-flip-c-view"),
             ("envmap sample nave -n 64,256,1024 --sampler cosine", "out/x-sampler-cosine"),

@@ -8,7 +8,7 @@ use crate::error::Error;
 use clap::{Arg, ArgMatches, Command};
 
 /// Names of the library, and the ids of the arguments that set them where these differ.
-const ALIASES: [(&str, &str); 12] = [
+const ALIASES: [(&str, &str); 11] = [
     ("allow_ldr", "ldr"),
     ("case", "replay"),
     ("command", "exec"),
@@ -19,7 +19,6 @@ const ALIASES: [(&str, &str); 12] = [
     ("ids", "only"),
     ("map", "envmap"),
     ("path", "out"),
-    ("seeds", "calibrate"),
     ("width", "resolution"),
 ];
 
@@ -118,7 +117,6 @@ mod tests {
             ("validate", "names", "NAME"),
             ("validate", "level", "--level"),
             ("validate", "detect", "--detect"),
-            ("validate", "seeds", "--calibrate"),
         ] {
             assert_eq!(flags(line).find(name), Some(flag), "{line}: {name}");
         }

@@ -5,7 +5,6 @@
 //! out, each beside what is right and the size of the error.
 
 pub mod fresnel;
-pub mod light;
 pub mod maps;
 pub mod microfacet;
 pub mod reflection;
@@ -32,8 +31,6 @@ pub struct Conventions {
     /// Glass: [`fresnel::schlick_incident_cosine`], of the cosine on `wo`'s side, dense or not, and 1 under total internal
     /// reflection.
     pub single_cosine_schlick: bool,
-    /// Rectangular area lights: their light falls off with the distance, not its square ([`light::falloff_error`]).
-    pub inverse_distance: bool,
     /// 8-bit images: [`tone::encode`].
     pub truncated_tone: bool,
 }
@@ -47,7 +44,6 @@ impl Conventions {
         approximate_fresnel: false,
         lambda_with_pi: false,
         single_cosine_schlick: false,
-        inverse_distance: false,
         truncated_tone: false,
     };
 
@@ -61,7 +57,6 @@ impl Conventions {
         approximate_fresnel: true,
         lambda_with_pi: true,
         single_cosine_schlick: true,
-        inverse_distance: true,
         truncated_tone: true,
         ..Self::CORRECT
     };

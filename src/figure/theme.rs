@@ -55,8 +55,6 @@ pub const EXPECTED: Colour = BLACK;
 pub const RESIDUAL: Colour = BLUE;
 /// An interval that holds most results of true claims.
 pub const INTERVAL: Colour = SKY_BLUE;
-/// The same over bars in the colour of [`OBSERVED`].
-pub const INTERVAL_OVER_BARS: Colour = ORANGE;
 pub const ERRATUM: Colour = VERMILION;
 pub const CORRECTED: Colour = BLUE;
 

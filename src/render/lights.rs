@@ -6,7 +6,6 @@ use super::light_tree::LightBounds;
 use super::settings::Settings;
 use super::solids;
 use super::triangle_light::TriangleLight;
-use crate::errata::light::falloff_error;
 use crate::math::circular::Circular;
 use crate::math::{Rgb, map_array, mean_rgb};
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
@@ -29,22 +28,11 @@ pub struct Sampled {
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Rectangle(RectangleLight),
-    /// By [`Conventions::inverse_distance`](crate::errata::Conventions::inverse_distance).
-    InverseDistanceRectangle(RectangleLight),
     Triangle(TriangleLight),
     Sphere(SphereLight),
-    Point {
-        position: Vec3,
-        intensity: Rgb,
-        falloff: Falloff,
-    },
-    Directional {
-        towards: Vec3,
-        irradiance: Rgb,
-    },
-    Hemisphere {
-        radiance: Rgb,
-    },
+    Point { position: Vec3, intensity: Rgb, falloff: Falloff },
+    Directional { towards: Vec3, irradiance: Rgb },
+    Hemisphere { radiance: Rgb },
 }
 
 /// An emissive rectangle in its own axes.
@@ -161,12 +149,7 @@ impl Sampled {
     /// `fixed`, which no ray can hit.
     pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
-            let panel = RectangleLight::new(rectangle, radiance, two_sided);
-            if settings.model.conventions.inverse_distance {
-                Kind::InverseDistanceRectangle(panel)
-            } else {
-                Kind::Rectangle(panel)
-            }
+            Kind::Rectangle(RectangleLight::new(rectangle, radiance, two_sided))
         };
         let of_object = |(i, object): (usize, &Object)| {
             let emission =
@@ -235,7 +218,7 @@ impl Sampled {
     #[inline]
     pub fn cos_at(&self, point: Vec3, w: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.axes[2].dot(w).abs(),
+            Kind::Rectangle(panel) => panel.axes[2].dot(w).abs(),
             Kind::Triangle(triangle) => triangle.plane.normal.dot(w).abs(),
             Kind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
@@ -246,7 +229,7 @@ impl Sampled {
     #[inline(always)]
     pub fn offset(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.plane.offset(point),
+            Kind::Rectangle(panel) => panel.plane.offset(point),
             Kind::Triangle(triangle) => triangle.plane.offset(point),
             Kind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
@@ -259,7 +242,6 @@ impl Sampled {
     pub fn ahead(&self, [origin, wi]: [Vec3; 2], sampled: f32) -> Option<f32> {
         let (distance, is_front, two_sided) = match &self.kind {
             Kind::Rectangle(RectangleLight { plane, two_sided, .. })
-            | Kind::InverseDistanceRectangle(RectangleLight { plane, two_sided, .. })
             | Kind::Triangle(TriangleLight { plane, two_sided, .. }) => {
                 (plane.distance(origin, wi), plane.normal.dot(wi) < 0.0, *two_sided)
             }
@@ -275,7 +257,7 @@ impl Sampled {
     /// Where it is and how it emits, for selecting one of many lights; `None` of lights at infinity.
     pub fn bounds(&self) -> Option<LightBounds> {
         Some(match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => {
+            Kind::Rectangle(panel) => {
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| panel.place(x, y));
                 let intensity = mean_rgb(panel.radiance) as f32 * 4.0 * panel.half[0] * panel.half[1];
                 LightBounds::plane(corners, panel.axes[2], intensity, panel.two_sided)
@@ -301,10 +283,6 @@ impl SampleLight for Sampled {
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
             Kind::Rectangle(panel) => panel.sample(point, u),
-            Kind::InverseDistanceRectangle(panel) => {
-                let sample = panel.sample(point, u);
-                LightSample { weight: sample.weight * falloff_error(sample.distance), ..sample }
-            }
             Kind::Triangle(triangle) => triangle.sample(point, u),
             Kind::Sphere(light) => light.sample(point, u),
             Kind::Point { position, intensity, falloff } => {
@@ -332,7 +310,7 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.shadow_length(ray, distance),
+            Kind::Rectangle(panel) => panel.shadow_length(ray, distance),
             Kind::Triangle(triangle) => triangle.shadow_length(ray, distance),
             Kind::Sphere(light) => light.shadow_length(ray, distance),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => distance * SHORT,
@@ -342,7 +320,7 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) | Kind::InverseDistanceRectangle(panel) => panel.pdf(point),
+            Kind::Rectangle(panel) => panel.pdf(point),
             Kind::Sphere(light) => light.pdf(point),
             Kind::Triangle(triangle) => triangle.pdf(point),
             Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,

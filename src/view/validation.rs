@@ -2,8 +2,7 @@
 
 use super::{text::p_value, validation_cells};
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
-use crate::study::validation::{Calibrated, Calibration, Tested, Validation};
-use etalon_stats::kolmogorov::Uniformity;
+use crate::study::validation::{Tested, Validation};
 use etalon_stats::{Bound, Verdict};
 use serde::Serialize;
 
@@ -118,66 +117,4 @@ fn p_values(validation: &Validation) -> Drawing {
             )),
     ])
     .draw()
-}
-
-/// A line of a calibration's table.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct CalibrationRow<'a> {
-    name: &'a str,
-    count: usize,
-    /// Kolmogorov–Smirnov distance from the uniform distribution.
-    distance: f64,
-    p: f64,
-    /// That of values which are too small.
-    p_too_small: f64,
-    skewed: bool,
-    conservative: bool,
-    violation: &'a str,
-}
-
-pub fn calibration_rows(calibration: &Calibration) -> Vec<CalibrationRow<'_>> {
-    let tests = calibration.tests.iter();
-    tests
-        .map(|Calibrated { name, uniformity, skewed, conservative, violation }| {
-            let Uniformity { count, distance, p, p_too_small } = *uniformity;
-            CalibrationRow {
-                name,
-                count,
-                distance,
-                p,
-                p_too_small,
-                skewed: *skewed,
-                conservative: *conservative,
-                violation: violation.as_deref().unwrap_or_default(),
-            }
-        })
-        .collect()
-}
-
-/// All p-values of a calibration as a histogram, with what chance allows each bar.
-pub fn calibration_drawing(calibration: &Calibration) -> Drawing {
-    const BARS: usize = 20;
-    // Histogram of the p-values
-    let n = calibration.p.len() as f64;
-    let mut counts = vec![0.0; BARS];
-    calibration.p.iter().for_each(|p| counts[((p * BARS as f64) as usize).min(BARS - 1)] += 1.0);
-    let edges: Vec<f64> = (0..=BARS).map(|i| i as f64 / BARS as f64).collect();
-    let expected = n / BARS as f64;
-    // 99 % of a binomial count, by its normal limit.
-    let spread = 2.576 * (expected * (1.0 - 1.0 / BARS as f64)).sqrt();
-    let panel = Panel::new(Axis::linear("/{p}-value").range(0.0, 1.0), Axis::linear("/{p}-values"))
-        .title(format!(
-            "{} /{{p}}-values under {} seeds; too small: {}",
-            calibration.p.len(),
-            calibration.seeds,
-            p_value(calibration.uniformity.p_too_small)
-        ))
-        .bars("found", theme::OBSERVED, edges, counts)
-        .band(
-            "99 % of each bar",
-            theme::INTERVAL_OVER_BARS,
-            [[0.0, expected - spread, expected + spread], [1.0, expected - spread, expected + spread]],
-        )
-        .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), [[0.0, expected], [1.0, expected]]);
-    Plot::new([panel]).draw()
 }

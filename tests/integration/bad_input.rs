@@ -139,7 +139,7 @@ fn numbers_out_of_range() {
         ("render furnace -s 2 --shard 1/3", &["--shard: ", "hint: "]),
         ("render furnace --shard 1/2 -o a.png", &["-o: ", "hint: "]),
         ("render furnace --model exact,report", &["--model: "]),
-        ("render furnace --model luck", &["--model", "luck", "inverse-distance"]),
+        ("render furnace --model luck", &["--model", "luck", "lambda-pi"]),
         ("render furnace --model lambda-pi --normals visible", &["--normals: ", "hint: "]),
         ("render furnace --model report --fresnel exact", &["--fresnel: ", "hint: "]),
         ("render furnace --tone film", &["--tone", "film", "srgb"]),

@@ -166,7 +166,6 @@ fn every_long_command_can_be_interrupted() {
     for args in [
         &["validate", "warp", "--samples", "10000000000"][..],
         &["validate", "--planted", "--samples", "10000000000"],
-        &["validate", "warp", "table", "--calibrate", "100000"],
         &["converge", "cornell-spheres", "--budget", "300"],
         &["stability"],
         &["reproduce"],

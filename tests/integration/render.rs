@@ -176,7 +176,7 @@ fn a_state_is_kept_written_again_and_given_more_samples() {
         (format!("{same} -m 2"), "maxDepth: 5 there, 2 here"),
         (format!("{same} --seed 2"), "seed: 1 there, 2 here"),
         (format!("{same} --paths 1"), "path classes: none there, 4 here"),
-        (format!("{same} --model inverse-distance"), "model: exact there, inverse-distance here"),
+        (format!("{same} --model lambda-pi"), "model: exact there, lambda-pi here"),
         (same.replace("18", "20"), "pixels: 24x18 there, 24x20 here"),
         (same.replace("lambert", "spheres"), "scene: cornell-lambert there"),
         (same.replace("state", "nine"), "complete"),
@@ -235,10 +235,10 @@ fn every_model_changes_its_materials() {
     for (scene, changing, others) in [
         (
             "cornell-statue-cu",
-            &["fresnel-at-normal", "approximate-fresnel", "lambda-pi", "inverse-distance", "report"][..],
+            &["fresnel-at-normal", "approximate-fresnel", "lambda-pi", "report"][..],
             &["exact", "single-cosine-schlick"][..],
         ),
-        ("cornell-spheres", &["single-cosine-schlick", "inverse-distance", "report"], &["exact", "lambda-pi"]),
+        ("cornell-spheres", &["single-cosine-schlick", "report"], &["exact", "lambda-pi"]),
     ] {
         let exact = bytes(scene, "");
         for model in changing {
@@ -248,7 +248,7 @@ fn every_model_changes_its_materials() {
             assert!(bytes(scene, &format!(" --model {model}")) == exact, "{model} changes {scene}");
         }
     }
-    let all = " --model fresnel-at-normal,approximate-fresnel,single-cosine-schlick,lambda-pi,inverse-distance";
+    let all = " --model fresnel-at-normal,approximate-fresnel,single-cosine-schlick,lambda-pi";
     assert!(bytes("cornell-statue-cu", all) == bytes("cornell-statue-cu", " --model report"));
 
     let exact = bytes("cornell-statue-cu", "");

@@ -174,17 +174,6 @@ fn a_map_of_ones_own_is_tested() {
 }
 
 #[test]
-fn the_harness_is_calibrated() {
-    let dir = folder();
-    let args = ["validate", "warp", "table/cdf/linear", "--calibrate", "40", "--samples", "10000", "-o", "c"];
-    let value = json(dir.path(), &args);
-    assert_eq!(value["accepted"], true, "{value}");
-    let below = value["below_5_percent"].as_f64().unwrap();
-    assert!(below > 0.01 && below < 0.12, "{below}");
-    assert!(files(&dir.path().join("c")).contains("calibration-warp+table-cdf-linear-samples-10000-calibrate-40.svg"));
-}
-
-#[test]
 fn bad_requests_are_refused() {
     let dir = folder();
     for (line, word) in [
@@ -200,7 +189,6 @@ fn bad_requests_are_refused() {
         ("validate warp --detect 1e-9", "--detect"),
         ("validate warp --detect inf", "--detect"),
         ("validate warp --samples 10 --detect 0.1", "--detect"),
-        ("validate warp --calibrate 1", "--calibrate"),
         ("validate warp --envmap gone.exr", "gone.exr"),
         ("validate warp --junit .", "."),
     ] {

@@ -39,7 +39,7 @@ pub struct ModelArgs {
 type Model = (&'static str, &'static str, Conventions);
 
 /// All of them.
-static MODELS: [Model; 7] = [
+static MODELS: [Model; 6] = [
     ("exact", "The correct formulas", Conventions::CORRECT),
     ("report", "All conventions below together", Conventions { truncated_tone: false, ..Conventions::SECOND_REPORT }),
     (
@@ -65,12 +65,6 @@ static MODELS: [Model; 7] = [
          (up to 1.051)",
         Conventions { lambda_with_pi: true, ..Conventions::CORRECT },
     ),
-    (
-        "inverse-distance",
-        "Radiance from rectangular area lights divided by the distance, not its square: 0.9 to 1.8 times the light in the \
-         report's Cornell box",
-        Conventions { inverse_distance: true, ..Conventions::CORRECT },
-    ),
 ];
 
 impl ModelArgs {
@@ -85,7 +79,6 @@ impl ModelArgs {
             approximate_fresnel: has(|c| c.approximate_fresnel),
             single_cosine_schlick: has(|c| c.single_cosine_schlick),
             lambda_with_pi: has(|c| c.lambda_with_pi),
-            inverse_distance: has(|c| c.inverse_distance),
             ..Conventions::CORRECT
         };
         if conventions.change_metal() && !matches!(self.normals, None | Some(NormalSampling::Ndf)) {

@@ -1,6 +1,5 @@
 //! `etalon validate`: samplers tested against their pdfs.
 
-mod calibration;
 mod external;
 mod planted;
 
@@ -8,7 +7,7 @@ use super::console::Console;
 use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use super::reports::Reports;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files;
 use crate::output;
 use crate::study::validation::{Tested, Validation, run, select, suite};
@@ -53,9 +52,6 @@ pub struct Validate {
     /// Probability that a run of correct samplers rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
-    /// Test the tests: are their p-values uniform under K seeds?
-    #[arg(long, value_name = "K", conflicts_with_all = ["detect", "junit", "markdown", "figures", "planted"])]
-    calibrate: Option<u64>,
     /// Plot the counts of each test [default: of rejected ones]
     ///
     /// Observed counts, expected counts, and residuals.
@@ -95,18 +91,12 @@ impl Validate {
             return Ok(Verdict::Good);
         }
         let protocol = self.protocol(global);
-        if let (Some(seeds), Subject::Cases(cases)) = (self.calibrate, &subject) {
-            return calibration::run(cases, &protocol, seeds, global, console);
-        }
         self.reports.check()?;
         let (target, name) = self.target(&subject, global);
         let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {
             Subject::Cases(cases) => run(cases, &protocol, &|_| bar.inc(1)),
-            Subject::Bsdf(_) if self.calibrate.is_some() => {
-                Err(Error::parameter("seeds", "the BSDF of another program has no calibration"))
-            }
             Subject::Bsdf(bsdf) => bsdf.run(&protocol, &|| bar.inc(1)),
         }?;
         bar.finish_and_clear();

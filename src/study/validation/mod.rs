@@ -2,7 +2,8 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod calibrate;
+#[cfg(test)]
+mod calibration;
 mod case;
 mod external;
 pub mod families;
@@ -17,7 +18,6 @@ mod shared;
 pub mod suite;
 mod whole;
 
-pub use calibrate::{Calibrated, Calibration, calibrate};
 pub use case::{Case, DirectionSampler, direction_sampler};
 pub use external::WholeBsdf;
 pub use run::{Ranked, Tested, Validation, run};
