@@ -40,28 +40,48 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((identity(a), identity(b)), (Some(a), Some(b)) if a == b)
 }
 
-/// The files that this process reads: those that its arguments name, and those that these name.
-static INPUTS: Mutex<BTreeSet<Identity>> = Mutex::new(BTreeSet::new());
+/// The files that a command reads: those that its arguments name, and those that these name. `None` in a library, which
+/// leaves it to its user what may be replaced.
+static INPUTS: Mutex<Option<BTreeSet<Identity>>> = Mutex::new(None);
 
-fn inputs() -> MutexGuard<'static, BTreeSet<Identity>> {
+fn inputs() -> MutexGuard<'static, Option<BTreeSet<Identity>>> {
     INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Remembers a file that is read, so that no result replaces it.
+/// From now on nothing replaces a file that was read.
+pub fn protect_inputs() {
+    *inputs() = Some(BTreeSet::new());
+}
+
+/// Remembers a file that is read.
 pub fn note_input(path: &Path) {
-    inputs().extend(identity(path));
+    if let Some(inputs) = inputs().as_mut() {
+        inputs.extend(identity(path));
+    }
+}
+
+/// Remembers the files that the words of a command name, alone or after `=` and in lists.
+pub fn note_command(words: &[String]) {
+    let parts = words.iter().flat_map(|word| word.split(|c: char| c.is_whitespace() || "=,;:'\"|&<>()".contains(c)));
+    let named = parts.chain(words.iter().map(String::as_str)).map(Path::new);
+    named.filter(|path| path.is_file()).for_each(note_input);
 }
 
 /// Forgets a file that was read to be continued, and may be replaced.
 pub fn release_input(path: &Path) {
-    if let Some(identity) = identity(path) {
-        inputs().remove(&identity);
+    if let (Some(inputs), Some(identity)) = (inputs().as_mut(), identity(path)) {
+        inputs.remove(&identity);
     }
 }
 
-/// Whether `path` leads to a file that this process reads.
-pub fn is_input(path: &Path) -> bool {
-    identity(path).is_some_and(|identity| inputs().contains(&identity))
+/// An error if `path` leads to a file that the command reads.
+pub fn check_no_input(path: &Path) -> Result<()> {
+    let Some(identity) = identity(path) else { return Ok(()) };
+    if inputs().as_ref().is_some_and(|inputs| inputs.contains(&identity)) {
+        return Err(Error::input(path, "this file is an input of this command")
+            .with_hint("name another file or folder: the result would replace the input"));
+    }
+    Ok(())
 }
 
 /// Keeps a file in the list; dropped, it removes the file from there.
@@ -124,8 +144,9 @@ fn link_target(path: &Path) -> Result<PathBuf> {
 /// As many symbolic links are followed as Linux follows.
 const MAX_LINKS: usize = 40;
 
-/// A temporary file beside `path`, which must not be there or be a file: a device or a pipe would be replaced.
+/// A temporary file beside `path`, which must not be there or be a file that is no input: a device or a pipe would be replaced.
 fn temporary(path: &Path) -> Result<(NamedTempFile, Listed)> {
+    check_no_input(path)?;
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(Error::io(path, std::io::ErrorKind::IsADirectory.into())),
         // A name that is too long, for one.
@@ -161,9 +182,16 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomic(path, |w| w.write_all(bytes).map_err(|e| Error::io(path, e)))
 }
 
-/// Reads a whole file, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
+/// Reads an input as a whole, refusing one that is larger than `limit` bytes, a device, which may never end, and a named
 /// pipe, which may never begin. Pipes of the shell (`/dev/stdin`, `<(command)`) are read.
 pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let bytes = read_own(path, limit)?;
+    note_input(path);
+    Ok(bytes)
+}
+
+/// The same for a file that the program wrote, and may replace.
+pub fn read_own(path: &Path, limit: u64) -> Result<Vec<u8>> {
     use std::io::Read;
     let there = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if there.is_dir() {
@@ -174,7 +202,6 @@ pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>> {
             .with_hint("what a pipe brings can be read from /dev/stdin"));
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
-    note_input(path);
     let size = if there.is_file() { there.len().min(limit) as usize } else { 0 };
     let mut bytes = memory::reserved(size, || format!("{}, a file", path.display()))?;
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;

@@ -70,7 +70,7 @@ impl Target {
         });
         file.push(suffix);
         let stem = self.folder.join(file);
-        extensions.iter().try_for_each(|extension| check_no_input(&with_extension(&stem, extension)))?;
+        extensions.iter().try_for_each(|extension| files::check_no_input(&with_extension(&stem, extension)))?;
         Ok(stem)
     }
 
@@ -132,13 +132,27 @@ fn lossy<S: Serializer>(paths: &[PathBuf], serializer: S) -> std::result::Result
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
-/// An error if `path` is one of the inputs.
-pub fn check_no_input(path: &Path) -> Result<()> {
-    if files::is_input(path) {
-        return Err(Error::parameter("out", format!("{} is an input of this command", path.display()))
-            .with_hint("name another file or folder: the result would replace the input"));
+/// Files that are written one after the other. Where one of them cannot be written, the others still are, and the result is
+/// told before the error.
+#[derive(Default)]
+pub struct Saving {
+    files: Vec<PathBuf>,
+    error: Option<Error>,
+}
+
+impl Saving {
+    /// Adds what was written, or why it was not.
+    pub fn add(&mut self, written: Result<Vec<PathBuf>>) {
+        match written {
+            Ok(files) => self.files.extend(files),
+            Err(error) => self.error = self.error.take().or(Some(error)),
+        }
     }
-    Ok(())
+
+    /// The files that were written, and the first error.
+    pub fn end(self) -> (Vec<PathBuf>, Result<()>) {
+        (self.files, self.error.map_or(Ok(()), Err))
+    }
 }
 
 /// Default file names are at most so many bytes long, extension included.
@@ -233,15 +247,10 @@ mod tests {
     }
 
     #[test]
-    fn inputs_are_not_replaced_and_replaced_results_are_reported() {
+    fn replaced_results_are_reported() {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
         files::write_bytes(&at("a.csv"), b"input").unwrap();
-        files::note_input(&at("a.csv"));
-        let onto = |out: &str, extensions: &[&str]| Target::new(Some(&at(out))).stem("a", "", extensions).is_err();
-        assert!(onto("a.png", &STUDY) && onto("", &STUDY) && onto("./a.csv", &STUDY));
-        assert!(!onto("a.png", &DRAWING) && !onto("b.csv", &STUDY) && !onto("new", &STUDY));
-
         let files = vec![at("a.csv"), at("b.csv"), at("c/a.csv")];
         let written = Target::new(Some(dir.path())).written(files.clone());
         assert_eq!(written.replaced, [at("a.csv")]);

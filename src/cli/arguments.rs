@@ -54,7 +54,7 @@ impl Arguments {
     /// Refuses a path for results that is one of the files to read, also for those that the run names later.
     pub fn check(&self) -> Result<()> {
         self.inputs.iter().filter(|input| input.is_file()).for_each(|input| files::note_input(input));
-        match self.outputs.iter().find(|(_, path)| files::is_input(path)) {
+        match self.outputs.iter().find(|(_, path)| files::check_no_input(path).is_err()) {
             None => Ok(()),
             Some((id, path)) => Err(Error::parameter(id, format!("{} is an input of this command", path.display()))
                 .with_hint("name another file: results would replace the input")),

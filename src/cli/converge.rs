@@ -7,7 +7,7 @@ use super::scene_file::{Loaded, SceneArgs};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::import::renderer::{PLACEHOLDERS, Renderer};
-use crate::output::{self, file_name};
+use crate::output::{self, Saving, file_name};
 use crate::raster::{self, ReadOptions};
 use crate::scene::{Material, Request, Scene};
 use crate::study::converge::answer::Answer;
@@ -165,17 +165,19 @@ impl Converge {
             console.warn(&format!("{strategy}, replicate {replicate} (seed {seed}, {spp} spp): {message}"));
         }
         result.notes.iter().for_each(|note| console.warn(note));
-        let mut files = Vec::new();
+        let mut saving = Saving::default();
         if !result.curves.is_empty() {
-            files = output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?)?;
+            saving.add(output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?));
             let table = output::with_extension(&replicates, "csv");
-            files::write_bytes(&table, &output::table(&view::replicate_rows(&result))?)?;
-            files.push(table);
-            files.extend(converge_images::images(&result).write(&images)?);
+            let rows = output::table(&view::replicate_rows(&result))?;
+            saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
+            saving.add(converge_images::images(&result).write(&images));
         }
+        let (files, saved) = saving.end();
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { answer: Answer::of(&result, 0.95), result: &result, common_cpu_seconds, common_rmse };
         console.saved(&output, &target.written(files), || text(&output));
+        saved?;
         Ok(match result.has_verdict() {
             _ if result.interrupted => Verdict::Inconclusive,
             _ if !result.faults.is_empty() => Verdict::Rejected,

@@ -29,12 +29,14 @@ mod validate;
 mod values;
 
 use crate::error::{Error, Result};
+use crate::files;
 use crate::memory;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use flags::Flags;
 use global::{Global, Verdict};
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::Path;
 
 #[derive(Parser)]
@@ -95,8 +97,13 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
         // The text of --help and --version is an error, too; there is no other place to report that it cannot be printed
         Err(e) => {
             let e = e.format(&mut command);
-            let _ = e.print();
-            return if e.use_stderr() { 2 } else { 0 };
+            if !e.use_stderr() {
+                let _ = e.print();
+                return 0;
+            }
+            // Arguments may hold characters that command a terminal
+            let _ = write!(std::io::stderr(), "{}", console::shown(&e.render().to_string()));
+            return 2;
         }
     };
     cli.global.complete(&command, &matches);
@@ -127,6 +134,7 @@ fn with_threads(threads: Option<u32>, work: impl FnOnce() -> Result<Verdict> + S
 }
 
 fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
+    files::protect_inputs();
     cli.global.arguments.check()?;
     match &cli.command {
         Command::Fresnel(args) => args.run(&cli.global, console),

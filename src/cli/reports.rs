@@ -23,6 +23,14 @@ pub struct Reports {
 impl Reports {
     /// Refuses files that cannot be written: before the work, not after it.
     pub fn check(&self) -> Result<()> {
+        for (name, path) in [("junit", &self.junit), ("markdown", &self.markdown)] {
+            let extension = path.as_deref().and_then(Path::extension);
+            if extension.is_some_and(|extension| RESULTS.iter().any(|result| extension.eq_ignore_ascii_case(result))) {
+                let message =
+                    format!("{} has the extension of a result", path.as_deref().unwrap_or(Path::new("")).display());
+                return Err(Error::parameter(name, message).with_hint("reports are .xml and .md"));
+            }
+        }
         if let Some(path) = &self.junit {
             files::check_writable(path)?;
         }
@@ -55,10 +63,13 @@ impl Reports {
     }
 }
 
+/// Extensions of results, which reports must not replace.
+const RESULTS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "html", "json"];
+
 /// Most bytes of a file that is appended to; summaries of GitHub have at most one MiB.
 const LONGEST: u64 = 16 << 20;
 
 /// What stands in the file already.
 fn before(path: &Path) -> Result<Vec<u8>> {
-    if path.exists() { files::read_bounded(path, LONGEST) } else { Ok(Vec::new()) }
+    if path.exists() { files::read_own(path, LONGEST) } else { Ok(Vec::new()) }
 }

@@ -4,7 +4,7 @@ use super::console::Console;
 use super::global::{Global, Verdict, out, seed, threads};
 use super::reports::Reports;
 use crate::error::{Error, Result};
-use crate::output;
+use crate::output::{self, Saving};
 use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use crate::view::checks::{Check, Checks};
 use crate::view::text::rounded;
@@ -89,16 +89,19 @@ impl Stability {
         if result.interrupted && result.rows.is_empty() {
             return Err(Error::Interrupted);
         }
-        let mut files = output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?)?;
+        let mut saving = Saving::default();
+        saving.add(output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            files.extend(maps::maps(&result.sweeps).write(&maps_stem)?);
+            saving.add(maps::maps(&result.sweeps).write(&maps_stem));
         }
-        files.extend(self.reports.write(&checks(&result, start.elapsed().as_secs_f64()))?);
+        saving.add(self.reports.write(&checks(&result, start.elapsed().as_secs_f64())));
+        let (files, saved) = saving.end();
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
         let effort = self.range.is_none().then_some(effort);
         let output = Output { rows, bounds, effort, interrupted };
         console.saved(&output, &written, || human(&output, self.range.is_some()));
+        saved?;
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
     }

@@ -159,6 +159,7 @@ impl Sweep {
         let mut part = Part::new(&plan, shard);
         if let Some(state) = self.resume.as_deref().filter(|state| state.exists()) {
             part = continued(Part::read(state)?, &plan, shard, state)?;
+            files::release_input(state);
         }
         let save = |part: &Part| {
             part.write(self.resume.as_deref().unwrap_or(&path))?;

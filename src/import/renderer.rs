@@ -2,6 +2,7 @@
 
 use super::program::{Group, last_line, tail};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::interrupt;
 use crate::raster::{self, Image, ReadOptions};
 use std::path::{Path, PathBuf};
@@ -76,6 +77,7 @@ impl Renderer {
             wrong(format!("{command:?} is no command"))
                 .with_hint("give a program and its arguments, with quotes in pairs")
         })?;
+        files::note_command(&words);
         let used: Vec<&str> = words.iter().flat_map(|word| placeholders(word)).collect();
         let known = || PLACEHOLDERS.map(|(name, _)| format!("{{{name}}}")).join(" ");
         if let Some(unknown) = used.iter().find(|used| !PLACEHOLDERS.iter().any(|(name, _)| name == *used)) {

@@ -118,6 +118,31 @@ fn inputs_are_never_replaced() {
     }
 }
 
+#[test]
+fn files_that_take_part_under_other_names_are_not_replaced() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let map = "bsdf/spp-1_seed-1.exr";
+    json(dir.path(), &["envmap", "make", "onehot", "-o", map]);
+    std::fs::copy(at(map), at("sphere-env-pbrt-1.exr")).unwrap();
+    std::fs::write(at("renderer.csv"), "exit 1").unwrap();
+    let before = [map, "sphere-env-pbrt-1.exr", "renderer.csv"].map(|name| std::fs::read(at(name)).unwrap());
+    let run = ["converge", "furnace", "-r", "8", "8", "--budget", "9", "--max-spp", "1", "--replicates", "1"];
+    let command = "x=sh renderer.csv {out} {spp} {seed}";
+    for args in [
+        &["scenes", "--export", "sphere-env.pbrt", "--envmap", "sphere-env-pbrt-1.exr"][..],
+        &["converge", "sphere-env", "--envmap", map, "-r", "8", "8", "--strategies", "bsdf", "--keep-runs", "."],
+        &[&run[..], &["--strategies", "none", "--renderer", command, "-o", "renderer.csv"]].concat(),
+    ] {
+        let ran = etalon(dir.path(), args);
+        assert!(ran.code == 2 && ran.stderr.contains("is an input of this command"), "{args:?}: {}", ran.stderr);
+        let after = [map, "sphere-env-pbrt-1.exr", "renderer.csv"].map(|name| std::fs::read(at(name)).unwrap());
+        assert!(before == after, "{args:?}");
+    }
+    let ran = etalon(dir.path(), &["stability", "fresnel", "-o", "s.csv", "--junit", "s.csv"]);
+    assert!(ran.code == 2 && ran.stderr.contains("extension of a result"), "{}", ran.stderr);
+}
+
 #[cfg(unix)]
 #[test]
 fn results_follow_symbolic_links() {

@@ -18,7 +18,9 @@ pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64, precision: f64) -> 
         return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
     }
     let claimed = sample.pdf?;
-    let is_near = |precision: f64| (claimed - pdf).abs() <= precision * claimed.abs().at_least(pdf.abs());
+    let is_near = |precision: f64| {
+        claimed.is_finite() && pdf.is_finite() && (claimed - pdf).abs() <= precision * claimed.abs().at_least(pdf.abs())
+    };
     if claimed.to_bits() == pdf.to_bits() || precision > 0.0 && is_near(precision) {
         return None;
     }

@@ -204,6 +204,8 @@ pub fn examine<D: Domain>(
     // Compare the integral with the declared mass; derive the probability of "no sample".
     let mass = integral.plus(at_atoms);
     let tolerated = MASS + mass.error;
+    // Values that are finite, but too large for a finite integral.
+    let overflows = invalid.is_none() && !mass.value.is_finite();
     let (none_expected, mass_is_wrong) = match density.mass() {
         Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs().may_exceed(tolerated)),
         Mass::AtMostOne => {
@@ -213,10 +215,12 @@ pub fn examine<D: Domain>(
         }
         Mass::Unknown => (0.0, false),
     };
-    let mass_violation = mass_is_wrong.then(|| match density.mass() {
+    let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
+        _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
         Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
         Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}, more than 1"),
     });
+    let is_pdf = invalid.is_none() && !overflows;
     let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
     // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
@@ -260,7 +264,10 @@ pub fn examine<D: Domain>(
         _ => test.map(|test| detectable(test.dof, protocol.level_of_cells(), samples)),
     };
     let inconclusive_reason = match detectable {
-        _ if uncertain => Some("the integrals of the pdf are too uncertain for that many samples".to_owned()),
+        _ if uncertain => Some(
+            "the integrals of the pdf are too uncertain for that many samples; a pdf with steps can declare them (`table`)"
+                .to_owned(),
+        ),
         None if !expected.iter().all(|e| e.is_finite()) => Some("expected counts are not finite".to_owned()),
         None => Some("too few samples: all cells had to be pooled".to_owned()),
         Some(w) if w > protocol.coarsest() => {
@@ -293,7 +300,7 @@ pub fn examine<D: Domain>(
         p,
         detectable,
         seconds: start.elapsed().as_secs_f64(),
-        mass: Some(mass),
+        mass: is_pdf.then_some(mass),
         cells: counts.observed.len(),
         pooled: test.map_or(0, |test| test.dof + 1),
         none,

@@ -297,6 +297,17 @@ fn samples_that_are_used_up_are_used_once() {
 }
 
 #[test]
+fn a_pdf_whose_integral_overflows_is_rejected() {
+    let huge = density(|_: Vector| 1e308);
+    let outcome = tested(
+        &Directions::hemisphere(Pole::Z),
+        &sampler(2, |u: &[f64]| Some(Sample::new(uniform_hemisphere(u)))),
+        &huge,
+    );
+    assert!(outcome.verdict == Verdict::Reject && outcome.mass.is_none(), "{outcome}");
+}
+
+#[test]
 fn deterministic_samplers_are_tested_exactly() {
     let half = Directions::hemisphere(Pole::Z);
     let mirror = density(|_: Vector| 0.0).with_atoms(vec![Atom { point: [0.0, 0.0, 1.0], probability: 1.0 }]);

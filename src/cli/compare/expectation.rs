@@ -5,7 +5,7 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
 use crate::error::{Error, Result};
-use crate::output;
+use crate::output::{self, Saving};
 use crate::study::compare::{Answer, Compared, FamilyResult, Needed, Plan, Side, compare};
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
@@ -79,9 +79,10 @@ impl Compare {
             );
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
-        let mut files = output::write(&stem, &view::drawing(&compared), &output::table(&view::rows(&compared))?)?;
-        files.extend(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64()))?);
-        let written = target.written(files);
+        let mut saving = Saving::default();
+        saving.add(output::write(&stem, &view::drawing(&compared), &output::table(&view::rows(&compared))?));
+        saving.add(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64())));
+        let (files, saved) = saving.end();
         for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {
             console.warn(&format!(
                 "{} to the last bit in all images of {side}, though not on the other side: if there is noise, the seed does \
@@ -90,7 +91,8 @@ impl Compare {
             ));
         }
         let shown = result(&compared);
-        console.saved(&shown, &written, || text(&compared));
+        console.saved(&shown, &target.written(files), || text(&compared));
+        saved?;
         Ok(match compared.answer {
             Answer::Different => Verdict::Rejected,
             Answer::NoDifferenceFound => Verdict::Good,

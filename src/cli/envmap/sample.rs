@@ -97,6 +97,7 @@ impl Sample {
         drop(sampler);
         // Draw n directions over the map and on black.
         let one = |n: usize, samples: Result<MapSamples>| -> Result<Output> {
+            interrupt::check()?;
             let samples = samples?;
             if samples.rows.is_empty() {
                 console.warn(&format!("{}: no texel of this map can be sampled, so there are no samples", source.name));
@@ -105,6 +106,8 @@ impl Sample {
             let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
             let mut files =
                 output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
+            // Many markers take seconds to draw.
+            interrupt::check()?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);

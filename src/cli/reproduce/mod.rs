@@ -8,6 +8,7 @@ use super::global::{DEFAULT_SEED, Global, OUTPUT, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use super::reports::Reports;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::gallery::{self, Effort, Inputs, Originals, Reproduced, Step};
 use crate::output::{self, Written};
 use crate::view::checks::{Check, Checks};
@@ -126,8 +127,8 @@ impl Reproduce {
     fn check_inputs(folder: &Path) -> Result<()> {
         gallery::registry().iter().try_for_each(|figure| {
             let stem = folder.join(figure.id);
-            let mut images = ["png", "exr", "pfm", "ppm"].into_iter();
-            images.try_for_each(|format| output::check_no_input(&output::with_extension(&stem, format)))
+            let mut results = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm"].into_iter();
+            results.try_for_each(|format| files::check_no_input(&output::with_extension(&stem, format)))
         })
     }
 

@@ -9,7 +9,7 @@ use super::map_file::{self, MapOptions};
 use super::reports::Reports;
 use crate::error::Result;
 use crate::files;
-use crate::output;
+use crate::output::{self, Saving};
 use crate::study::validation::{Tested, Validation, run, select, suite};
 use crate::view::checks::{Check, Checks};
 use crate::view::{validation as view, validation_cells as cells, validation_text};
@@ -100,19 +100,22 @@ impl Validate {
             Subject::Bsdf(bsdf) => bsdf.run(&protocol, &|| bar.inc(1)),
         }?;
         bar.finish_and_clear();
-        let mut files = output::write(&stem, &view::drawing(&validation), &output::table(&view::rows(&validation))?)?;
+        let mut saving = Saving::default();
+        let table = output::table(&view::rows(&validation))?;
+        saving.add(output::write(&stem, &view::drawing(&validation), &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
                 match validation.tests.as_slice() {
-                    [_] => files.extend(write_counts(tested, &name, &target)?),
-                    _ => files.extend(draw_counts(tested, &target)?),
+                    [_] => saving.add(write_counts(tested, &name, &target)),
+                    _ => saving.add(draw_counts(tested, &target)),
                 }
             }
         }
-        let mut written = target.written(files);
-        written.files.extend(self.reports.write(&checks(&validation))?);
-        console.saved(&validation, &written, || validation_text::text(&validation));
+        saving.add(self.reports.write(&checks(&validation)));
+        let (files, saved) = saving.end();
+        console.saved(&validation, &target.written(files), || validation_text::text(&validation));
+        saved?;
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
             Validation { rejected: 1.., .. } => Verdict::Rejected,
@@ -165,11 +168,11 @@ fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>>
 }
 
 /// Writes the counts of the only test, if it has any.
-fn write_counts(tested: &Tested, name: &str, target: &output::Target) -> Result<Option<PathBuf>> {
-    let Some(counts) = &tested.outcome.counts else { return Ok(None) };
+fn write_counts(tested: &Tested, name: &str, target: &output::Target) -> Result<Vec<PathBuf>> {
+    let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
     let csv = output::with_extension(&target.stem(name, "-counts", &["csv"])?, "csv");
     files::write_bytes(&csv, &output::table(&cells::rows(counts))?)?;
-    Ok(Some(csv))
+    Ok(vec![csv])
 }
 
 fn checks(validation: &Validation) -> Checks {

@@ -5,7 +5,7 @@ use crate::cli::global::{Global, Verdict};
 use crate::cli::reports::Reports;
 use crate::error::Result;
 use crate::files;
-use crate::output;
+use crate::output::{self, Saving};
 use crate::study::validation::planted::{self, By, Finding, Findings, PlantedFault};
 use crate::view::checks::{Check, Checks};
 use crate::view::planted as view;
@@ -31,10 +31,12 @@ pub fn run(
     let bar = console.progress(2 * faults.len() as u64, "planted faults", "runs");
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
-    files::write_bytes(&path, &output::table(&view::rows(&findings))?)?;
-    let mut written = target.written(vec![path]);
-    written.files.extend(reports.write(&checks(&findings))?);
-    console.saved(&findings, &written, || text(&findings, explain));
+    let mut saving = Saving::default();
+    saving.add(files::write_bytes(&path, &output::table(&view::rows(&findings))?).map(|()| vec![path]));
+    saving.add(reports.write(&checks(&findings)));
+    let (files, saved) = saving.end();
+    console.saved(&findings, &target.written(files), || text(&findings, explain));
+    saved?;
     Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
 

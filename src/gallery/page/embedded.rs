@@ -39,9 +39,9 @@ impl EmbeddedImage {
     /// When a file of it is missing or damaged.
     pub fn read(folder: &Path, id: &str) -> Result<Self> {
         let [path, png_path] = ["svg", "png"].map(|extension| folder.join(format!("{id}.{extension}")));
-        let svg = String::from_utf8(files::read_bounded(&path, LIMIT)?)
+        let svg = String::from_utf8(files::read_own(&path, LIMIT)?)
             .map_err(|_| Error::input(&path, "no drawing: it is not UTF-8"))?;
-        let png = files::read_bounded(&png_path, LIMIT)?;
+        let png = files::read_own(&png_path, LIMIT)?;
         let full = decoded(&png, &png_path)?;
         let chart = svg.contains("<text");
         let thumbnail = address("jpeg", &jpeg(thumbnail(&full, chart), &png_path)?);

@@ -126,7 +126,7 @@ pub fn read_records(folder: &Path, figures: &[Figure]) -> Result<Records> {
     if !path.exists() {
         return Ok(Records::new());
     }
-    let mut records: Records = serde_json::from_slice(&files::read_bounded(&path, LIMIT)?).map_err(|e| {
+    let mut records: Records = serde_json::from_slice(&files::read_own(&path, LIMIT)?).map_err(|e| {
         Error::input(&path, format!("no records of figures: {e}"))
             .with_hint("remove it: the page then covers what the next run makes")
     })?;

@@ -7,6 +7,7 @@ use super::answer::{Answer, END};
 use super::connection::{Connection, protocol_error};
 use super::group::Group;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::interrupt;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -46,6 +47,7 @@ impl Process {
             Error::parameter("command", format!("{command:?} is no command"))
                 .with_hint("give a program and its arguments, with quotes in pairs")
         })?;
+        files::note_command(&words);
         let mut start = Command::new(&words[0]);
         start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // The group starts first, so that the program is always a member.

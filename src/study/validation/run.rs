@@ -110,7 +110,7 @@ impl Validation {
 /// Prepares every case and applies `one` to it: to large cases one after the other, to the others in parallel. `None` for
 /// those that an interruption left unfinished.
 fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> Result<Vec<Option<T>>> {
-    let finished = |case: &Case| match one(case) {
+    let finished = |case: &Case| match interrupt::check().and_then(|()| one(case)) {
         Err(Error::Interrupted) => Ok(None),
         other => other.map(Some),
     };

@@ -37,7 +37,7 @@ pub use furnace::{Albedo, Basis, RISK, directional_albedo};
 pub use limits::{same_light, same_values};
 pub use report::{Checked, Report, assert_bsdf, test};
 
-use crate::error::Result;
+use crate::error::{Result, poll};
 use crate::examine::Protocol;
 use crate::hash::mix64;
 use crate::outcome::Outcome;
@@ -71,6 +71,7 @@ impl Check {
         round: u64,
     ) -> Result<Option<Outcome>> {
         protocol.check()?;
+        poll(protocol.cancelled)?;
         let start = std::time::Instant::now();
         // Each check has random numbers of its own for each direction.
         let parts = self.name.bytes().map(u64::from).chain(wo.map(f64::to_bits));
