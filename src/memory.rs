@@ -6,6 +6,8 @@
 
 use crate::error::{Error, Result, Shortage};
 use std::cell::Cell;
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -27,6 +29,8 @@ fn limits() -> MutexGuard<'static, Option<Limits>> {
 thread_local! {
     /// Whether what this thread asks for has been granted already.
     static GRANTED: Cell<bool> = const { Cell::new(false) };
+    /// Bytes that this thread has asked for in small parts, not yet compared with the limit.
+    static SMALL: Cell<usize> = const { Cell::new(0) };
 }
 
 /// Runs `work`, for whose memory this thread has asked already, or which takes next to none.
@@ -55,6 +59,48 @@ pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
     }
 }
 
+/// Less than this is not worth measuring what the process holds.
+const STEP: usize = 1 << 20;
+
+/// Asks for so many bytes that stay in use, such as those of one of many things in a file: at once if they are many, else
+/// together with what this thread asked for before.
+///
+/// # Errors
+/// As [`request`].
+pub fn grow(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
+    let sum = SMALL.get().saturating_add(bytes);
+    let asks = sum >= STEP;
+    SMALL.set(if asks { 0 } else { sum });
+    if asks { request(sum, what) } else { Ok(()) }
+}
+
+/// Appends to a vector whose final length is not known: it asks when it becomes longer.
+///
+/// # Errors
+/// As [`filled`].
+#[inline]
+pub fn push<T>(values: &mut Vec<T>, value: T, what: impl Fn() -> String) -> Result<()> {
+    if values.len() == values.capacity() {
+        let more = values.len().max(4);
+        grow(more.saturating_mul(size_of::<T>()), &what)?;
+        reserve(values, more, what)?;
+    }
+    values.push(value);
+    Ok(())
+}
+
+/// Inserts into a map of unknown size: it asks when it becomes larger. Its former table is held meanwhile.
+///
+/// # Errors
+/// As [`request`].
+pub fn insert<K: Eq + Hash, V>(map: &mut HashMap<K, V>, key: K, value: V, what: impl FnOnce() -> String) -> Result<()> {
+    if map.len() == map.capacity() {
+        grow(map.len().saturating_mul(2 * size_of::<(K, V)>()), what)?;
+    }
+    map.insert(key, value);
+    Ok(())
+}
+
 /// `count` times the same value, for `what`.
 ///
 /// # Errors
@@ -73,12 +119,16 @@ pub fn reserved<T>(count: usize, what: impl Fn() -> String) -> Result<Vec<T>> {
     let bytes = count.saturating_mul(size_of::<T>());
     request(bytes, &what)?;
     let mut values = Vec::new();
-    let refused = |_| {
-        let (needed, [held, _]) = (bytes as u64, in_use());
-        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
-    };
-    values.try_reserve_exact(count).map_err(refused)?;
+    reserve(&mut values, count, what)?;
     Ok(values)
+}
+
+/// Makes room for `more` values, which have been asked for.
+fn reserve<T>(values: &mut Vec<T>, more: usize, what: impl Fn() -> String) -> Result<()> {
+    values.try_reserve_exact(more).map_err(|_| {
+        let (needed, [held, _]) = (more.saturating_mul(size_of::<T>()) as u64, in_use());
+        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
+    })
 }
 
 fn of_machine() -> Limits {
@@ -176,6 +226,28 @@ mod tests {
         };
         let limits = [Some(1 << 10), Some(1 << 40), Some(1 << 10), None];
         assert_eq!(limits.map(grants), [false, true, false, true]);
+    }
+
+    #[test]
+    fn small_parts_ask_together() {
+        let (mut asked, mut bytes) = (0, 0);
+        while asked < 3 {
+            grow(1000, || unreachable!()).unwrap();
+            bytes += 1000;
+            asked += usize::from(SMALL.get() == 0);
+        }
+        assert!((3 * STEP..3 * STEP + 3000).contains(&bytes), "{bytes}");
+        assert!(grow(usize::MAX, || "everything".into()).is_err());
+    }
+
+    #[test]
+    fn vectors_and_maps_grow_as_they_are_filled() {
+        let (mut values, mut map) = (Vec::new(), HashMap::new());
+        for i in 0..1000 {
+            push(&mut values, i, || unreachable!()).unwrap();
+            insert(&mut map, i, 2 * i, || unreachable!()).unwrap();
+        }
+        assert!(values == (0..1000).collect::<Vec<_>>() && map.len() == 1000 && map[&999] == 1998);
     }
 
     #[test]

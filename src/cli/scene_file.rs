@@ -213,7 +213,11 @@ impl SceneArgs {
         if environment.is_none() && self.envmap.is_none() {
             self.map_options.check_unused()?;
         }
-        let (scene, request) = entry.make(environment, mesh)?;
+        let made = entry.make(environment, mesh);
+        let (scene, request) = match &self.mesh {
+            Some(path) => made.map_err(|e| e.in_file(path))?,
+            None => made?,
+        };
         if self.envmap.is_some() && entry.map_scale().is_none() {
             return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
                 .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));

@@ -76,7 +76,7 @@ impl<'a> Walker<'a, '_> {
         }
         let limit = || Error::limit(document.path(), format!("more than {MAX_NODES} nodes"));
         self.nodes = self.nodes.checked_sub(1).ok_or_else(limit)?;
-        let to_world = affine(*parent * transform::local(document, node)?, &document.at(node))?;
+        let to_world = affine(*parent * transform::local(document, node)?, || document.at(node))?;
         self.instance(node, &to_world)?;
         self.open.push(node);
         self.children(node, &to_world)?;

@@ -240,7 +240,7 @@ pub fn merge(
         return Err(Error::parameter("parts", "there is nothing to merge"));
     };
     let one = Part::read(first)?;
-    let plan = plan(one.description())?;
+    let plan = plan(one.description()).map_err(|e| e.in_file(first))?;
     let count = one.shard.count;
     let mut held: BTreeMap<u32, PathBuf> = BTreeMap::new();
     let mut take = |path: &PathBuf, part: &Part| -> Result<()> {
