@@ -23,8 +23,8 @@ pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, b
     *budget = budget.checked_sub(mesh.positions.len() + mesh.triangles.len()).ok_or_else(|| {
         crate::Error::limit(document.path(), format!("more than {MAX_TRIANGLES} vertices and triangles"))
     })?;
-    // Normals, and the sums that they are made of.
-    memory::grow(2 * mesh.positions.len() * size_of::<Vec3>(), || document.path().display().to_string())?;
+    // Its normals.
+    memory::grow(size_of_val(&mesh.positions[..]), || document.path().display().to_string())?;
     // Only what bends is shaded as bent: a rectangle's normals are those of its plane.
     Ok(match simplest(mesh) {
         Shape::Mesh(mut mesh) => {

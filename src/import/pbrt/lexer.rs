@@ -34,7 +34,7 @@ impl Token<'_> {
 }
 
 /// About what a token leaves in memory, in bytes.
-const TOKEN_BYTES: usize = 256;
+const TOKEN_BYTES: usize = 128;
 
 /// Reads tokens one by one, with one token of look-ahead.
 pub struct Lexer<'a> {
