@@ -29,8 +29,8 @@ fn limits() -> MutexGuard<'static, Option<Limits>> {
 thread_local! {
     /// Whether what this thread asks for has been granted already.
     static GRANTED: Cell<bool> = const { Cell::new(false) };
-    /// Bytes that this thread has asked for in small parts, not yet compared with the limit.
-    static SMALL: Cell<usize> = const { Cell::new(0) };
+    /// What this thread may take in small parts until the process is measured again.
+    static ALLOWANCE: Cell<usize> = const { Cell::new(0) };
 }
 
 /// Runs `work`, for whose memory this thread has asked already, or which takes next to none.
@@ -46,32 +46,42 @@ pub fn granted<T>(work: impl FnOnce() -> T) -> T {
 /// # Errors
 /// [`Error::Memory`] when they exceed the limit, with `what` they are for.
 pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
-    if GRANTED.get() {
-        return Ok(());
-    }
-    let limits = *limits().get_or_insert_with(of_machine);
-    let mut pairs = limits.into_iter().zip(in_use());
-    match pairs.find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
-        None => Ok(()),
-        Some(((limit, source), held)) => {
-            Err(Error::Memory(Shortage { what: what(), needed: bytes as u64, held, limit, source }))
-        }
-    }
+    left_after(bytes, what).map(drop)
 }
 
-/// Less than this is not worth measuring what the process holds.
-const STEP: usize = 1 << 20;
+/// What is left to the limit when so many bytes more are taken.
+fn left_after(bytes: usize, what: impl FnOnce() -> String) -> Result<u64> {
+    if GRANTED.get() {
+        return Ok(u64::MAX);
+    }
+    let limits = *limits().get_or_insert_with(of_machine);
+    let (mut least, needed) = (u64::MAX, bytes as u64);
+    for ((limit, source), held) in limits.into_iter().zip(in_use()) {
+        let Some(left) = limit.checked_sub(held.saturating_add(needed)) else {
+            return Err(Error::Memory(Shortage { what: what(), needed, held, limit, source }));
+        };
+        least = least.min(left);
+    }
+    Ok(least)
+}
 
-/// Asks for so many bytes that stay in use, such as those of one of many things in a file: at once if they are many, else
-/// together with what this thread asked for before.
+/// Most bytes in small parts between two measurements, and what is left free for all else.
+const STEP: usize = 1 << 20;
+/// How many times more than it asks for a small part may take: the system gives some of them a page each.
+const EXCESS: u64 = 64;
+
+/// Asks for so many bytes that stay in use, such as those of one of many things in a file. The process is measured when
+/// they are many, and else now and then.
 ///
 /// # Errors
 /// As [`request`].
 pub fn grow(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
-    let sum = SMALL.get().saturating_add(bytes);
-    let asks = sum >= STEP;
-    SMALL.set(if asks { 0 } else { sum });
-    if asks { request(sum, what) } else { Ok(()) }
+    let allowance = match ALLOWANCE.get().checked_sub(bytes) {
+        Some(allowance) => allowance,
+        None => (left_after(bytes.max(STEP), what)? / EXCESS).min(STEP as u64) as usize,
+    };
+    ALLOWANCE.set(allowance);
+    Ok(())
 }
 
 /// Appends to a vector whose final length is not known: it asks when it becomes longer.
@@ -230,14 +240,12 @@ mod tests {
 
     #[test]
     fn small_parts_ask_together() {
-        let (mut asked, mut bytes) = (0, 0);
-        while asked < 3 {
-            grow(1000, || unreachable!()).unwrap();
-            bytes += 1000;
-            asked += usize::from(SMALL.get() == 0);
-        }
-        assert!((3 * STEP..3 * STEP + 3000).contains(&bytes), "{bytes}");
+        grow(STEP + 1, || unreachable!()).unwrap();
+        assert_eq!(ALLOWANCE.get(), STEP);
+        grow(1000, || unreachable!()).unwrap();
+        assert_eq!(ALLOWANCE.get(), STEP - 1000);
         assert!(grow(usize::MAX, || "everything".into()).is_err());
+        assert_eq!(ALLOWANCE.get(), STEP - 1000);
     }
 
     #[test]
