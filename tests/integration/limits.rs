@@ -152,17 +152,19 @@ fn what_is_read_asks_for_memory_as_it_grows() {
     let pbrt = |name: &str, line: &str, count: usize| write(name, format!("{PBRT}{}", line.repeat(count)));
     pbrt("disks.pbrt", "Shape \"disk\"\n", 20_000);
     pbrt("spheres.pbrt", "Shape \"sphere\"\n", 300_000);
+    pbrt("many.pbrt", "LightSource \"point\"\n", 400_000);
     pbrt("lights.pbrt", "LightSource \"point\"\n", 200_000);
     write("numbers.pbrt", format!("{PBRT}Shape \"trianglemesh\" \"point3 P\" [{}]", "0 ".repeat(6_000_000)));
     write("fan.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}", "1 2 3 ".repeat(300_000)));
     write("nodes.dae", format!("<COLLADA>{}</COLLADA>", "<node><a/></node>\n".repeat(300_000)));
-    write("pdf.csv", format!("{}1\n", "1,".repeat(4095)).repeat(1024));
+    write("pdf.csv", format!("{}1\n", "1,".repeat(4095)).repeat(1200));
     write("samples.csv", "x,y,z\n0,0,1\n".into());
     write("piped", "0".repeat(100 << 20));
     for (args, says) in [
-        (&["render", "disks.pbrt", "-s", "1"][..], "disks.pbrt:"),
-        (&["render", "spheres.pbrt", "-s", "1"], "spheres.pbrt:"),
-        (&["render", "lights.pbrt", "-s", "1"], "lights.pbrt:"),
+        (&["render", "disks.pbrt", "-s", "1"][..], "error: disks.pbrt:"),
+        (&["render", "spheres.pbrt", "-s", "1"], "error: spheres.pbrt:"),
+        (&["render", "many.pbrt", "-s", "1"], "error: many.pbrt:"),
+        (&["render", "lights.pbrt", "-s", "1"], "the materials of 0 objects, and 200000 lights"),
         (&["render", "numbers.pbrt", "-s", "1"], "numbers.pbrt:5:"),
         (&["render", "cornell-statue-au", "-s", "1", "--mesh", "fan.obj"], "fan.obj:4:1: this takes"),
         (&["render", "nodes.dae", "-s", "1"], "nodes.dae: this takes"),
