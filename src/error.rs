@@ -136,6 +136,15 @@ impl Error {
         self
     }
 
+    /// One about a parameter as one about the file that gives it; others stay unchanged.
+    #[must_use]
+    pub fn in_file(self, path: &Path) -> Self {
+        match self {
+            Error::Parameter(fault) => Error::Input(Fault { name: path.display().to_string(), ..fault }),
+            other => other,
+        }
+    }
+
     /// The error with other names for parameters, such as flags: `word` returns the new name, or `None` to keep the old.
     #[must_use]
     pub fn with_names<'a>(mut self, word: impl Fn(&str) -> Option<&'a str>) -> Self {
@@ -256,6 +265,8 @@ mod tests {
         let e = Error::input(Path::new("a.pfm"), "file ends early").at(Place::Byte(12)).with_hint("download it again");
         assert_eq!(e.to_string(), "a.pfm, byte 12: file ends early");
         assert_eq!(e.hint(), Some("download it again"));
+        let e = Error::parameter("mesh", "it is flat").with_hint("another").in_file(Path::new("a.obj"));
+        assert_eq!((e.to_string(), e.hint()), ("a.obj: it is flat".to_owned(), Some("another")));
     }
 
     #[test]

@@ -203,8 +203,20 @@ pub fn read_own(path: &Path, limit: u64) -> Result<Vec<u8>> {
     }
     let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
     let size = if there.is_file() { there.len().min(limit) as usize } else { 0 };
-    let mut bytes = memory::reserved(size, || format!("{}, a file", path.display()))?;
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    let what = || format!("{}, a file", path.display());
+    let mut bytes = memory::reserved(size, what)?;
+    let (mut file, mut next) = (file.take(limit + 1), Vec::new());
+    // What is longer than its size says, or has none, asks each time that its room is full.
+    loop {
+        let room = (bytes.capacity() - bytes.len()) as u64;
+        file.by_ref().take(room).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+        file.by_ref().take(1).read_to_end(&mut next).map_err(|e| Error::io(path, e))?;
+        match next.pop() {
+            Some(byte) if (bytes.len() as u64) < limit => memory::push(&mut bytes, byte, what)?,
+            Some(byte) => break bytes.push(byte),
+            None => break,
+        }
+    }
     if bytes.len() as u64 > limit {
         let size = if limit < 1 << 20 { format!("{limit} bytes") } else { format!("{} MiB", limit >> 20) };
         return Err(Error::limit(path, format!("larger than {size}")));

@@ -6,6 +6,8 @@
 
 use crate::error::{Error, Result, Shortage};
 use std::cell::Cell;
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -27,6 +29,8 @@ fn limits() -> MutexGuard<'static, Option<Limits>> {
 thread_local! {
     /// Whether what this thread asks for has been granted already.
     static GRANTED: Cell<bool> = const { Cell::new(false) };
+    /// What this thread may take in small parts until the process is measured again.
+    static ALLOWANCE: Cell<usize> = const { Cell::new(0) };
 }
 
 /// Runs `work`, for whose memory this thread has asked already, or which takes next to none.
@@ -42,17 +46,69 @@ pub fn granted<T>(work: impl FnOnce() -> T) -> T {
 /// # Errors
 /// [`Error::Memory`] when they exceed the limit, with `what` they are for.
 pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
+    left_after(bytes, what).map(drop)
+}
+
+/// What is left to the limit when so many bytes more are taken.
+fn left_after(bytes: usize, what: impl FnOnce() -> String) -> Result<u64> {
     if GRANTED.get() {
-        return Ok(());
+        return Ok(u64::MAX);
     }
     let limits = *limits().get_or_insert_with(of_machine);
-    let mut pairs = limits.into_iter().zip(in_use());
-    match pairs.find(|((limit, _), held)| held.saturating_add(bytes as u64) > *limit) {
-        None => Ok(()),
-        Some(((limit, source), held)) => {
-            Err(Error::Memory(Shortage { what: what(), needed: bytes as u64, held, limit, source }))
-        }
+    let (mut least, needed) = (u64::MAX, bytes as u64);
+    for ((limit, source), held) in limits.into_iter().zip(in_use()) {
+        let Some(left) = limit.checked_sub(held.saturating_add(needed)) else {
+            return Err(Error::Memory(Shortage { what: what(), needed, held, limit, source }));
+        };
+        least = least.min(left);
     }
+    Ok(least)
+}
+
+/// Most bytes in small parts between two measurements, and what is left free for all else.
+const STEP: usize = 1 << 20;
+/// How many times more than it asks for a small part may take: the system gives some of them a page each.
+const EXCESS: u64 = 64;
+
+/// Asks for so many bytes that stay in use, such as those of one of many things in a file. The process is measured when
+/// they are many, and else now and then.
+///
+/// # Errors
+/// As [`request`].
+pub fn grow(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
+    let allowance = match ALLOWANCE.get().checked_sub(bytes) {
+        Some(allowance) => allowance,
+        None => (left_after(bytes.max(STEP), what)? / EXCESS).min(STEP as u64) as usize,
+    };
+    ALLOWANCE.set(allowance);
+    Ok(())
+}
+
+/// Appends to a vector whose final length is not known: it asks when it becomes longer.
+///
+/// # Errors
+/// As [`filled`].
+#[inline]
+pub fn push<T>(values: &mut Vec<T>, value: T, what: impl Fn() -> String) -> Result<()> {
+    if values.len() == values.capacity() {
+        let more = values.len().max(4);
+        grow(more.saturating_mul(size_of::<T>()), &what)?;
+        reserve(values, more, what)?;
+    }
+    values.push(value);
+    Ok(())
+}
+
+/// Inserts into a map of unknown size: it asks when it becomes larger. Its former table is held meanwhile.
+///
+/// # Errors
+/// As [`request`].
+pub fn insert<K: Eq + Hash, V>(map: &mut HashMap<K, V>, key: K, value: V, what: impl FnOnce() -> String) -> Result<()> {
+    if map.len() == map.capacity() {
+        grow(map.len().saturating_mul(2 * size_of::<(K, V)>()), what)?;
+    }
+    map.insert(key, value);
+    Ok(())
 }
 
 /// `count` times the same value, for `what`.
@@ -73,12 +129,16 @@ pub fn reserved<T>(count: usize, what: impl Fn() -> String) -> Result<Vec<T>> {
     let bytes = count.saturating_mul(size_of::<T>());
     request(bytes, &what)?;
     let mut values = Vec::new();
-    let refused = |_| {
-        let (needed, [held, _]) = (bytes as u64, in_use());
-        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
-    };
-    values.try_reserve_exact(count).map_err(refused)?;
+    reserve(&mut values, count, what)?;
     Ok(values)
+}
+
+/// Makes room for `more` values, which have been asked for.
+fn reserve<T>(values: &mut Vec<T>, more: usize, what: impl Fn() -> String) -> Result<()> {
+    values.try_reserve_exact(more).map_err(|_| {
+        let (needed, [held, _]) = (more.saturating_mul(size_of::<T>()) as u64, in_use());
+        Error::Memory(Shortage { what: what(), needed, held, limit: held, source: "the system gives no more" })
+    })
 }
 
 fn of_machine() -> Limits {
@@ -176,6 +236,26 @@ mod tests {
         };
         let limits = [Some(1 << 10), Some(1 << 40), Some(1 << 10), None];
         assert_eq!(limits.map(grants), [false, true, false, true]);
+    }
+
+    #[test]
+    fn small_parts_ask_together() {
+        grow(STEP + 1, || unreachable!()).unwrap();
+        assert_eq!(ALLOWANCE.get(), STEP);
+        grow(1000, || unreachable!()).unwrap();
+        assert_eq!(ALLOWANCE.get(), STEP - 1000);
+        assert!(grow(usize::MAX, || "everything".into()).is_err());
+        assert_eq!(ALLOWANCE.get(), STEP - 1000);
+    }
+
+    #[test]
+    fn vectors_and_maps_grow_as_they_are_filled() {
+        let (mut values, mut map) = (Vec::new(), HashMap::new());
+        for i in 0..1000 {
+            push(&mut values, i, || unreachable!()).unwrap();
+            insert(&mut map, i, 2 * i, || unreachable!()).unwrap();
+        }
+        assert!(values == (0..1000).collect::<Vec<_>>() && map.len() == 1000 && map[&999] == 1998);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use super::map_file::{self, MapOptions};
 use super::values::filter;
 use crate::error::{Error, Result};
 use crate::import::{self, SCENE_EXTENSIONS, SceneOptions, collada};
-use crate::scene::{Environment, Material, PixelFilter, Request, Scene, builtin};
+use crate::memory;
+use crate::scene::{Environment, Material, Mesh, PixelFilter, Request, Scene, builtin};
 use clap::{ArgAction, Args};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -192,15 +193,7 @@ impl SceneArgs {
                 .with_hint("a built-in scene has its own camera"));
         }
         // A mesh in place of the statue
-        let mut warnings = Vec::new();
-        let mesh = self.mesh.as_deref().map(|path| import::mesh::read(path, &mut warnings)).transpose()?;
-        warnings.iter().for_each(|warning| console.warn(warning));
-        let mesh = mesh.map(|mut mesh| {
-            if mesh.normals.is_empty() {
-                mesh.smooth();
-            }
-            mesh
-        });
+        let mesh = self.mesh.as_deref().map(|path| read_mesh(path, console)).transpose()?;
         // The environment map, for scenes that have one
         let environment = match entry.map_scale() {
             Some(scale) if mesh.is_none() => {
@@ -213,7 +206,11 @@ impl SceneArgs {
         if environment.is_none() && self.envmap.is_none() {
             self.map_options.check_unused()?;
         }
-        let (scene, request) = entry.make(environment, mesh)?;
+        let made = entry.make(environment, mesh);
+        let (scene, request) = match &self.mesh {
+            Some(path) if entry.takes_mesh() => made.map_err(|e| e.in_file(path))?,
+            _ => made?,
+        };
         if self.envmap.is_some() && entry.map_scale().is_none() {
             return Err(Error::parameter("envmap", format!("the scene {name} has no environment map to replace"))
                 .with_hint("maps are for sphere-env, .pbrt and .dae scenes"));
@@ -224,6 +221,18 @@ impl SceneArgs {
         };
         Ok(Loaded { scene, request })
     }
+}
+
+/// A mesh with normals.
+fn read_mesh(path: &Path, console: &Console) -> Result<Mesh> {
+    let mut warnings = Vec::new();
+    let mut mesh = import::mesh::read(path, &mut warnings)?;
+    warnings.iter().for_each(|warning| console.warn(warning));
+    if mesh.normals.is_empty() {
+        memory::grow(size_of_val(&mesh.positions[..]), || path.display().to_string())?;
+        mesh.smooth();
+    }
+    Ok(mesh)
 }
 
 /// Whether a surface of the scene has a material for which `is_kind` holds, alone or in a mixture.

@@ -5,6 +5,14 @@ use crate::scene::{Request, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Most warnings about a scene, without the one that more are left out.
+pub(super) const MAX_WARNINGS: usize = 100;
+
+/// The warning after [`MAX_WARNINGS`].
+pub(super) fn further_warnings(path: &Path) -> String {
+    format!("{}: further warnings are left out", path.display())
+}
+
 /// Options of [`read_scene`](super::read_scene).
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {

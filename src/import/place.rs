@@ -1,6 +1,7 @@
 //! Positions in a scene file or in one that it includes, and messages with them.
 
 use crate::error::{Error, Place};
+use std::fmt;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -29,6 +30,10 @@ impl At {
         Error::unsupported(&self.path, message).at(self.place)
     }
 
+    pub fn limit(&self, message: impl Into<String>) -> Error {
+        Error::limit(&self.path, message).at(self.place)
+    }
+
     /// The error for another file, named here, that cannot be opened; other errors are passed on.
     pub fn cannot_read(&self, error: Error) -> Error {
         match error {
@@ -39,7 +44,13 @@ impl At {
 
     /// A warning in the same format.
     pub fn warning(&self, message: &str) -> String {
-        format!("{}{}: {message}", self.path.display(), self.place)
+        format!("{self}: {message}")
+    }
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}", self.path.display(), self.place)
     }
 }
 

@@ -12,15 +12,15 @@ use std::sync::Arc;
 const FLAT: f32 = 1e-4;
 
 /// The sphere around the origin, in the world. A mirror image changes nothing.
-pub fn sphere(radius: f64, to_world: &DMat4, at: &At) -> Result<Sphere> {
+pub fn sphere(radius: f64, to_world: &DMat4, at: impl Fn() -> At) -> Result<Sphere> {
     let Some((_, scale)) = similarity(to_world) else {
-        return Err(at
+        return Err(at()
             .unsupported("a sphere that its transform makes an ellipsoid is not supported")
             .with_hint("scale all three axes alike"));
     };
     let (centre, radius) = (to_world.w_axis.truncate(), radius * scale);
     if !in_range(centre) || !in_size_range(radius) {
-        return Err(at.input(format!("a sphere of radius {radius} at {centre} is out of range")));
+        return Err(at().input(format!("a sphere of radius {radius} at {centre} is out of range")));
     }
     Ok(Sphere { centre: centre.as_vec3(), radius: radius as f32 })
 }
@@ -42,7 +42,7 @@ pub fn unit_normals(path: &Path, normals: &[[f64; 3]], warnings: &mut Vec<String
 }
 
 /// The triangles of a polygon: a fan around its first corner.
-pub fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+pub fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
 }
 

@@ -39,12 +39,12 @@ pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
 }
 
 /// Passes a matrix that is finite and affine.
-pub fn affine(matrix: DMat4, at: &At) -> Result<DMat4> {
+pub fn affine(matrix: DMat4, at: impl Fn() -> At) -> Result<DMat4> {
     if !matrix.is_finite() {
-        return Err(at.input("the transform has left the range of numbers"));
+        return Err(at().input("the transform has left the range of numbers"));
     }
     if matrix.row(3) != glam::DVec4::W {
-        return Err(at.unsupported("a projective transform").with_hint(
+        return Err(at().unsupported("a projective transform").with_hint(
             "the matrix's last row must be 0 0 0 1; pbrt lists a matrix column by column, COLLADA row by row",
         ));
     }
@@ -53,7 +53,7 @@ pub fn affine(matrix: DMat4, at: &At) -> Result<DMat4> {
 
 /// Passes a matrix that is finite, affine and invertible.
 pub fn checked(matrix: DMat4, at: &At) -> Result<DMat4> {
-    let matrix = affine(matrix, at)?;
+    let matrix = affine(matrix, || at.clone())?;
     let [x, y, z] = columns(&matrix).map(DVec3::normalize_or_zero);
     let volume = x.cross(y).dot(z).abs();
     // Written so that NaN fails too.

@@ -42,13 +42,16 @@ fn has_tga_name(path: &Path) -> bool {
 }
 
 /// Reads a clipped image; values are taken to be sRGB-encoded, unless they are linear, and come out linear, in [0, 1].
-pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool) -> Result<Decoded> {
+pub(super) fn decode(path: &Path, mut bytes: Vec<u8>, format: Format, is_linear: bool) -> Result<Decoded> {
+    if format.kind == ImageFormat::Png {
+        remove_chunks(&mut bytes, &UNREAD);
+    }
     let damaged = |e: ImageError| match e {
         ImageError::Unsupported(e) => Error::unsupported(path, e.to_string()),
         ImageError::Limits(e) => Error::limit(path, e.to_string()),
         e => Error::input(path, e.to_string()),
     };
-    let decoder = ImageReader::with_format(Cursor::new(bytes), format.kind).into_decoder().map_err(damaged)?;
+    let decoder = ImageReader::with_format(Cursor::new(&bytes), format.kind).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into(), bytes.len(), format.pixels_per_byte)?;
     // The file's values, and its pixels twice in single precision.
@@ -63,6 +66,27 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: Format, is_linear: bool)
     }
     Ok(Decoded { notes: coverage.note().into_iter().collect(), ..image.into() })
 }
+
+/// Chunks of PNG files that nothing here reads, and that may inflate to any size: colour profiles and texts.
+const UNREAD: [&[u8; 4]; 4] = [b"iCCP", b"iTXt", b"tEXt", b"zTXt"];
+
+/// Removes the chunks of some kinds from a PNG file.
+fn remove_chunks(bytes: &mut Vec<u8>, kinds: &[&[u8; 4]]) {
+    let (mut read, mut kept) = (SIGNATURE, SIGNATURE);
+    // A length, a kind, so many bytes, and a checksum.
+    while let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(read..).and_then(<[u8]>::first_chunk::<8>) {
+        let next = bytes.len().min(read + 12 + u32::from_be_bytes([a, b, c, d]) as usize);
+        if !kinds.contains(&kind) {
+            bytes.copy_within(read..next, kept);
+            kept += next - read;
+        }
+        read = next;
+    }
+    bytes.drain(kept.min(read)..read);
+}
+
+/// Bytes before the first chunk.
+const SIGNATURE: usize = 8;
 
 /// What the alpha of an image says.
 fn coverage(image: &DynamicImage) -> Coverage {
@@ -99,7 +123,8 @@ mod tests {
 
     fn parse(bytes: &[u8]) -> Result<Image> {
         let path = Path::new("a.tga");
-        decode(path, bytes, recognise(path, bytes).expect("a known format"), false).map(|decoded| decoded.image)
+        let format = recognise(path, bytes).expect("a known format");
+        decode(path, bytes.to_vec(), format, false).map(|decoded| decoded.image)
     }
 
     #[test]
@@ -150,8 +175,27 @@ mod tests {
             assert!(error.contains(message), "{kind} {size:?}: {error}");
         }
         let path = Path::new("a.tga");
-        let linear = decode(path, &tga(2, [1, 1], &[0, 51, 255]), recognise(path, &tga(2, [1, 1], &[])).unwrap(), true);
+        let linear = decode(path, tga(2, [1, 1], &[0, 51, 255]), recognise(path, &tga(2, [1, 1], &[])).unwrap(), true);
         assert_eq!(linear.unwrap().image.pixels(), [Rgb::new(1.0, 0.2, 0.0)]);
+    }
+
+    #[test]
+    fn profiles_and_texts_in_png_files_are_not_read() {
+        let mut png = Vec::new();
+        encode_png(&Image::from_pixels(1, 1, vec![Rgb::ONE]), &ToneMap::default(), &mut png).unwrap();
+        let header = SIGNATURE + 12 + 13;
+        let (start, end) = png.split_at(header);
+        let unread = UNREAD.iter().flat_map(|kind| [&[0, 0, 0, 3][..], *kind, b"abc", b"sum?"]).collect::<Vec<_>>();
+        let mut with = [start, &unread.concat(), end].concat();
+        assert_eq!(parse(&with).unwrap().pixels(), [Rgb::ONE]);
+        remove_chunks(&mut with, &UNREAD);
+        assert_eq!(with, png);
+        // A file that is cut off stays as it is.
+        for length in 0..png.len() {
+            let mut cut = png[..length].to_vec();
+            remove_chunks(&mut cut, &UNREAD);
+            assert_eq!(cut, png[..length]);
+        }
     }
 
     #[test]

@@ -91,7 +91,7 @@ fn decode(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Decoded> 
             .with_hint("save it without alpha, as PF"))
     } else if let Some(format) = ldr::recognise(path, &bytes) {
         if options.allow_ldr {
-            return ldr::decode(path, &bytes, format, options.is_linear);
+            return ldr::decode(path, bytes, format, options.is_linear);
         }
         Err(Error::unsupported(path, format!("a {} file holds no radiance: its values are clipped at 1", format.name))
             .with_hint("use an OpenEXR, Radiance HDR or PFM file; `allow_ldr` takes this one anyway"))

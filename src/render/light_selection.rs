@@ -5,7 +5,7 @@
 
 use super::lanes::{BLOCK, NOTHING};
 use super::light_sample::{LightSample, SampleLight};
-use super::light_tree::{Descent, Found, LightTree, LightTreeAt};
+use super::light_tree::{Descent, Found, LightBounds, LightTree, LightTreeAt};
 use super::lights::Sampled;
 use glam::Vec3;
 
@@ -39,6 +39,10 @@ pub struct Round {
 }
 
 impl Lights {
+    /// About the memory that preparing a light takes: it and its bounds, twice while their lists are made, and its part of the
+    /// tree.
+    pub const BYTES: usize = 2 * (size_of::<Sampled>() + size_of::<Option<LightBounds>>()) + LightTree::LIGHT_BYTES;
+
     /// Prepares the selection; `samples` at each hit for each light that has an extent.
     pub fn new(all: Vec<Sampled>, samples: u32) -> Self {
         let bounds: Vec<_> = all.iter().map(Sampled::bounds).collect();

@@ -183,6 +183,16 @@ impl Sampled {
         emitters.chain(others).collect()
     }
 
+    /// At least as many as [`Sampled::all`] finds without fixed ones.
+    pub fn most(scene: &Scene) -> usize {
+        let of_object = |object: &Object| match &object.shape {
+            Shape::Mesh(mesh) => mesh.triangles.len(),
+            Shape::Rectangle(_) | Shape::Sphere(_) => 1,
+        };
+        let emitters = scene.objects.iter().filter(|object| object.emission.is_some());
+        scene.lights.len() + emitters.map(of_object).sum::<usize>()
+    }
+
     /// The radiance and the area of an emissive object, if paths can start there.
     pub fn emitted(&self) -> Option<(Rgb, f32)> {
         match &self.kind {

@@ -26,6 +26,7 @@ fn prepared() -> tempfile::TempDir {
         ("huge.pfm", "PF\n60000 4000\n-1\nabc"),
         ("syntax.pbrt", "Camera \"orthographic\"\nWorldBegin\n  Shape \"sphere\" \"float radius\" [1 \"two\"]\n"),
         ("unknown.pbrt", "Camera \"orthographic\"\nWorldBegin\nTeapot \"utah\"\n"),
+        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
         ("no-map.pbrt", "WorldBegin LightSource \"infinite\" \"string mapname\" \"gone.exr\" Shape \"sphere\"\n"),
     ] {
         std::fs::write(at(name), text).unwrap();
@@ -101,6 +102,7 @@ fn numbers_out_of_range() {
         ("envmap cut onehot --window 0", &["--window"]),
         ("envmap proposal onehot -n 0", &["-n: 0 ", "hint: "]),
         ("envmap proposal onehot -n 99999999999", &["-n: 99999999999 "]),
+        ("render cornell-statue-au --mesh flat.obj", &["error: flat.obj: it has no triangle with an area"]),
         ("render sphere-env --envmap black -s 0", &["-s: "]),
         ("render sphere-env --envmap black -l 0", &["-l: "]),
         ("render sphere-env --envmap black -r 0 0", &["-r: ", "0x0", "hint: "]),

@@ -18,9 +18,10 @@ fn write_map(path: &Path, [width, height]: [usize; 2]) {
 }
 
 /// Runs a command and watches the most memory that it held, in bytes.
-fn peak(folder: &Path, args: &[&str]) -> u64 {
+fn watched(folder: &Path, args: &[&str]) -> (Ran, u64) {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin("etalon"));
-    let mut child = command.args(args).current_dir(folder).stdout(Stdio::null()).spawn().unwrap();
+    let command = command.args(args).current_dir(folder).stdin(stdin(folder)).stdout(Stdio::null());
+    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
     let status = format!("/proc/{}/status", child.id());
     let mut peak = 0;
     loop {
@@ -28,11 +29,19 @@ fn peak(folder: &Path, args: &[&str]) -> u64 {
         let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
         peak = line.map_or(peak, |kibibytes| kibibytes.parse::<u64>().unwrap() << 10);
         if let Some(status) = child.try_wait().unwrap() {
-            assert!(matches!(status.code(), Some(0 | 3)), "{args:?}: {status}");
-            return peak;
+            let stderr = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+            let code = status.code().unwrap_or_else(|| panic!("{args:?}: {status}: {stderr}"));
+            return (Ran { code, stdout: String::new(), stderr }, peak);
         }
         std::thread::sleep(Duration::from_millis(2));
     }
+}
+
+/// The most memory that a command held that ends well.
+fn peak(folder: &Path, args: &[&str]) -> u64 {
+    let (ran, peak) = watched(folder, args);
+    assert!(matches!(ran.code, 0 | 3), "{args:?}: {}", ran.stderr);
+    peak
 }
 
 /// The commands that take a map, and what each is to hold at most for each texel: the map has 12 bytes, tables up to 16.
@@ -119,6 +128,96 @@ fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
     }
     assert_eq!(json(dir.path(), &["envmap", "info", "map.hdr", "--memory", "1g"])["width"], 2048);
     assert_eq!(etalon(dir.path(), &["envmap", "info", "map.hdr", "--memory", "1.5"]).code, 2);
+}
+
+/// What a command may read from a pipe: the file `piped`, if there is one.
+fn stdin(folder: &Path) -> Stdio {
+    let Ok(mut file) = std::fs::File::open(folder.join("piped")) else { return Stdio::null() };
+    let (reader, mut writer) = std::io::pipe().unwrap();
+    // It ends when nobody reads any more.
+    std::thread::spawn(move || std::io::copy(&mut file, &mut writer));
+    reader.into()
+}
+
+const PBRT: &str = "LookAt 0 0 -5 0 0 0 0 1 0\nCamera \"perspective\"\nFilm \"rgb\" \"integer xresolution\" 8 \
+                    \"integer yresolution\" 8\nWorldBegin\n";
+
+/// Small files of which a reader makes much more than they hold.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_read_asks_for_memory_as_it_grows() {
+    const LIMIT: u64 = 48 << 20;
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(dir.path().join(name), text).unwrap();
+    let pbrt = |name: &str, line: &str, count: usize| write(name, format!("{PBRT}{}", line.repeat(count)));
+    pbrt("disks.pbrt", "Shape \"disk\"\n", 20_000);
+    pbrt("spheres.pbrt", "Shape \"sphere\"\n", 300_000);
+    pbrt("many.pbrt", "LightSource \"point\"\n", 400_000);
+    pbrt("lights.pbrt", "LightSource \"point\"\n", 200_000);
+    write("numbers.pbrt", format!("{PBRT}Shape \"trianglemesh\" \"point3 P\" [{}]", "0 ".repeat(6_000_000)));
+    write("fan.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}", "1 2 3 ".repeat(300_000)));
+    write("nodes.dae", format!("<COLLADA>{}</COLLADA>", "<node><a/></node>\n".repeat(300_000)));
+    write("pdf.csv", format!("{}1\n", "1,".repeat(4095)).repeat(1200));
+    write("samples.csv", "x,y,z\n0,0,1\n".into());
+    write("piped", "0".repeat(100 << 20));
+    for (args, says) in [
+        (&["render", "disks.pbrt", "-s", "1"][..], "error: disks.pbrt:"),
+        (&["render", "spheres.pbrt", "-s", "1"], "error: spheres.pbrt:"),
+        (&["render", "many.pbrt", "-s", "1"], "error: many.pbrt:"),
+        (&["render", "lights.pbrt", "-s", "1"], "the materials of 0 objects, and 200000 lights"),
+        (&["render", "numbers.pbrt", "-s", "1"], "numbers.pbrt:5:"),
+        (&["render", "cornell-statue-au", "-s", "1", "--mesh", "fan.obj"], "fan.obj:4:1: this takes"),
+        (&["render", "nodes.dae", "-s", "1"], "nodes.dae: this takes"),
+        (
+            &["validate", "--samples", "samples.csv", "--pdf", "pdf.csv", "--domain", "hemisphere"],
+            "pdf.csv, a table of densities",
+        ),
+        (&["envmap", "info", "/dev/stdin"], "/dev/stdin, a file"),
+    ] {
+        let args = [args, &["--memory", "48M"]].concat();
+        let (ran, peak) = watched(dir.path(), &args);
+        refused(&ran, says);
+        assert!(peak <= LIMIT + (1 << 20), "{args:?}: {} MiB", peak >> 20);
+    }
+}
+
+/// Less than a reader needs, in a process that ends at a failed allocation.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_read_ends_before_the_process_has_no_addresses_left() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = format!("{PBRT}{}", "Shape \"disk\"\n".repeat(40_000));
+    std::fs::write(dir.path().join("disks.pbrt"), scene).unwrap();
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -v 300000; exec \"$0\" render disks.pbrt -s 1 -t 1"])
+        .arg(assert_cmd::cargo::cargo_bin("etalon"))
+        .current_dir(dir.path())
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && stderr.contains("ulimit -v"), "{}: {stderr}", output.status);
+}
+
+/// A colour profile of zeros, which takes a thousandth of its size in the file.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_colour_profile_is_not_inflated() {
+    use std::io::Write;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("p.png");
+    let grey = Image::from_fn(2, 1, |_, _| Rgb::splat(0.5));
+    write(&path, &grey, &Metadata::default()).unwrap();
+    let png = std::fs::read(&path).unwrap();
+    let mut profile = flate2::write::ZlibEncoder::new(b"iCCPp\0\0".to_vec(), flate2::Compression::fast());
+    profile.write_all(&vec![0; 100 << 20]).unwrap();
+    let chunk = profile.finish().unwrap();
+    let mut sum = flate2::Crc::new();
+    sum.update(&chunk);
+    let (length, sum) = ((chunk.len() as u32 - 4).to_be_bytes(), sum.sum().to_be_bytes());
+    let (start, end) = png.split_at(33);
+    std::fs::write(&path, [start, &length, &chunk, &sum, end].concat()).unwrap();
+    let peak = peak(dir.path(), &["envmap", "info", "p.png", "--ldr", "--memory", "48M"]);
+    assert!(peak < 48 << 20, "{} MiB", peak >> 20);
 }
 
 #[cfg(unix)]

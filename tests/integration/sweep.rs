@@ -22,10 +22,13 @@ fn parts_of_a_sweep_merge_to_what_one_machine_finds() {
     let mut both = [rows("part-1.csv"), rows("part-2.csv")].concat();
     both.sort();
     assert_eq!(both, rows("whole.csv"));
+    let damaged = std::fs::read_to_string(dir.path().join("part-1.csv")).unwrap().replace("\"mirror\"", "\"mirr1r\"");
+    std::fs::write(dir.path().join("damaged.csv"), damaged).unwrap();
     for (args, expected) in [
         (&["merge", "part-1.csv"][..], "the parts 2/2 are missing"),
         (&["merge", "part-1.csv", "part-1.csv"], "part 1 of 2, as part-1.csv"),
         (&["merge", "part-1.csv", "whole.csv"], "part 1 of 1, but part-1.csv is one of 2"),
+        (&["merge", "damaged.csv", "part-2.csv"], "damaged.csv: there is no family \"mirr1r\""),
         (&["sweep", "mirror", "--configurations", "3", "--shard", "4/4"], "--shard"),
         (&["sweep", "mirror", "--resume", "part-1.csv"], "another sweep (configurations: 100 here, 9 there)"),
         (&["sweep", "miror"], "there is no family \"miror\""),

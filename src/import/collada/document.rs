@@ -1,34 +1,37 @@
 //! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
 
 use crate::error::{Error, Result};
+use crate::import::imported::{MAX_WARNINGS, further_warnings};
 use crate::import::number::finite;
 use crate::import::place::{At, quote};
 use crate::import::rule::Rule;
 use crate::math::Rgb;
+use crate::memory;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Most elements and texts in a file: each takes about 70 bytes.
+/// Most elements and texts in a file, and the memory of each and of an attribute in bytes.
 const MAX_NODES: u32 = 1 << 22;
+const NODE_BYTES: usize = 80;
+const ATTRIBUTE_BYTES: usize = 64;
 /// Most attributes of an element, and most declarations of namespaces in a file: the parser's time grows with their
 /// squares.
 const MAX_ATTRIBUTES: usize = 64;
 const MAX_NAMESPACES: usize = 64;
 /// Most bytes of elements that links lead to, each counted as often as it is reached: what an instance costs in time.
 const MAX_LINKED_BYTES: usize = 1 << 30;
-const MAX_WARNINGS: usize = 100;
 
 pub type Element<'a> = Node<'a, 'a>;
+/// A value, or what is wrong with the word for it.
+type Read<T> = std::result::Result<T, String>;
 
 pub struct Document<'a> {
     xml: &'a Xml<'a>,
     path: Rc<Path>,
     ids: HashMap<&'a str, Element<'a>>,
-    /// Where each line starts.
-    lines: Vec<usize>,
     /// How many more bytes of elements links may lead to.
     linked_bytes: Cell<usize>,
     warnings: RefCell<Vec<String>>,
@@ -44,6 +47,16 @@ pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Xml<'a>> {
     if text.matches("xmlns").count() > MAX_NAMESPACES {
         return Err(Error::limit(path, format!("more than {MAX_NAMESPACES} declarations of namespaces")));
     }
+    // A tag that opens is a node, and so is a text behind one. The parser also takes a node for each tag that closes, at first,
+    // and copies texts whose characters it replaces.
+    let (mut tags, mut nodes) = (0, 0);
+    for piece in text.split('<') {
+        tags += 1;
+        nodes += usize::from(!piece.starts_with('/')) + usize::from(!piece.ends_with('>'));
+    }
+    let copied = if text.contains(['\r', '&']) { text.len() } else { 0 };
+    let bytes = tags.max(nodes) * NODE_BYTES + equal_signs(text) * ATTRIBUTE_BYTES + copied;
+    memory::request(bytes, || path.display().to_string())?;
     let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     Xml::parse_with_options(text, options).map_err(|e| match e {
         XmlError::NodesLimitReached => Error::limit(path, format!("more than {MAX_NODES} elements")),
@@ -65,18 +78,15 @@ fn last_line(text: &str) -> &str {
 
 impl<'a> Document<'a> {
     /// The document at `path`. Of two elements with the same `id` the later one counts.
-    pub fn new(xml: &'a Xml<'a>, path: &Path) -> Self {
-        let ids = xml.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
-        let ends = xml.input_text().bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        let lines = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
-        Self {
-            xml,
-            path: path.into(),
-            ids,
-            lines,
-            linked_bytes: Cell::new(MAX_LINKED_BYTES),
-            warnings: RefCell::default(),
+    pub fn new(xml: &'a Xml<'a>, path: &Path) -> Result<Self> {
+        let mut ids = HashMap::new();
+        for node in xml.descendants() {
+            if let Some(id) = node.attribute("id") {
+                memory::insert(&mut ids, id, node, || path.display().to_string())?;
+            }
         }
+        let (linked_bytes, warnings) = (Cell::new(MAX_LINKED_BYTES), RefCell::default());
+        Ok(Self { xml, path: path.into(), ids, linked_bytes, warnings })
     }
 
     pub fn path(&self) -> &Path {
@@ -87,14 +97,16 @@ impl<'a> Document<'a> {
         self.xml.root_element()
     }
 
+    /// The place of an element, for a message: to find it takes as long as the text before it.
     pub fn at(&self, node: Element) -> At {
         self.place(node.range().start)
     }
 
     fn place(&self, offset: usize) -> At {
-        let line = self.lines.partition_point(|&start| start <= offset);
-        let before = &self.xml.input_text()[self.lines[line - 1]..offset];
-        At::new(self.path.clone(), line, before.chars().count() + 1)
+        let before = &self.xml.input_text()[..offset];
+        let line = before.bytes().filter(|&byte| byte == b'\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        At::new(self.path.clone(), line, column)
     }
 
     /// Notes what was left out or filled in at an element.
@@ -102,7 +114,7 @@ impl<'a> Document<'a> {
         let mut warnings = self.warnings.borrow_mut();
         match warnings.len() {
             0..MAX_WARNINGS => warnings.push(self.at(node).warning(message)),
-            MAX_WARNINGS => warnings.push(format!("{}: further warnings are left out", self.path.display())),
+            MAX_WARNINGS => warnings.push(further_warnings(&self.path)),
             _ => {}
         }
     }
@@ -118,17 +130,17 @@ impl<'a> Document<'a> {
 
     /// The element that an attribute of `node` names, like `url="#id"`; its kind must be `name`.
     pub fn follow(&self, node: Element<'a>, attribute: &str, name: &str) -> Result<Element<'a>> {
-        let (at, tag) = (self.at(node), node.tag_name().name());
-        let link = node.attribute(attribute).ok_or_else(|| at.input(format!("<{tag}> has no {attribute}")))?;
+        let (at, tag) = (|| self.at(node), node.tag_name().name());
+        let link = node.attribute(attribute).ok_or_else(|| at().input(format!("<{tag}> has no {attribute}")))?;
         let Some(id) = link.strip_prefix('#') else {
             return Err(
-                at.unsupported(format!("{} is in another file: only links within one are supported", quote(link)))
+                at().unsupported(format!("{} is in another file: only links within one are supported", quote(link)))
             );
         };
-        let found = self.ids.get(id).ok_or_else(|| at.input(format!("no element has the id {}", quote(id))))?;
+        let found = self.ids.get(id).ok_or_else(|| at().input(format!("no element has the id {}", quote(id))))?;
         if found.tag_name().name() != name {
             let kind = found.tag_name().name();
-            return Err(at.input(format!("{} must be a <{name}>, not a <{kind}>", quote(id))));
+            return Err(at().input(format!("{} must be a <{name}>, not a <{kind}>", quote(id))));
         }
         let left = self.linked_bytes.get().checked_sub(found.range().len());
         self.linked_bytes.set(left.ok_or_else(|| {
@@ -150,13 +162,22 @@ impl<'a> Document<'a> {
 
     /// All finite numbers in an element.
     pub fn numbers(&self, node: Element<'a>) -> Result<Vec<f64>> {
-        self.words(node).map(|(word, offset)| finite(word).map_err(|wrong| self.place(offset).input(wrong))).collect()
+        self.values(node, finite)
     }
 
     /// All whole numbers in an element, from 0 on.
     pub fn indices(&self, node: Element<'a>) -> Result<Vec<u32>> {
-        let wrong = |word, offset| self.place(offset).input(format!("{} is not a whole number from 0 on", quote(word)));
-        self.words(node).map(|(word, offset)| word.parse().map_err(|_| wrong(word, offset))).collect()
+        self.values(node, |word| word.parse().map_err(|_| format!("{} is not a whole number from 0 on", quote(word))))
+    }
+
+    /// The values of an element's words.
+    fn values<T>(&self, node: Element<'a>, read: impl Fn(&str) -> Read<T>) -> Result<Vec<T>> {
+        let mut values = Vec::new();
+        for (word, offset) in self.words(node) {
+            let value = read(word).map_err(|wrong| self.place(offset).input(wrong))?;
+            memory::push(&mut values, value, || self.place(offset).to_string())?;
+        }
+        Ok(values)
     }
 
     /// The colour in an element: red, green and blue by the rule, and perhaps an alpha, which is not used.

@@ -5,8 +5,9 @@ use crate::error::Result;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{fan, simplest, sphere};
 use crate::import::transform::in_range;
+use crate::memory;
 use crate::scene::{Mesh, Shape};
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, Vec3};
 use std::sync::Arc;
 
 /// Most vertices and triangles in a scene, each counted as often as it is instanced.
@@ -16,12 +17,14 @@ pub const MAX_TRIANGLES: usize = 1 << 25;
 pub fn shape<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4, budget: &mut usize) -> Result<Shape> {
     if let Some(node) = course_profile(node).and_then(|profile| find(profile, "sphere")) {
         let [radius] = document.exactly(document.require(node, "radius")?, &POSITIVE)?;
-        return sphere(radius, to_world, &document.at(node)).map(Shape::Sphere);
+        return sphere(radius, to_world, || document.at(node)).map(Shape::Sphere);
     }
     let mesh = mesh(document, document.require(node, "mesh")?, to_world)?;
     *budget = budget.checked_sub(mesh.positions.len() + mesh.triangles.len()).ok_or_else(|| {
         crate::Error::limit(document.path(), format!("more than {MAX_TRIANGLES} vertices and triangles"))
     })?;
+    // Its normals.
+    memory::grow(size_of_val(&mesh.positions[..]), || document.path().display().to_string())?;
     // Only what bends is shaded as bent: a rectangle's normals are those of its plane.
     Ok(match simplest(mesh) {
         Shape::Mesh(mut mesh) => {
@@ -46,12 +49,11 @@ fn mesh<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -> Res
     let vertex = input("VERTEX").ok_or_else(|| document.at(faces).input("no <input> with the semantic VERTEX"))?;
     let positions = positions(document, document.follow(vertex, "source", "vertices")?, to_world)?;
     let triangles = triangles(document, faces, vertex, positions.len())?;
-    let positions = positions.into_iter().map(|p| p.as_vec3()).collect();
     Ok(Mesh { positions, triangles, ..Mesh::default() })
 }
 
 /// The positions that a `<vertices>` element names, in the world.
-fn positions<'a>(document: &Document<'a>, vertices: Element<'a>, to_world: &DMat4) -> Result<Vec<DVec3>> {
+fn positions<'a>(document: &Document<'a>, vertices: Element<'a>, to_world: &DMat4) -> Result<Vec<Vec3>> {
     let input = elements(vertices).find(|i| is(*i, "input") && i.attribute("semantic") == Some("POSITION"));
     let input = input.ok_or_else(|| document.at(vertices).input("no <input> with the semantic POSITION"))?;
     let source = document.follow(input, "source", "source")?;
@@ -71,8 +73,9 @@ fn positions<'a>(document: &Document<'a>, vertices: Element<'a>, to_world: &DMat
     let place = |&point: &[f64; 3]| {
         let point = to_world.transform_point3(DVec3::from_array(point));
         let message = || document.at(array).input(format!("a point at {point} is out of range"));
-        in_range(point).then_some(point).ok_or_else(message)
+        in_range(point).then(|| point.as_vec3()).ok_or_else(message)
     };
+    memory::grow(size_of_val(points) / 2, || document.path().display().to_string())?;
     points.iter().map(place).collect()
 }
 
@@ -95,7 +98,7 @@ fn triangles<'a>(
             }
             sizes
         }
-        None => vec![3; numbers.len() / (3 * stride)],
+        None => memory::filled(numbers.len() / (3 * stride), 3, || document.path().display().to_string())?,
     };
     check_count(document, faces, sizes.len(), "faces")?;
     let corners = sizes.iter().try_fold(0usize, |sum, &size| sum.checked_add(size as usize));
@@ -103,6 +106,8 @@ fn triangles<'a>(
         let message = format!("<p> has {} numbers, which are not {stride} for each corner of its faces", numbers.len());
         return Err(document.at(list).input(message));
     }
+    // The corners, and fewer triangles than these.
+    memory::grow(sizes.iter().map(|&size| 16 * size as usize).sum(), || document.path().display().to_string())?;
     let corners: Vec<u32> = numbers.iter().skip(offset).step_by(stride).copied().collect();
     if let Some(bad) = corners.iter().find(|&&corner| corner as usize >= points) {
         return Err(document.at(list).input(format!("vertex {bad} of {points}, counted from 0, does not exist")));

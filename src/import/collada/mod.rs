@@ -45,7 +45,7 @@ pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
     let text = std::str::from_utf8(without_bom(&bytes))
         .map_err(|e| Error::input(path, "not UTF-8").at(Place::Byte(e.valid_up_to() as u64)))?;
     let xml = document::parse(text, path)?;
-    let document = Document::new(&xml, path);
+    let document = Document::new(&xml, path)?;
     let mut found = walk::walk(&document)?;
     let (camera, size) = match options.camera {
         Some(path) => settings::read(path).map(|(camera, window)| (camera, options.resolution.unwrap_or(window)))?,

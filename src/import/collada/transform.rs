@@ -42,7 +42,7 @@ pub fn local<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
             }
             _ => continue,
         };
-        product = affine(product * step, &document.at(child))?;
+        product = affine(product * step, || document.at(child))?;
     }
     Ok(product)
 }
@@ -71,5 +71,5 @@ fn matrix<'a>(document: &Document<'a>, node: Element<'a>) -> Result<DMat4> {
         let message = format!("<matrix> of 16 numbers with the last row {row:?}: a projective transform");
         return Err(document.at(node).unsupported(message).with_hint("the last row must be 0 0 0 1"));
     }
-    affine(matrix, &document.at(node))
+    affine(matrix, || document.at(node))
 }

@@ -5,6 +5,7 @@ use super::document::{Document, Element, elements, is};
 use super::{geometry, light, material, transform};
 use crate::error::{Error, Result};
 use crate::import::transform::{affine, directions};
+use crate::memory;
 use crate::scene::{Light, Object};
 use glam::{DMat4, DVec3};
 
@@ -76,7 +77,7 @@ impl<'a> Walker<'a, '_> {
         }
         let limit = || Error::limit(document.path(), format!("more than {MAX_NODES} nodes"));
         self.nodes = self.nodes.checked_sub(1).ok_or_else(limit)?;
-        let to_world = affine(*parent * transform::local(document, node)?, &document.at(node))?;
+        let to_world = affine(*parent * transform::local(document, node)?, || document.at(node))?;
         self.instance(node, &to_world)?;
         self.open.push(node);
         self.children(node, &to_world)?;
@@ -100,13 +101,16 @@ impl<'a> Walker<'a, '_> {
             self.found.view = Some(View::read(document, camera, to_world)?);
         } else if is(instance, "instance_light") {
             let light = document.follow(instance, "url", "light")?;
-            self.found.lights.extend(light::light(document, light, to_world)?);
+            if let Some(light) = light::light(document, light, to_world)? {
+                memory::push(&mut self.found.lights, light, || document.at(instance).to_string())?;
+            }
         } else {
             let geometry = document.follow(instance, "url", "geometry")?;
             let shape = geometry::shape(document, geometry, to_world, &mut self.budget)?;
             let (material, emission) = material::surface(document, instance)?;
             let [_, _, axis] = directions(to_world);
-            self.found.objects.push(Object { emission, axis, ..Object::new(shape, material) });
+            let object = Object { emission, axis, ..Object::new(shape, material) };
+            memory::push(&mut self.found.objects, object, || document.at(instance).to_string())?;
         }
         Ok(())
     }

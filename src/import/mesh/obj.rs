@@ -4,19 +4,30 @@ use crate::error::{Error, Result};
 use crate::import::number::finite;
 use crate::import::place::{At, quote};
 use crate::import::shape::{corner_uv, fan, point, unit_normals};
+use crate::memory;
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 /// Reads the file at `path`, whose content is `bytes`. Materials and groups are not read.
 pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => {
+            // Each wrong byte becomes a character of three.
+            memory::request(3 * bytes.len(), || path.display().to_string())?;
+            String::from_utf8_lossy(bytes)
+        }
+    };
     let (mut parts, mut statement) = (Parts::default(), Vec::new());
     for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim_end();
-        let words = line.trim_end_matches('\\').split_ascii_whitespace();
-        statement.extend(words.map(|text| Word { text, line, number: number + 1, path }));
+        for text in line.trim_end_matches('\\').split_ascii_whitespace() {
+            let word = Word { text, line, number: number + 1, path };
+            memory::push(&mut statement, word, || word.at(1).to_string())?;
+        }
         // A backslash continues a statement on the next line.
         if !line.ends_with('\\') {
             parts.statement(&statement)?;
@@ -30,10 +41,11 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     for (word, number) in &parts.left_out {
         warnings.push(At::new(path.into(), *number, 1).warning(&format!("{} is left out", quote(word))));
     }
-    Ok(parts.mesh(path, warnings))
+    parts.mesh(path, warnings)
 }
 
 /// A word of the file, and its position.
+#[derive(Clone, Copy)]
 struct Word<'a> {
     text: &'a str,
     line: &'a str,
@@ -44,7 +56,11 @@ struct Word<'a> {
 impl Word<'_> {
     fn error(&self, message: String) -> Error {
         let column = self.line[..self.text.as_ptr() as usize - self.line.as_ptr() as usize].chars().count() + 1;
-        At::new(self.path.into(), self.number, column).input(message)
+        self.at(column).input(message)
+    }
+
+    fn at(&self, column: usize) -> At {
+        At::new(self.path.into(), self.number, column)
     }
 
     fn number(&self) -> Result<f64> {
@@ -87,18 +103,19 @@ struct Parts<'a> {
 impl<'a> Parts<'a> {
     fn statement(&mut self, words: &[Word<'a>]) -> Result<()> {
         let [first, rest @ ..] = words else { return Ok(()) };
+        let what = || first.at(1).to_string();
         match first.text {
             "v" => {
                 let coordinates = three(first, rest)?;
-                self.points
-                    .push(point(coordinates).ok_or_else(|| first.error("a vertex that is out of range".into()))?);
+                let point = point(coordinates).ok_or_else(|| first.error("a vertex that is out of range".into()))?;
+                memory::push(&mut self.points, point, what)?;
             }
-            "vn" => self.normals.push(three(first, rest)?),
+            "vn" => memory::push(&mut self.normals, three(first, rest)?, what)?,
             "f" => self.face(first, rest)?,
             "vt" => {
                 let [u, v @ ..] = rest else { return Err(first.error("\"vt\" needs a number".into())) };
                 let v = v.first().map_or(Ok(0.0), Word::number)?;
-                self.uv.push(Vec2::new(u.number()? as f32, v as f32));
+                memory::push(&mut self.uv, Vec2::new(u.number()? as f32, v as f32), what)?;
             }
             // Without effect on a shape.
             "g" | "o" | "s" => {}
@@ -117,7 +134,8 @@ impl<'a> Parts<'a> {
         if words.len() < 3 {
             return Err(first.error(format!("a face of {} corners", words.len())));
         }
-        let mut corners = Vec::with_capacity(words.len());
+        let what = || first.at(1).to_string();
+        let mut corners = Vec::new();
         for word in words {
             // point, point/texture, point/texture/normal or point//normal.
             let mut parts = word.text.splitn(3, '/');
@@ -125,14 +143,15 @@ impl<'a> Parts<'a> {
             let uv = parts.next().filter(|text| !text.is_empty());
             let uv = uv.map(|text| word.index(text, self.uv.len(), "texture coordinate")).transpose()?;
             let normal = parts.next().map(|text| word.index(text, self.normals.len(), "normal")).transpose()?;
-            corners.push(Corner { point, uv, normal });
+            memory::push(&mut corners, Corner { point, uv, normal }, what)?;
         }
-        let numbers: Vec<u32> = (0..corners.len() as u32).collect();
-        self.triangles.extend(fan(&numbers).map(|triangle| triangle.map(|i| corners[i as usize])));
-        Ok(())
+        fan(&corners).try_for_each(|triangle| memory::push(&mut self.triangles, triangle, what))
     }
 
-    fn mesh(self, path: &Path, warnings: &mut Vec<String>) -> Mesh {
+    fn mesh(self, path: &Path, warnings: &mut Vec<String>) -> Result<Mesh> {
+        let what = || path.display().to_string();
+        let of_triangle = size_of::<[u32; 3]>() + if self.uv.is_empty() { 0 } else { size_of::<[Vec2; 3]>() };
+        memory::grow(self.triangles.len() * of_triangle + self.normals.len() * size_of::<Vec3>(), what)?;
         let corners = || self.triangles.iter().flatten();
         let all = corners().all(|corner| corner.normal.is_some());
         if !all && corners().any(|corner| corner.normal.is_some()) {
@@ -142,21 +161,27 @@ impl<'a> Parts<'a> {
         let uv = corner_uv(&self.triangles, |corner| Some(self.uv[corner.uv? as usize]));
         if normals.is_empty() {
             let triangles = self.triangles.iter().map(|corners| corners.map(|corner| corner.point)).collect();
-            return Mesh { positions: self.points, normals, triangles, uv };
+            return Ok(Mesh { positions: self.points, normals, triangles, uv });
         }
         // A vertex for each pair of point and normal that occurs.
         let (mut mesh, mut known) = (Mesh { uv, ..Mesh::default() }, HashMap::new());
         for corners in &self.triangles {
-            let triangle = corners.map(|Corner { point, normal, .. }| {
-                *known.entry((point, normal)).or_insert_with(|| {
-                    mesh.positions.push(self.points[point as usize]);
-                    mesh.normals.push(normals[normal.unwrap_or_default() as usize]);
-                    mesh.positions.len() as u32 - 1
-                })
-            });
+            let mut triangle = [0; 3];
+            for (vertex, &Corner { point, normal, .. }) in triangle.iter_mut().zip(corners) {
+                *vertex = match known.get(&(point, normal)) {
+                    Some(&vertex) => vertex,
+                    None => {
+                        let new = mesh.positions.len() as u32;
+                        memory::insert(&mut known, (point, normal), new, what)?;
+                        memory::push(&mut mesh.positions, self.points[point as usize], what)?;
+                        memory::push(&mut mesh.normals, normals[normal.unwrap_or_default() as usize], what)?;
+                        new
+                    }
+                };
+            }
             mesh.triangles.push(triangle);
         }
-        mesh
+        Ok(mesh)
     }
 }
 

@@ -4,6 +4,7 @@ use super::ply_header::{Element, Encoding, Header, Scalar};
 use crate::error::{Error, Place, Result};
 use crate::import::place::{At, quote};
 use crate::import::shape::{corner_uv, fan, point, unit_normals};
+use crate::memory;
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3};
 use std::path::Path;
@@ -24,9 +25,13 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
             "face" => mesh.triangles = body.faces(element, points)?,
             // There may be any number of rows with nothing in them.
             _ if element.properties.is_empty() => {}
-            _ => (0..element.count).try_for_each(|_| body.row(element, |_, _| ()))?,
+            _ => (0..element.count).try_for_each(|_| body.row(element, |_, _| Ok(())))?,
         }
     }
+    let corners = if vertices.uv.is_empty() { 0 } else { mesh.triangles.len() };
+    memory::grow(vertices.normals.len() * size_of::<Vec3>() + corners * size_of::<[Vec2; 3]>(), || {
+        path.display().to_string()
+    })?;
     mesh.normals = unit_normals(path, &vertices.normals, warnings);
     mesh.uv = corner_uv(&mesh.triangles, |i| vertices.uv.get(i as usize).copied());
     mesh.positions = vertices.positions;
@@ -64,6 +69,8 @@ impl Body<'_> {
         let [with_normals, with_uv] = [&NAMES[3..6], &NAMES[6..]].map(|slots| slots.iter().all(|names| has(names)));
         let slots: Vec<Option<usize>> =
             element.properties.iter().map(|p| NAMES.iter().position(|names| names.contains(&&*p.name))).collect();
+        let path = self.path;
+        let what = || path.display().to_string();
         let mut vertices = Vertices::default();
         for _ in 0..element.count {
             let (start, mut row) = (self.position, [0.0; 8]);
@@ -71,18 +78,17 @@ impl Body<'_> {
                 if let Some(slot) = slots[property] {
                     row[slot] = value;
                 }
+                Ok(())
             })?;
             let [x, y, z, nx, ny, nz, u, v] = row;
-            vertices.positions.push(
-                point([x, y, z]).ok_or_else(|| {
-                    self.error(start, format!("a vertex at {x} {y} {z} is not finite or out of range"))
-                })?,
-            );
+            let position = point([x, y, z])
+                .ok_or_else(|| self.error(start, format!("a vertex at {x} {y} {z} is not finite or out of range")))?;
+            memory::push(&mut vertices.positions, position, what)?;
             if with_normals {
-                vertices.normals.push([nx, ny, nz]);
+                memory::push(&mut vertices.normals, [nx, ny, nz], what)?;
             }
             if with_uv {
-                vertices.uv.push(Vec2::new(u as f32, v as f32));
+                memory::push(&mut vertices.uv, Vec2::new(u as f32, v as f32), what)?;
             }
         }
         Ok(vertices)
@@ -93,7 +99,9 @@ impl Body<'_> {
         let is_corners = |name: &str| name == "vertex_indices" || name == "vertex_index";
         let corners = element.properties.iter().position(|p| is_corners(&p.name) && p.length.is_some());
         let corners = corners.ok_or_else(|| Error::input(self.path, "the faces have no list vertex_indices"))?;
-        let (mut triangles, mut face) = (Vec::with_capacity(element.count), Vec::new());
+        let path = self.path;
+        let what = || path.display().to_string();
+        let (mut triangles, mut face) = (Vec::new(), Vec::new());
         for _ in 0..element.count {
             let (start, mut bad) = (self.position, None);
             face.clear();
@@ -102,8 +110,9 @@ impl Body<'_> {
                     if !(value.fract() == 0.0 && (0.0..points as f64).contains(&value)) {
                         bad = Some(value);
                     }
-                    face.push(value as u32);
+                    memory::push(&mut face, value as u32, what)?;
                 }
+                Ok(())
             })?;
             if let Some(bad) = bad {
                 return Err(self.error(start, format!("vertex {bad} of {points}, counted from 0, does not exist")));
@@ -111,16 +120,16 @@ impl Body<'_> {
             if face.len() < 3 {
                 return Err(self.error(start, format!("a face of {} corners", face.len())));
             }
-            triangles.extend(fan(&face));
+            fan(&face).try_for_each(|triangle| memory::push(&mut triangles, triangle, what))?;
         }
         Ok(triangles)
     }
 
     /// Reads a row and gives each of its values with the number of its property.
-    fn row(&mut self, element: &Element, mut take: impl FnMut(usize, f64)) -> Result<()> {
+    fn row(&mut self, element: &Element, mut take: impl FnMut(usize, f64) -> Result<()>) -> Result<()> {
         for (number, property) in element.properties.iter().enumerate() {
             let Some(length) = property.length else {
-                take(number, self.value(property.scalar)?);
+                take(number, self.value(property.scalar)?)?;
                 continue;
             };
             let start = self.position;
@@ -130,7 +139,7 @@ impl Body<'_> {
                 return Err(self.error(start, format!("a list of {length} numbers")));
             }
             for _ in 0..length as u64 {
-                take(number, self.value(property.scalar)?);
+                take(number, self.value(property.scalar)?)?;
             }
         }
         Ok(())
@@ -180,8 +189,13 @@ impl Body<'_> {
             return Error::input(self.path, message).at(Place::Byte(offset as u64));
         }
         let spaces = self.bytes[offset..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let before = String::from_utf8_lossy(&self.bytes[..offset + spaces]).replace("\r\n", "\n").replace('\r', "\n");
-        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-        At::new(self.path.into(), before.matches('\n').count() + 1, column).input(message)
+        let (before, after) = self.bytes.split_at(offset + spaces);
+        // Lines end in LF, CR LF or CR.
+        let next = |i: usize| before.get(i + 1).or(after.first());
+        let ends = |&(i, byte): &(usize, &u8)| *byte == b'\n' || *byte == b'\r' && next(i) != Some(&b'\n');
+        let lines = before.iter().enumerate().filter(ends).count();
+        let start = before.iter().rposition(|&byte| byte == b'\n' || byte == b'\r').map_or(0, |end| end + 1);
+        let column = String::from_utf8_lossy(&before[start..]).chars().count() + 1;
+        At::new(self.path.into(), lines + 1, column).input(message)
     }
 }

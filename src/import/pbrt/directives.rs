@@ -7,6 +7,7 @@ use super::spectrum::Meaning;
 use crate::error::Result;
 use crate::import::place::{At, quote};
 use crate::import::transform;
+use crate::memory;
 use glam::{DMat4, DVec3};
 
 /// Directives that belong before `WorldBegin`, and after it; those of neither list are allowed anywhere.
@@ -54,7 +55,7 @@ impl Reader<'_> {
             "ReverseOrientation" => self.state.reversed = !self.state.reversed,
             "CoordinateSystem" => {
                 let system = lexer.text(name, &at, "a name")?;
-                self.systems.insert(system, self.state.transform);
+                memory::insert(&mut self.systems, system, self.state.transform, || at.to_string())?;
             }
             "ColorSpace" => {
                 let space = lexer.text(name, &at, "a name")?;
@@ -116,8 +117,7 @@ impl Reader<'_> {
                 let material_name = std::mem::replace(&mut params.kind, kind);
                 params.resolve_spectra(Meaning::Material, self.setup.is_v4(), &self.folder, warnings)?;
                 let material = self.material(&params)?;
-                self.materials.insert(material_name, material);
-                Ok(())
+                memory::insert(&mut self.materials, material_name, material, || params.at.to_string())
             }
             "Shape" => self.shape_or_part(params),
             "AreaLightSource" | "LightSource" => {

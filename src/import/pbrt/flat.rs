@@ -3,6 +3,7 @@
 use super::params::Params;
 use crate::error::Result;
 use crate::import::rule::{ANY, POSITIVE};
+use crate::memory;
 use glam::{DVec3, Vec2};
 use std::f64::consts::TAU;
 
@@ -46,17 +47,19 @@ pub fn parallelograms(p: &Params) -> Result<Flat> {
     let positions = p.groups::<3>("P", &["point", "point3"])?.ok_or_else(|| missing("\"point3 P\""))?;
     let patches = match p.groups::<4>("indices", &["integer"])? {
         Some(indices) => indices,
-        None if positions.len() == 4 => vec![[0.0, 1.0, 2.0, 3.0]],
+        None if positions.len() == 4 => &[[0.0, 1.0, 2.0, 3.0]],
         None => return Err(missing("\"integer indices\"")),
     };
     let uv = p.groups::<2>("uv", &["point2", "float"])?;
-    if let Some(uv) = uv.as_ref().filter(|uv| uv.len() != positions.len()) {
+    if let Some(uv) = uv.filter(|uv| uv.len() != positions.len()) {
         return Err(p.place("uv").input(format!("{} has {} P, but {} uv", p.owner, positions.len(), uv.len())));
     }
     let mut flat = Flat::default();
+    let bytes = size_of_val(positions) + patches.len() * 2 * (size_of::<[u32; 3]>() + size_of::<[Vec2; 3]>());
+    memory::grow(bytes, || p.at.to_string())?;
     for patch in patches {
         let is_vertex = |i: f64| i.fract() == 0.0 && (0.0..positions.len() as f64).contains(&i);
-        if let Some(bad) = patch.into_iter().find(|&i| !is_vertex(i)) {
+        if let Some(bad) = patch.iter().find(|&&i| !is_vertex(i)) {
             let message = format!("vertex {bad} of {}, counted from 0, does not exist", positions.len());
             return Err(p.place("indices").input(format!("{}: {message}", p.owner)));
         }
@@ -72,12 +75,12 @@ pub fn parallelograms(p: &Params) -> Result<Flat> {
                 .with_hint("write it as a trianglemesh"));
         }
         flat.triangles.extend([[a, b, d], [a, d, c]]);
-        let [ua, ub, uc, ud] = match &uv {
+        let [ua, ub, uc, ud] = match uv {
             Some(uv) => [a, b, c, d].map(|i| Vec2::from_array(uv[i as usize].map(|x| x as f32))),
             None => [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE],
         };
         flat.uv.extend([[ua, ub, ud], [ua, ud, uc]]);
     }
-    flat.positions = positions;
+    flat.positions = positions.to_vec();
     Ok(flat)
 }

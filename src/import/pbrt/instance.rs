@@ -2,9 +2,11 @@
 
 use super::params::Params;
 use super::reader::{MAX_MESH_BYTES, Reader, State};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::import::imported::MAX_WARNINGS;
 use crate::import::place::{At, quote};
 use crate::import::transform;
+use crate::memory;
 use std::rc::Rc;
 
 impl Reader<'_> {
@@ -20,7 +22,7 @@ impl Reader<'_> {
     pub(super) fn end_object(&mut self, at: &At) -> Result<()> {
         self.state = self.end("ObjectBegin", "ObjectEnd", at)?;
         if let Some((name, parts)) = self.recording.take() {
-            self.instanced.insert(name, parts.into());
+            memory::insert(&mut self.instanced, name, parts.into(), || at.to_string())?;
         }
         Ok(())
     }
@@ -31,8 +33,8 @@ impl Reader<'_> {
         if self.state.emission.is_some() {
             return Err(params.at.unsupported("an area light in an object for ObjectInstance is not supported"));
         }
-        parts.push((params, self.state.clone()));
-        Ok(())
+        let what = params.at.clone();
+        memory::push(parts, (params, self.state.clone()), || what.to_string())
     }
 
     /// `ObjectInstance`: the object's shapes once more, in the current coordinate system. Each takes the memory of a shape that is
@@ -49,14 +51,14 @@ impl Reader<'_> {
             self.state = State { transform, ..state.clone() };
             self.mesh_bytes = self.mesh_bytes.checked_sub(params.bytes()).ok_or_else(|| {
                 let message = format!("with this, the scene's instances exceed {} MiB", MAX_MESH_BYTES >> 20);
-                Error::limit(&self.folder, format!("{}: {message}", quote(name)))
+                at.limit(format!("{}: {message}", quote(name)))
             })?;
             self.shape(params)?;
         }
         self.state = saved;
         // What one instance has said, the others need not repeat.
         for warning in self.warnings.split_off(known_warnings) {
-            if !self.warnings.contains(&warning) {
+            if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
         }

@@ -6,6 +6,7 @@
 use crate::error::Result;
 use crate::files::without_bom;
 use crate::import::place::{At, quote};
+use crate::memory;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -31,6 +32,9 @@ impl Token<'_> {
         }
     }
 }
+
+/// About what a token leaves in memory, in bytes.
+const TOKEN_BYTES: usize = 128;
 
 /// Reads tokens one by one, with one token of look-ahead.
 pub struct Lexer<'a> {
@@ -129,6 +133,7 @@ impl<'a> Lexer<'a> {
                 self.bump();
             } else {
                 let at = self.at();
+                memory::grow(TOKEN_BYTES, || at.to_string())?;
                 let token = match byte {
                     b'"' => Token::Text(self.string(&at)?),
                     b'[' => Token::Open,
@@ -152,7 +157,7 @@ impl<'a> Lexer<'a> {
             match self.bump() {
                 Some(b'"') => break,
                 Some(b'\\') => match self.bump().map(|c| (c, unescape(c))) {
-                    Some((_, Some(c))) => text.push(c),
+                    Some((_, Some(c))) => memory::push(&mut text, c, || start.to_string())?,
                     Some((b'\n' | b'\r', None)) | None => return Err(unclosed(start)),
                     Some((_, None)) => {
                         return Err(at
@@ -161,7 +166,7 @@ impl<'a> Lexer<'a> {
                     }
                 },
                 Some(b'\n' | b'\r') | None => return Err(unclosed(start)),
-                Some(byte) => text.push(byte),
+                Some(byte) => memory::push(&mut text, byte, || start.to_string())?,
             }
         }
         String::from_utf8(text).map_err(|_| start.input("this string is not UTF-8"))

@@ -9,6 +9,7 @@ use crate::import::place::{At, quote};
 use crate::import::rule::{ANY, LIGHT};
 use crate::import::transform::{self, in_range};
 use crate::math::Rgb;
+use crate::memory;
 use crate::raster::{Image, ReadOptions, read_lat_long, read_with_notes};
 use crate::scene::{Emission, EmitterVisibility, Environment, Falloff, Light};
 use glam::{DMat3, DMat4, DVec3};
@@ -26,7 +27,7 @@ impl Reader<'_> {
             "point" => point(p, &self.state.transform)?,
             _ => return Err(p.unsupported_kind("infinite, distant, point")),
         };
-        self.lights.push(light);
+        memory::push(&mut self.lights, light, || p.at.to_string())?;
         p.finish(&["nsamples", "samples"], &mut self.warnings)
     }
 

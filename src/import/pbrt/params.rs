@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::rule::{ANY, Rule};
 use crate::math::Rgb;
+use crate::memory;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -125,10 +126,10 @@ impl Params {
     }
 
     /// A list of numbers, in groups of `N`.
-    pub fn groups<const N: usize>(&self, name: &'static str, types: &[&str]) -> Result<Option<Vec<[f64; N]>>> {
+    pub fn groups<const N: usize>(&self, name: &'static str, types: &[&str]) -> Result<Option<&[[f64; N]]>> {
         let Some(param) = self.find(name, types)? else { return Ok(None) };
         match param.numbers.as_chunks() {
-            (groups, []) => Ok(Some(groups.to_vec())),
+            (groups, []) => Ok(Some(groups)),
             _ => {
                 let group = if N == 1 { "1 number".into() } else { format!("{N} numbers") };
                 Err(self.wrong(param, format!("needs groups of {group}, not {} in all", param.numbers.len())))
@@ -254,8 +255,8 @@ impl Param {
     /// Adds a value; `numeric` and `textual` say what the type allows.
     fn add(&mut self, value: Token, [numeric, textual]: [bool; 2], owner: &str, at: &At) -> Result<()> {
         match value {
-            Token::Number(number) if numeric => self.numbers.push(number),
-            Token::Text(text) if textual => self.texts.push(text),
+            Token::Number(number) if numeric => memory::push(&mut self.numbers, number, || at.to_string())?,
+            Token::Text(text) if textual => memory::push(&mut self.texts, text, || at.to_string())?,
             Token::Word(flag @ ("true" | "false")) if self.type_name == "bool" => self.texts.push(flag.into()),
             Token::Number(_) | Token::Text(_) | Token::Word("true" | "false") => {
                 return Err(at.input(format!("{owner} has values of another type")));

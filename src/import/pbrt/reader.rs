@@ -6,6 +6,7 @@ use super::setup::Setup;
 use super::textures::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
+use crate::import::imported::{MAX_WARNINGS, further_warnings};
 use crate::import::place::At;
 use crate::import::{Imported, SceneOptions};
 use crate::math::Rgb;
@@ -153,6 +154,10 @@ impl<'a> Reader<'a> {
                 return Err(at.input(format!("expected a directive, not {}", token.describe())));
             };
             self.directive(directive, at, &mut lexer)?;
+            if self.warnings.len() > MAX_WARNINGS {
+                self.warnings.truncate(MAX_WARNINGS);
+                self.warnings.push(further_warnings(path));
+            }
         }
         self.open.pop();
         Ok(())

@@ -9,6 +9,7 @@ use crate::import::place::At;
 use crate::import::rule::POSITIVE;
 use crate::import::shape::{corner_uv, simplest, sphere};
 use crate::import::transform::{directions, in_range};
+use crate::memory;
 use crate::scene::{Mesh, Object, Shape, Sphere};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -45,8 +46,8 @@ impl Reader<'_> {
         }
         p.finish(if p.kind == "trianglemesh" { &["S", "faceIndices"] } else { &[] }, &mut self.warnings)?;
         let [x, y, axis] = directions(&to_world);
-        self.objects.push(Object { emission, axis, meridians: [x, y], ..Object::new(shape, material) });
-        Ok(())
+        let object = Object { emission, axis, meridians: [x, y], ..Object::new(shape, material) };
+        memory::push(&mut self.objects, object, || p.at.to_string())
     }
 
     /// A mesh in another file.
@@ -59,8 +60,8 @@ impl Reader<'_> {
             Error::limit(&path, format!("with this, the scene's mesh files exceed {} MiB", MAX_MESH_BYTES >> 20))
         })?;
         let mesh = mesh::read(&path, &mut self.warnings).map_err(|e| at.cannot_read(e))?;
-        let numbers = |vectors: &[Vec3]| vectors.iter().map(|v| v.as_dvec3().to_array()).collect::<Vec<_>>();
-        place(&numbers(&mesh.positions), &numbers(&mesh.normals), mesh.triangles, mesh.uv, setting, at)
+        let [positions, normals] = [&mesh.positions, &mesh.normals].map(|vectors| vectors.iter().map(|v| v.as_dvec3()));
+        place(positions, normals, mesh.triangles, mesh.uv, setting, at)
     }
 }
 
@@ -80,7 +81,7 @@ fn whole_sphere(p: &Params, setting: Setting) -> Result<Sphere> {
         let message = "ReverseOrientation of a sphere that emits light or is of glass is not supported";
         return Err(p.at.unsupported(message));
     }
-    sphere(radius, setting.to_world, &p.at)
+    sphere(radius, setting.to_world, || p.at.clone())
 }
 
 /// A mesh in the scene file itself.
@@ -92,7 +93,7 @@ fn triangle_mesh(p: &Params, setting: Setting, warnings: &mut Vec<String>) -> Re
     let triangles = match p.groups::<3>("indices", &["integer"])? {
         Some(indices) => indices,
         // As in pbrt-v4: one triangle needs no indices.
-        None if positions.len() == 3 => vec![[0.0, 1.0, 2.0]],
+        None if positions.len() == 3 => &[[0.0, 1.0, 2.0]],
         None => return Err(missing("\"integer indices\"")),
     };
     let mut uv = p.groups::<2>("uv", &["point2", "float"])?;
@@ -112,43 +113,51 @@ fn triangle_mesh(p: &Params, setting: Setting, warnings: &mut Vec<String>) -> Re
     if !uv.is_empty() && uv.len() != positions.len() {
         let message = format!("{owner} has {} P, but {} uv, which are left out", positions.len(), uv.len());
         warnings.push(p.place("uv").warning(&message));
-        uv.clear();
+        uv = &[];
     }
-    let triangles: Vec<_> = triangles.into_iter().map(|triangle| triangle.map(|i| i as u32)).collect();
+    memory::grow(triangles.len() * (size_of::<[u32; 3]>() + size_of::<[Vec2; 3]>()), || p.at.to_string())?;
+    let triangles: Vec<_> = triangles.iter().map(|triangle| triangle.map(|i| i as u32)).collect();
     let uv = corner_uv(&triangles, |i| uv.get(i as usize).map(|&[u, v]| Vec2::new(u as f32, v as f32)));
-    place(&positions, &normals, triangles, uv, setting, &p.at)
+    place(vectors(positions), vectors(normals), triangles, uv, setting, &p.at)
 }
 
 fn placed(flat: Flat, setting: Setting, at: &At) -> Result<Mesh> {
-    place(&flat.positions, &[], flat.triangles, flat.uv, setting, at)
+    place(vectors(&flat.positions), vectors(&[]), flat.triangles, flat.uv, setting, at)
+}
+
+fn vectors(numbers: &[[f64; 3]]) -> impl ExactSizeIterator<Item = DVec3> {
+    numbers.iter().map(|&v| DVec3::from_array(v))
 }
 
 /// Transforms a mesh to the world. Its outside is where its normals point; without normals, where its corners run
 /// counter-clockwise before the transform. `ReverseOrientation` exchanges outside and inside.
 fn place(
-    positions: &[[f64; 3]],
-    normals: &[[f64; 3]],
+    positions: impl ExactSizeIterator<Item = DVec3>,
+    normals: impl ExactSizeIterator<Item = DVec3>,
     mut triangles: Vec<[u32; 3]>,
     mut uv: Vec<[Vec2; 3]>,
     Setting { to_world, reversed, needs_uv }: Setting,
     at: &At,
 ) -> Result<Mesh> {
-    if needs_uv && uv.is_empty() {
+    let default_uv = if needs_uv && uv.is_empty() { triangles.len() } else { 0 };
+    let bytes = (positions.len() + normals.len()) * size_of::<Vec3>() + default_uv * size_of::<[Vec2; 3]>();
+    memory::grow(bytes, || at.to_string())?;
+    if default_uv > 0 {
         uv = vec![Mesh::DEFAULT_UV; triangles.len()];
     }
-    let point = |&p: &[f64; 3]| {
-        let p = to_world.transform_point3(DVec3::from_array(p));
+    let point = |p: DVec3| {
+        let p = to_world.transform_point3(p);
         in_range(p).then(|| p.as_vec3()).ok_or_else(|| at.input(format!("a vertex at {p} is out of range")))
     };
     // Normals transform by the inverse transpose.
     let linear = DMat3::from_mat4(*to_world);
     let (across, side) = (linear.inverse().transpose(), if reversed { -1.0 } else { 1.0 });
-    let normal = |&n: &[f64; 3]| {
-        let n = (across * DVec3::from_array(n)).try_normalize();
+    let normal = |n: DVec3| {
+        let n = (across * n).try_normalize();
         n.map(|n| (side * n).as_vec3()).ok_or_else(|| at.input("a normal has no direction"))
     };
-    let positions: Vec<Vec3> = positions.iter().map(point).collect::<Result<_>>()?;
-    let normals: Vec<Vec3> = normals.iter().map(normal).collect::<Result<_>>()?;
+    let positions: Vec<Vec3> = positions.map(point).collect::<Result<_>>()?;
+    let normals: Vec<Vec3> = normals.map(normal).collect::<Result<_>>()?;
     // Orient each triangle by its normals, or by the handedness of the transform.
     let mirrored = linear.determinant() < 0.0;
     for (i, triangle) in triangles.iter_mut().enumerate() {

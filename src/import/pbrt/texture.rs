@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::import::place::{At, quote};
 use crate::import::rule::{FRACTION, Rule};
 use crate::math::{Rgb, mean_rgb};
+use crate::memory;
 use crate::raster::{ReadOptions, read_with_notes};
 use crate::scene::{ImageTexture, Texels, Texture, UvMapping, Wrap};
 use glam::DVec2;
@@ -65,8 +66,7 @@ impl Reader<'_> {
         };
         // Filters other than the bilinear one: mip maps.
         p.finish(&["maxanisotropy", "trilinear", "aamode"], &mut self.warnings)?;
-        self.textures.named.insert((values, name), named);
-        Ok(())
+        memory::insert(&mut self.textures.named, (values, name), named, || p.at.to_string())
     }
 
     /// A parameter of a texture: numbers, or another texture.

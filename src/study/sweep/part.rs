@@ -3,6 +3,7 @@
 use super::plan::{Description, Plan, Shard};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::memory;
 use csv::StringRecord;
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Finding, State};
@@ -25,6 +26,8 @@ const FORMAT: u32 = 1;
 pub const MOST: u64 = 2_000_000;
 /// Most bytes of a part: twice those of so many configurations.
 const LARGEST: u64 = 600 << 20;
+/// Memory of a row besides its text and the ends of its fields.
+const ROW_BYTES: usize = 128;
 /// Columns before those of the checks.
 const FIRST: [&str; 6] = ["number", "family", "parameters", "theta_deg", "phi_deg", "seed"];
 
@@ -196,6 +199,8 @@ impl Part {
             let Some(number) = number.filter(|number| number % u64::from(count) == u64::from(index) - 1) else {
                 return Err(damaged(format!("{:?} is no number of a configuration of this part", record.get(0))));
             };
+            let bytes = ROW_BYTES + record.as_slice().len() + record.len() * size_of::<usize>();
+            memory::grow(bytes, || path.display().to_string())?;
             if rows.insert(number, record).is_some() {
                 return Err(damaged(format!("configuration {number} is there twice")));
             }
@@ -240,7 +245,7 @@ pub fn merge(
         return Err(Error::parameter("parts", "there is nothing to merge"));
     };
     let one = Part::read(first)?;
-    let plan = plan(one.description())?;
+    let plan = plan(one.description()).map_err(|e| e.in_file(first))?;
     let count = one.shard.count;
     let mut held: BTreeMap<u32, PathBuf> = BTreeMap::new();
     let mut take = |path: &PathBuf, part: &Part| -> Result<()> {

@@ -147,7 +147,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     ] {
         std::fs::write(&damaged, bad).unwrap();
         let found = error(&[&damaged]);
-        assert!(found.contains(expected), "{found}");
+        assert!(found.contains(expected) && found.contains("damaged.csv"), "{found}");
     }
 }
 

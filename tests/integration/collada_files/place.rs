@@ -193,3 +193,16 @@ fn nodes_hold_one_thing_and_end() {
     let error = fails(&more(&large, &INSTANCE.repeat(1100)), "its instances are more than 1024 MiB");
     assert!(matches!(error, Error::Limit { .. }));
 }
+
+/// A node's place is its column, which is not sought before it is needed.
+#[test]
+fn a_file_of_one_line_takes_no_longer() {
+    let nodes = format!("{CAMERA}{QUAD}{}", "<node></node>\n".repeat(200_000));
+    let lines = scene("Y_UP", "", &nodes);
+    let [one_line, lines] = [lines.replace('\n', " "), lines].map(|text| {
+        let start = std::time::Instant::now();
+        read_text(&text).unwrap();
+        start.elapsed()
+    });
+    assert!(one_line < 8 * lines, "{one_line:?} {lines:?}");
+}

@@ -44,6 +44,21 @@ fn chains_and_trees_of_files_end() {
 }
 
 #[test]
+fn instances_and_warnings_are_limited() {
+    // A list that has no effect counts, too.
+    let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer faceIndices\" [";
+    let object = format!("ObjectBegin \"o\"\n{shape}{}]\nObjectEnd\n", "0 ".repeat(1 << 20));
+    let many = in_world(&format!("{object}{}", "ObjectInstance \"o\"\n".repeat(64)));
+    fails(read(&many), "scene.pbrt:73:1: \"o\": with this, the scene's instances exceed 512 MiB");
+    // An object that says more than is shown, and then others.
+    let disks = "Shape \"disk\"\n".repeat(500);
+    let text = format!("ObjectBegin \"o\"\n{disks}ObjectEnd\nObjectInstance \"o\"\nObjectInstance \"o\"\n{disks}");
+    let warnings = read(&in_world(&text)).unwrap().warnings;
+    assert!(warnings.len() == 101 && warnings[99].contains("scene.pbrt:107:1"), "{warnings:?}");
+    assert!(warnings[100].ends_with("scene.pbrt: further warnings are left out"), "{}", warnings[100]);
+}
+
+#[test]
 fn nested_mixtures_and_many_small_files_end_soon() {
     let start = std::time::Instant::now();
     // Each line doubles the materials of the one before.

@@ -34,9 +34,13 @@ impl<D: Coordinates> GridDensity<D> {
         if let Some(outcomes) = domain.outcomes().filter(|n| *n != rows) {
             return Err(Error::input(path, format!("{rows} values for {outcomes} outcomes")));
         }
-        let second = if D::TRANSPOSED { rows } else { columns };
-        let of_place = |i: usize| if D::TRANSPOSED { values[i % second * columns + i / second] } else { values[i] };
-        Ok(Self { steps: domain.steps([rows, columns]), values: (0..values.len()).map(of_place).collect(), domain })
+        let values = if D::TRANSPOSED {
+            memory::request(size_of_val(&values[..]), || table(path))?;
+            (0..values.len()).map(|i| values[i % rows * columns + i / rows]).collect()
+        } else {
+            values
+        };
+        Ok(Self { steps: domain.steps([rows, columns]), values, domain })
     }
 
     /// Whether `claimed` is the pdf at `point` up to rounding of both, in text or to f32.
@@ -78,7 +82,7 @@ impl GridDensity<Directions> {
         if image.pixels().iter().any(|p| p.x != p.y || p.y != p.z) {
             return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
         }
-        memory::request(width * height * size_of::<f64>(), || format!("{}, a table of densities", path.display()))?;
+        memory::request(width * height * size_of::<f64>(), || table(path))?;
         let domain = Directions::sphere(Pole::Y);
         let [rows, turns] = LatLong::new(width, height).edges();
         let edges = [&[0.0], &turns[..], &[1.0]].concat();
@@ -101,6 +105,11 @@ impl<D: Coordinates> Density<D::Point> for GridDensity<D> {
     }
 }
 
+/// What the memory of a table is for.
+fn table(path: &Path) -> String {
+    format!("{}, a table of densities", path.display())
+}
+
 /// A table without a header: the number of its rows and columns, and the values row by row.
 fn read_table(path: &Path) -> Result<(usize, usize, Vec<f64>)> {
     let mut lines = Lines::open(path)?;
@@ -110,7 +119,7 @@ fn read_table(path: &Path) -> Result<(usize, usize, Vec<f64>)> {
             return Err(lines.error(format!("{} numbers in a row, {columns} in those before", row.len())));
         }
         (rows, columns) = (rows + 1, row.len());
-        values.extend(row);
+        row.into_iter().try_for_each(|value| memory::push(&mut values, value, || table(path)))?;
         if values.len() > VALUES {
             return Err(Error::limit(path, format!("more than {VALUES} values")));
         }
