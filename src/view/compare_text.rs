@@ -7,10 +7,10 @@ fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
-/// A difference as a share of B's image, with its interval; by itself where that image is black.
+/// A difference as a share of B's image, with its interval; by itself where that is not told from black.
 fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
     let Some(Bias { value, low, high }) = compared.bias(family, test) else {
-        return format!("{:+.2e}, B is black", test.difference.value);
+        return format!("{:+.2e}, B is not told from black", test.difference.value);
     };
     let percent = |share: f64| format!("{:+.2}", 100.0 * share);
     format!("{} % ({} to {} %)", percent(value), percent(low), percent(high))
@@ -45,7 +45,7 @@ pub fn sentence(compared: &Compared) -> String {
             })
         }
         _ if compared.noise_hides_difference => {
-            "cannot tell: the image that is declared exact has noise, or differs in fine detail; if it has none, the images differ".into()
+            "cannot tell: the image that is declared exact seems to have noise, or differs in fine detail; if it has none, the images differ".into()
         }
         (Answer::NoDifferenceFound, Some(bias)) => {
             let bias = percent(bias);
@@ -104,7 +104,7 @@ pub fn text(compared: &Compared) -> String {
     if let Some(ratio) = compared.noise_of_exact {
         text += &wrapped(
             &format!(
-                "the image that is declared exact has noise, or differs in fine detail: {} times the variance of the other \
+                "the image that is declared exact seems to have noise, or differs in fine detail: {} times the variance of the other \
                  side's mean, which the tests allow for; give replicates, or an image with a layer of standard errors",
                 rounded(ratio, 2)
             ),

@@ -6,8 +6,10 @@ use crate::domain::Domain;
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::power::chi_square_below;
+use crate::repeats::{Repeated, Repeats};
 use crate::sampler::{Sample, Sampler};
 use crate::serial::SerialCounts;
+use crate::tally::BATCH;
 use crate::text::{count, tuple};
 use std::fmt::Debug;
 
@@ -213,6 +215,30 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
     (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
         let percent = 100.0 * common.len() as f64 / samples;
         format!("{percent:.2} % of the samples have the same {name} = {}, where the pdf has no atom", common[0].0)
+    })
+}
+
+/// Finds a value of a coordinate that several samples of a batch have, in more batches than chance explains.
+///
+/// A value that each sample has with the probability q is repeated in one of n samples with at most (nq)²/2. For samples that
+/// are rounded, q is the probability that two of the pilot are equal, at least that of f32 numbers, times the density.
+pub fn repeated_values<D: Domain>(domain: &D, probes: &[Probe], repeats: &Repeats, mass: f64) -> Option<String> {
+    let (n, measure) = (probes.len() as f64, domain.measure() / mass);
+    (0..1 + usize::from(domain.is_plane())).find_map(|axis| {
+        let mut values: Vec<u64> = probes.iter().map(|probe| probe.at[axis].to_bits()).collect();
+        values.sort_unstable();
+        let pairs: usize = values.chunk_by(|a, b| a == b).map(|same| same.len() * (same.len() - 1)).sum();
+        let equal = (pairs as f64 / (n * (n - 1.0)).at_least(1.0)).at_least(COINCIDENCE);
+        let is_impossible = |of: &Repeated| {
+            let q = equal * (of.pdf * measure).at_least(1.0);
+            let expected = repeats.batches as f64 * (0.5 * (BATCH as f64 * q).powi(2)).at_most(1.0);
+            // Any of as many values could be found.
+            chi_square_below(2.0 * of.batches as f64, 2.0 * expected) < IMPOSSIBLE * COINCIDENCE
+        };
+        let found = repeats.along(axis).into_iter().filter(is_impossible).max_by_key(|of| of.batches)?;
+        let (name, Repeated { value, batches, .. }) = (domain.axes()[axis], found);
+        let of = repeats.batches;
+        Some(format!("{name} = {value} is repeated in {batches} of {of} batches of samples, where the pdf has no atom"))
     })
 }
 

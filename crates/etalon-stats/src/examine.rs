@@ -285,6 +285,7 @@ pub fn examine<D: Domain>(
     let violation = violation
         .or_else(|| exact::same_batches(domain, &tally.serial))
         .or_else(|| exact::discrete(domain, &pilot, unit))
+        .or_else(|| exact::repeated_values(domain, &pilot, &tally.repeats, unit))
         .or_else(|| exact::collisions(domain, &pilot, draws?));
     let none = tally.none;
     if normalized {

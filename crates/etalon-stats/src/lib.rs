@@ -33,6 +33,7 @@ pub mod multiple;
 mod outcome;
 pub mod power;
 pub mod prelude;
+mod repeats;
 mod sampler;
 mod scales;
 mod serial;

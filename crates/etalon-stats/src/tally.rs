@@ -7,6 +7,7 @@ use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
 use crate::fixed::{Share, add};
 use crate::hash::{mix32, mix64};
+use crate::repeats::Repeats;
 use crate::sampler::{Sample, Sampler};
 use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;
@@ -42,6 +43,8 @@ pub struct Tally {
     pub parts: Parts<u64>,
     /// Counts of what follows what.
     pub serial: SerialCounts,
+    /// Values that several samples have.
+    pub repeats: Repeats,
     /// Samples that were "no sample".
     pub none: u64,
     /// Samples where the pdf is 0.
@@ -61,6 +64,7 @@ impl Tally {
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.parts.add(&other.parts);
         self.serial.add(other.serial);
+        self.repeats.add(other.repeats);
         self.none += other.none;
         self.outside_support += other.outside_support;
         self.infinite += other.infinite;
@@ -131,7 +135,7 @@ impl<D: Domain> Source<'_, D> {
         };
         let add_batch = |mut tally: Tally, batch| {
             let (u, samples) = self.batch(stream, batch, count)?;
-            self.count(&u, &samples, counters, &mut tally)?;
+            self.count(batch, (&u, &samples), counters, &mut tally)?;
             if batch == 0 && tally.violation.is_none() {
                 tally.violation = self.inverse_violation(&u, &samples)?;
             }
@@ -142,11 +146,11 @@ impl<D: Domain> Source<'_, D> {
         batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
-    /// Counts the `samples` that were made from `u`.
+    /// Counts the `samples` of batch number `batch`, that were made from `u`.
     fn count(
         &self,
-        u: &[f64],
-        samples: &[Option<Sample<D::Point>>],
+        batch: u64,
+        (u, samples): (&[f64], &[Option<Sample<D::Point>>]),
         counters: &Counters<D>,
         tally: &mut Tally,
     ) -> Result<()> {
@@ -175,6 +179,10 @@ impl<D: Domain> Source<'_, D> {
         }
         let mut pdfs = Vec::with_capacity(points.len());
         self.density.pdf(&points, &mut pdfs)?;
+        if self.domain.outcomes().is_none() {
+            let known = spread.iter().zip(&pdfs).map(|((_, _, at), pdf)| (*at, *pdf));
+            tally.repeats.count(batch, 1 + usize::from(self.domain.is_plane()), known);
+        }
 
         // Check and count samples that have a density.
         let precision = self.density.precision();

@@ -7,6 +7,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod bias;
 mod exact;
 mod explain;
 mod functionals;
@@ -15,6 +16,7 @@ mod needed;
 mod pooled;
 mod side;
 
+pub use self::bias::Bias;
 pub use self::explain::{Explanation, explain};
 pub use self::functionals::{Family, Functional};
 pub use self::independence::Related;
@@ -102,6 +104,8 @@ pub struct Compared {
     pub tile_bias: Option<f64>,
     /// Names of the channels.
     pub channels: [&'static str; 3],
+    /// The mean of B's image, by channel.
+    pub mean_of_b: [Mean; 3],
     /// Columns and rows of pixels.
     pub size: [usize; 2],
     /// Side of a tile in pixels.
@@ -110,7 +114,8 @@ pub struct Compared {
     pub images: [usize; 2],
     /// Two images of a side that are no replicates of one another.
     pub related: [Option<Related>; 2],
-    /// The variance of the noise of an image that is declared exact, by that of the other side's mean, if it has noise.
+    /// The variance of the noise of an image that is declared exact, by that of the other side's mean, if it is allowed for: it
+    /// is found, or it would explain the difference.
     pub noise_of_exact: Option<f64>,
     /// Whether the images would be different if the one that is declared exact had no noise.
     pub noise_hides_difference: bool,
@@ -160,28 +165,27 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let blocks = Blocks::new(sides[0].size(), &valid);
     let related = sides.each_ref().map(|side| independence::related(&side.images, &blocks, OF_PREMISES * plan.level));
     let exact = sides.iter().position(|side| side.noise == Noise::None);
-    let noise_of_exact = exact.and_then(|k| {
-        exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level).map(|r| (k, r))
-    });
-    let if_exact = noise_of_exact.map(|_| observed.clone());
-    if let Some((k, ratio)) = noise_of_exact {
-        // Noise of the same pixels: each functional has as much more of it.
-        let noise: Vec<[Mean; 3]> =
-            observed[1 - k].iter().map(|of| of.each_ref().map(|channel| channel.mean)).collect();
-        for (observed, noise) in observed[k].iter_mut().flatten().zip(noise.iter().flatten()) {
-            observed.mean = Mean { variance: ratio * noise.variance, dof: noise.dof, ..observed.mean };
-        }
-    }
+    let noise = exact
+        .and_then(|k| Some((k, exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level)?)));
     let means = sides.each_ref().map(side::mean_image);
     let scales = layout.scales(&means[1]);
     let has_tiles = !sides.iter().any(Side::has_few_replicates);
-    let families = families(&observed, &layout, &scales, has_tiles);
+    let families_of = |observed: &[Vec<_>]| families(observed, &layout, &scales, has_tiles);
     let is_different =
         |all: &[FamilyResult]| all.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
+    let mut families = families_of(&observed);
+    // Noise that is found is allowed for. Fine detail that differs looks like noise: where that alone would explain a
+    // difference, found or not, nothing can be said.
+    let (mut noise_of_exact, mut noise_hides_difference) = (None, false);
+    if let Some((k, noise)) = noise {
+        let allowed = noise.allowed_for(&observed, k);
+        let with_noise = families_of(&allowed);
+        noise_hides_difference = is_different(&families) && !is_different(&with_noise);
+        if noise.found || noise_hides_difference {
+            (observed, families, noise_of_exact) = (allowed, with_noise, Some(noise.ratio));
+        }
+    }
     let different = is_different(&families);
-    // Fine detail that differs looks like noise: where the noise alone hides a difference, nothing can be said.
-    let hides = |observed: &Vec<_>| is_different(&self::families(observed, &layout, &scales, has_tiles));
-    let noise_hides_difference = !different && if_exact.as_ref().is_some_and(hides);
     let relative = |test: &Tested, level: f64| {
         let image = families[0].tests[test.channel].means.map(f64::abs);
         test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
@@ -215,11 +219,12 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         tile_bias: tile_biases.get(tile_biases.len() / 2).copied(),
         families,
         channels,
+        mean_of_b: of_image[1],
         size: sides[0].size(),
         tile_side: layout.side(),
         images: sides.each_ref().map(|side| side.images.len()),
         related,
-        noise_of_exact: noise_of_exact.map(|(_, ratio)| ratio),
+        noise_of_exact,
         noise_hides_difference,
         needed,
         constant_tiles,
@@ -256,30 +261,6 @@ fn families(
         result
     };
     Family::ALL.into_iter().map(of_family).collect()
-}
-
-/// A difference in parts of the mean of B in its channel, with an interval. The intervals of a family hold together with
-/// the probability 1 − level/3.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bias {
-    /// A − B.
-    pub value: f64,
-    /// Its lower end.
-    pub low: f64,
-    /// Its upper end.
-    pub high: f64,
-}
-
-impl Compared {
-    /// The difference of a test of `family`; nothing where B is black.
-    #[must_use]
-    pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
-        let mean = self.families[0].tests[test.channel].means[1].abs();
-        let half = test.difference.half_width(family.level(self.plan));
-        let relative = |value: f64| value / mean;
-        let value = test.difference.value;
-        (mean > 0.0).then(|| Bias { value: relative(value), low: relative(value - half), high: relative(value + half) })
-    }
 }
 
 impl Tested {

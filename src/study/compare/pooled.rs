@@ -45,7 +45,7 @@ pub fn pool([side, other]: [&Side; 2], layout: &Layout, own: &[[Mean; 3]]) -> Ve
 }
 
 /// The variance of each pixel over the images.
-fn variances(images: &[Image]) -> Vec<[f64; 3]> {
+pub fn variances(images: &[Image]) -> Vec<[f64; 3]> {
     let n = images.len() as f64;
     let variance = |pixel: usize, channel: usize| {
         let values = images.iter().map(|image| f64::from(image.pixels()[pixel][channel]));

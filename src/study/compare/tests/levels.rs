@@ -281,6 +281,50 @@ fn noise_of_images_declared_exact_is_seen() {
     }
 }
 
+/// A dark image with bright pixels, two of a hundred, that have nearly all of the noise.
+fn bright_pixels(rng: &mut CounterRng, [width, height]: [usize; 2]) -> Image {
+    Image::from_fn(width, height, |_, _| Rgb::splat(if rng.random::<f32>() < 0.02 { 50.0 } else { 0.1 }))
+}
+
+/// The texture, averaged over 5 × 5 pixels.
+fn blurred(rng: &mut CounterRng, size: [usize; 2]) -> Image {
+    let sharp = texture(rng, [size[0] + 4, size[1] + 4]);
+    let near = |x: usize, y: usize| (0..25).map(move |i| (x + i % 5, y + i / 5));
+    Image::from_fn(size[0], size[1], |x, y| near(x, y).map(|(x, y)| sharp.get(x, y)).sum::<Rgb>() / 25.0)
+}
+
+/// Of `runs` comparisons with an image that is declared exact, how many find noise, and how many are different.
+fn against_one(runs: u64, make: fn(&mut CounterRng, [usize; 2]) -> Image, n: usize, noises: [f32; 2]) -> [usize; 2] {
+    let compared = |run: u64| {
+        let rng = &mut CounterRng::new(23, run);
+        let expectation = make(rng, SIZES[0]);
+        let a = noisy(rng, &expectation, n, noises[0]);
+        let b = noisy(rng, &expectation, 1, noises[1]).remove(0);
+        compare(Side::replicates(a), Side::exact(b), PLAN).unwrap()
+    };
+    let all: Vec<Compared> = (0..runs).into_par_iter().map(compared).collect();
+    let count = |of: &dyn Fn(&Compared) -> bool| all.iter().filter(|compared| of(compared)).count();
+    [count(&|compared| compared.noise_of_exact.is_some()), count(&|compared| compared.answer == Answer::Different)]
+}
+
+#[test]
+fn noise_in_few_pixels_of_an_exact_image_is_seen() {
+    for n in [2, 4, 16] {
+        for (name, make) in
+            [("sharp", texture as fn(&mut _, _) -> _), ("blurred", blurred), ("bright pixels", bright_pixels)]
+        {
+            for noise in [0.0, 0.03, 0.15, 0.3] {
+                let [found, different] = against_one(100, make, n, [0.3, noise]);
+                println!("{name}, {n} images, noise {noise} of B: {found} noisy, {different} different of 100");
+                // More than 3 of 100 at a level of 1 % have a probability of 2 %, at 0.1 % one of 10⁻⁶.
+                assert!(found <= 1 || noise > 0.0, "{name}, {n}: {found}");
+                assert!(different <= 4, "{name}, {n}, {noise}: {different}");
+                assert!(found >= 90 || noise < 0.3, "{name}, {n}: {found}");
+            }
+        }
+    }
+}
+
 #[test]
 #[ignore = "takes minutes: cargo test --release --lib compare::tests::levels -- --ignored --nocapture"]
 fn differences_in_fine_detail_are_not_hidden_by_noise() {
