@@ -24,6 +24,9 @@
 //!
 //! The statistical tests are the crate [`etalon_stats`].
 
+// Only the command line prints.
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
+
 pub mod bsdf;
 pub mod cli;
 pub mod envmap;

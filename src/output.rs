@@ -15,8 +15,6 @@ pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
     name: Option<OsString>,
-    /// End of default names: the parameters that differ from their defaults.
-    variant: String,
     /// Files in the folder before the command, unless a file was named.
     before: Vec<OsString>,
 }
@@ -45,12 +43,7 @@ impl Target {
         // Remember the folder's files, to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
         let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
-        Self { folder: folder.into(), name, variant: String::new(), before }
-    }
-
-    /// Makes default names end with `variant`; a name that `-o` gives is not changed.
-    pub fn with_variant(self, variant: &str) -> Self {
-        Self { variant: variant.into(), ..self }
+        Self { folder: folder.into(), name, before }
     }
 
     /// Whether a file was named, not a folder.
@@ -66,7 +59,7 @@ impl Target {
     pub fn stem(&self, name: &str, suffix: &str, extensions: &[&str]) -> Result<PathBuf> {
         let mut file = self.name.clone().unwrap_or_else(|| {
             let limit = LONGEST_NAME.saturating_sub(suffix.len() + LONGEST_EXTENSION);
-            shortened(format!("{name}{}", self.variant), limit).into()
+            shortened(name.to_owned(), limit).into()
         });
         file.push(suffix);
         let stem = self.folder.join(file);
@@ -170,7 +163,7 @@ fn shortened(name: String, limit: usize) -> String {
 }
 
 /// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
-pub fn checksum(text: &OsStr) -> String {
+fn checksum(text: &OsStr) -> String {
     let mut crc = flate2::Crc::new();
     crc.update(text.as_encoded_bytes());
     format!("{:08x}", crc.sum())
@@ -229,17 +222,18 @@ mod tests {
         assert_eq!(stem(Some("results")), Path::new("results/fresnel"));
         assert_eq!(stem(Some("results.v2")), Path::new("results.v2/fresnel"));
         assert_eq!(stem(Some("a/glass.png")), Path::new("a/glass"));
-        let named = Target::new(Some(Path::new("m.PNG"))).with_variant("-s8");
+        let named = Target::new(Some(Path::new("m.PNG")));
         assert_eq!(named.stem("x", "-64", &[]).unwrap(), Path::new("m-64"));
-        assert_eq!(Target::new(None).with_variant("-s8").stem("x", "-64", &[]).unwrap(), Path::new("out/x-s8-64"));
+        assert_eq!(Target::new(None).stem("x", "-64", &[]).unwrap(), Path::new("out/x-64"));
         assert_eq!(with_extension(Path::new("roughness-0.5"), "csv"), Path::new("roughness-0.5.csv"));
     }
 
     #[test]
     fn long_names_are_cut_and_remain_distinct() {
         let stem = |last: char| {
-            let target = Target::new(None).with_variant(&format!("-{}{last}", "é".repeat(200)));
-            target.stem("validation", "-suffix", &[]).unwrap().file_name().unwrap().to_str().unwrap().to_owned()
+            let name = format!("validation-{}{last}", "é".repeat(200));
+            let stem = Target::new(None).stem(&name, "-suffix", &[]).unwrap();
+            stem.file_name().unwrap().to_str().unwrap().to_owned()
         };
         let [a, b] = ['a', 'b'].map(stem);
         assert!(a != b && a.starts_with("validation-é") && a.ends_with("-suffix"), "{a}");

@@ -131,7 +131,7 @@ impl Converge {
         let renderers = self.renderers(global)?;
         let recorded = self.runs.as_deref().map(Recorded::read_all).transpose()?.unwrap_or_default();
         let Loaded { mut scene, request: asked } = self.scene.load(console)?;
-        let target = global.target(&["scene", "renderer", "renderer_scene", "timeout", "runs", "keep_runs"]);
+        let target = global.target();
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let replicates = target.stem(&name, "-replicates", &["csv"])?;

@@ -143,7 +143,7 @@ impl Fresnel {
         let curves = study::curves(self.eta_i, interfaces, self.points, self.model)?;
         let drawing = media_view::drawing(&curves, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
         let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
-        let target = global.target(&["media", "metal"]);
+        let target = global.target();
         let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &drawing, &output::table(&rows)?)?);
         console.saved(&curves, &written, || {
@@ -176,7 +176,7 @@ impl Fresnel {
         let marked = if media.is_empty() { all().collect() } else { media.to_vec() };
         let angles = special_angles::curves(self.eta_i, &marked, self.points)?;
         let rows: Vec<_> = angles.curves.iter().chain(&angles.media).cloned().collect();
-        let target = global.target(&["media", "angles"]);
+        let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
         let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &angles_view::drawing(&angles), &output::table(&rows)?)?);
@@ -196,7 +196,7 @@ impl Fresnel {
 
     fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
-        let target = global.target(&["media"]);
+        let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
         let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
         let written = target.written(files);
@@ -230,7 +230,7 @@ impl Fresnel {
         console: &Console,
     ) -> Result<Verdict> {
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
-        let target = global.target(&["media", "metal"]);
+        let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &view::metal(curves), &output::table(&rows)?)?);
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {

@@ -68,7 +68,7 @@ impl Furnace {
                 own.collect::<Result<_>>()?
             }
         };
-        let target = global.target(&["names", "exec"]);
+        let target = global.target();
         let bar = console.progress(subjects.len() as u64, "furnace", "families");
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         for (family, own) in subjects {

@@ -55,7 +55,7 @@ pub fn out() -> Arg {
     let arg = Arg::new("out").short('o').long("out").value_name("PATH").value_parser(file);
     arg.help_heading(COMMON).help("Folder of the results, or their file name [default: out/]").long_help(
         "Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: the folder \
-         out, under names that contain the options that differ from their defaults]",
+         out]",
     )
 }
 
@@ -83,10 +83,9 @@ impl Global {
         self.arguments = Arguments::of(command, matches);
     }
 
-    /// Where results go. Default names contain the arguments that differ from their defaults, except those (`in_name`, by
-    /// their ids) that the name contains already.
-    pub fn target(&self, in_name: &[&str]) -> Target {
-        self.arguments.target(self.out.as_deref(), in_name)
+    /// Where results go.
+    pub fn target(&self) -> Target {
+        Target::new(self.out.as_deref())
     }
 }
 

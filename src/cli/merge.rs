@@ -61,7 +61,7 @@ impl Merge {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
         }
-        let target = global.target(&[]);
+        let target = global.target();
         let stem = target.stem("merged", "", &FORMATS)?;
         let mut part = merge_files(&self.parts)?;
         part.metadata = with_command(&part.metadata);
@@ -99,7 +99,7 @@ impl Merge {
     }
 
     fn merge_sweep(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let target = global.target(&["parts"]);
+        let target = global.target();
         let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
         files::check_writable(&path)?;
         let (found, plan) = decided(console, |each| {

@@ -72,7 +72,7 @@ impl Stability {
         }
         let start = Instant::now();
         self.reports.check()?;
-        let target = global.target(&[]);
+        let target = global.target();
         let stem = target.stem("stability", "", &output::STUDY)?;
         let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };

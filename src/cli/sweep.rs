@@ -151,7 +151,7 @@ impl Sweep {
             .with_hint("at most one shard for each configuration"));
         }
         // Where the part goes, checked before it is computed.
-        let target = global.arguments.target(global.out.as_deref(), &["names", "exec", "shard"]);
+        let target = global.target();
         let suffix = self.shard.filter(|_| !target.is_named()).map_or_else(String::new, Shard::suffix);
         let name = output::file_name(["sweep", &subject].join("-").trim_end_matches('-'));
         let path = output::with_extension(&target.stem(&name, &suffix, &["csv"])?, "csv");

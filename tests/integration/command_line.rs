@@ -165,7 +165,7 @@ fn fresnel_of_several_media() {
     let dir = folder();
     let args = ["fresnel", "water", "1.5", "--metal", "Au,iron", "--show", "unpolarized,error", "--points", "46"];
     let value = json(dir.path(), &args);
-    let csv = "out/fresnel-water-1.5-Au-Fe-show-unpolarized+error-points-46.csv";
+    let csv = "out/fresnel-water-1.5-Au-Fe.csv";
     assert!(assert_files(dir.path(), &value).iter().any(|file| file == csv));
     let media = value["media"].as_array().unwrap();
     let names: Vec<&str> = media.iter().map(|medium| medium["name"].as_str().unwrap()).collect();

@@ -1,4 +1,4 @@
-//! Where results go: names that tell runs apart, inputs that are never replaced, links, names that are no Unicode.
+//! Where results go: names after the subject, inputs that are never replaced, links, names that are no Unicode.
 
 use crate::program::{etalon, json};
 use std::path::Path;
@@ -12,19 +12,15 @@ fn strings(value: &serde_json::Value) -> Vec<&str> {
 }
 
 #[test]
-fn runs_with_other_parameters_leave_each_others_results_alone() {
+fn results_are_named_after_their_subject() {
     let dir = folder();
-    let first = json(dir.path(), &["fresnel", "--points", "9"]);
-    let other = json(dir.path(), &["fresnel", "--eta-t", "1.3", "--points", "9"]);
-    assert_eq!(strings(&first["files"])[0], "out/fresnel-points-9.csv");
-    assert_eq!(strings(&other["files"])[0], "out/fresnel-eta-t-1.3-points-9.csv");
-    let render = |args: &[&str]| {
-        let value = json(dir.path(), &[&["render", "furnace", "-r", "4", "3"], args].concat());
-        strings(&value["files"])[0].to_owned()
-    };
-    assert_eq!(render(&["-s", "2"]), "out/furnace-r4x3-s2.exr");
-    assert_eq!(render(&["-s", "2", "-H", "--seed", "7", "-o", "there"]), "there/furnace-r4x3-s2-H-seed-7.exr");
-    assert_eq!(render(&["-s", "2", "--shard", "1/2"]), "out/furnace-r4x3-s2.shard-1-of-2.exr");
+    let first_file = |args: &[&str]| strings(&json(dir.path(), args)["files"])[0].to_owned();
+    assert_eq!(first_file(&["fresnel", "--points", "9"]), "out/fresnel.csv");
+    assert_eq!(first_file(&["fresnel", "water", "Au", "--points", "9"]), "out/fresnel-water-Au.csv");
+    let render = |args: &[&str]| first_file(&[&["render", "furnace", "-r", "4", "3"], args].concat());
+    assert_eq!(render(&["-s", "2"]), "out/furnace.exr");
+    assert_eq!(render(&["-s", "2", "-H", "--seed", "7", "-o", "there"]), "there/furnace.exr");
+    assert_eq!(render(&["-s", "2", "--shard", "1/2"]), "out/furnace.shard-1-of-2.exr");
     assert_eq!(render(&["-s", "2", "-o", "mine.exr"]), "mine.exr");
 }
 
@@ -36,7 +32,7 @@ fn a_result_under_a_default_name_is_not_replaced_in_silence() {
     assert!(value["files"].as_array().unwrap().len() == 4 && value["replaced"] == serde_json::json!([]), "{value}");
     let again = json(dir.path(), &args);
     assert_eq!(again["files"], again["replaced"]);
-    assert!(etalon(dir.path(), &args).stdout.contains("replaced out/fresnel-points-9.{csv,svg,png,pdf}\n"));
+    assert!(etalon(dir.path(), &args).stdout.contains("replaced out/fresnel.{csv,svg,png,pdf}\n"));
     // A name that was asked for says itself what it replaces.
     for _ in 0..2 {
         let named = etalon(dir.path(), &["fresnel", "--points", "9", "-o", "a.csv"]);

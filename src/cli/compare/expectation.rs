@@ -63,7 +63,7 @@ impl Compare {
         let start = Instant::now();
         self.reports.check()?;
         let name = format!("{}-against-{}", short_name(self.a[0].as_os_str()), short_name(self.against[0].as_os_str()));
-        let target = global.target(&["a", "against"]);
+        let target = global.target();
         let stem = target.stem(&name, "", &output::STUDY)?;
         let a = Side::read(&self.a, self.spp)?;
         let b = match self.against.as_slice() {

@@ -89,7 +89,7 @@ impl Compare {
             Ok::<_, Error>((image, is_clipped))
         };
         let name = format!("{}-vs-{}", short_name(a_path.as_os_str()), short_name(b_path.as_os_str()));
-        let target = global.target(&["a"]);
+        let target = global.target();
         let stem = target.stem(&name, "", &output::DRAWING)?;
         let ((a, a_is_clipped), (b, b_is_clipped)) = (read(a_path)?, read(b_path)?);
         let size = |image: &Image| format!("{}x{} pixels", image.width(), image.height());

@@ -66,7 +66,7 @@ impl Cut {
         let flux = Info::of(&source.map).flux_rgb;
         let cuts = median_cut::cut(&source.map, &self.n, self.split, self.sides, self.centroid)?;
         let display = Display::new(&source.map, self.look.look());
-        let target = global.target(&["map", "n"]);
+        let target = global.target();
         let name = self.map.short_name();
         // Draw the regions over the map, and their lights on black.
         let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<Output> {

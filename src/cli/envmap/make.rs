@@ -36,7 +36,7 @@ impl Make {
         synthetic.request()?;
         let image = synthetic.make();
         interrupt::check()?;
-        let target = global.target(&["name"]);
+        let target = global.target();
         let format = output::image_format(global.out.as_deref())?.unwrap_or("exr");
         let path = output::with_extension(&target.stem(synthetic.name(), "", &[format])?, format);
         let metadata = Metadata::default().with("map", synthetic.name());

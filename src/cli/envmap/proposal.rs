@@ -42,7 +42,7 @@ impl Proposal {
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
-        let target = global.target(&["map"]);
+        let target = global.target();
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
         let mut files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate

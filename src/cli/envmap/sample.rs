@@ -85,7 +85,7 @@ impl Sample {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = self.map.load(console)?;
         let display = Display::new(&source.map, self.look.look());
-        let target = global.target(&["map", "n"]);
+        let target = global.target();
         let name = self.map.short_name();
         let (sampler, complete) = self.sampler(&source.map)?;
         // Sample before drawing, so that the sampler's tables and the pages of figures are not in memory together.

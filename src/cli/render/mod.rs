@@ -115,8 +115,7 @@ fn density_help() -> String {
 }
 
 const AFTER_HELP: &str = "\
-Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, and its name contains the options that \
-differ from their defaults (furnace-r64x64-s16.exr); with a file name, in that format and as PNG. The EXR file also has \
+Without -o (or with a folder) the image is written as EXR, PFM, PPM and PNG, named after the scene; with a file name, in that format and as PNG. The EXR file also has \
 the standard error of every pixel.
 
 `etalon scenes` lists what built-in scenes ask for: size, -s, -l, -m. As in the course's command line, -f FILE means -o FILE, and -H --sampling hemisphere.
@@ -226,7 +225,7 @@ impl Render {
         let shard = self.shard.map(Shard::suffix);
         let out = self.file.as_deref().or(global.out.as_deref());
         let look = Look { tone: self.tone, exposure: self.exposure, scale: self.scale };
-        Images::new(out, global.arguments.target(out, &["scene", "shard"]), look, shard)
+        Images::new(out, Target::new(out), look, shard)
     }
 
     /// The samples to render: all, or a shard's.

@@ -92,7 +92,8 @@ impl Validate {
         }
         let protocol = self.protocol(global);
         self.reports.check()?;
-        let (target, name) = self.target(&subject, global);
+        let target = global.target();
+        let name = subject.name().map_or("validation".into(), |name| format!("validation-{}", output::file_name(name)));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {
@@ -122,14 +123,6 @@ impl Validate {
             Validation { inconclusive: 1.., .. } => Verdict::Inconclusive,
             _ => Verdict::Good,
         })
-    }
-
-    /// Where results go, and their name: that of the subject, or the patterns of the tests' names.
-    fn target(&self, subject: &Subject, global: &Global) -> (output::Target, String) {
-        let Some(subject) = subject.name() else { return (global.target(&[]), "validation".into()) };
-        let of_file = matches!(self.samples(), Some(SampleSource::File(_))).then_some("samples");
-        let in_name: Vec<&str> = ["names", "exec"].into_iter().chain(of_file).collect();
-        (global.target(&in_name), format!("validation-{}", output::file_name(subject)))
     }
 
     fn protocol(&self, global: &Global) -> Protocol {

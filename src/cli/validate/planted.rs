@@ -26,7 +26,7 @@ pub fn run(
     console: &Console,
 ) -> Result<Verdict> {
     reports.check()?;
-    let target = global.target(&["planted"]);
+    let target = global.target();
     let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
     let bar = console.progress(2 * faults.len() as u64, "planted faults", "runs");
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
