@@ -3,10 +3,10 @@
 use crate::error::{Error, Result};
 use crate::files;
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{Arg, ArgMatches, Command};
 use std::any::TypeId;
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments that name what is written.
 const OUTPUTS: [&str; 5] = ["out", "file", "resume", "junit", "markdown"];
@@ -73,7 +73,7 @@ fn is_path(arg: &Arg) -> bool {
 mod tests {
     use super::*;
     use crate::cli::Cli;
-    use clap::CommandFactory;
+    use clap::{ArgAction, CommandFactory};
 
     #[test]
     fn every_id_that_is_named_here_exists() {

@@ -15,6 +15,7 @@ use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
 use crate::errata::Conventions;
 use crate::error::{Error, Result};
+use crate::output::Target;
 use crate::raster::{BUILD, BUILD_NAME, Metadata, ToneMap};
 use crate::render::film::{Film, Part, shard};
 use crate::render::{Job, Kernel, Sampling, Settings};
