@@ -72,7 +72,8 @@ const UNREAD: [&[u8; 4]; 4] = [b"iCCP", b"iTXt", b"tEXt", b"zTXt"];
 
 /// Removes the chunks of some kinds from a PNG file.
 fn remove_chunks(bytes: &mut Vec<u8>, kinds: &[&[u8; 4]]) {
-    let (mut read, mut kept) = (SIGNATURE, SIGNATURE);
+    let start = SIGNATURE.min(bytes.len());
+    let (mut read, mut kept) = (start, start);
     // A length, a kind, so many bytes, and a checksum.
     while let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(read..).and_then(<[u8]>::first_chunk::<8>) {
         let next = bytes.len().min(read + 12 + u32::from_be_bytes([a, b, c, d]) as usize);
@@ -82,7 +83,7 @@ fn remove_chunks(bytes: &mut Vec<u8>, kinds: &[&[u8; 4]]) {
         }
         read = next;
     }
-    bytes.drain(kept.min(read)..read);
+    bytes.drain(kept..read);
 }
 
 /// Bytes before the first chunk.

@@ -69,11 +69,11 @@ impl<'a> PreparedScene<'a> {
             let bytes = scene.objects.iter().map(|object| Bvh::bytes(&object.shape)).sum();
             memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
         }
+        let geometry = Arc::new(Geometry::new(scene, needs.tree));
         let (objects, lights) = (scene.objects.len(), Sampled::most(scene));
         memory::request(objects * size_of::<SurfaceShader>() + lights * Lights::BYTES, || {
             format!("the materials of {objects} objects, and {lights} lights")
         })?;
-        let geometry = Arc::new(Geometry::new(scene, needs.tree));
         let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
         let fixed = cut_lights::of(scene, settings)?;
         let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
