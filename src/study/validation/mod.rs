@@ -2,8 +2,6 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-#[cfg(test)]
-mod calibration;
 mod case;
 mod external;
 pub mod families;
@@ -16,6 +14,8 @@ mod select;
 mod shared;
 #[allow(clippy::disallowed_methods)]
 pub mod suite;
+#[cfg(test)]
+mod tests;
 mod whole;
 
 pub use case::{Case, DirectionSampler, direction_sampler};
