@@ -135,7 +135,7 @@ impl<D: Domain> Source<'_, D> {
         };
         let add_batch = |mut tally: Tally, batch| {
             let (u, samples) = self.batch(stream, batch, count)?;
-            self.count(batch, (&u, &samples), counters, &mut tally)?;
+            self.count(batch, &u, &samples, counters, &mut tally)?;
             if batch == 0 && tally.violation.is_none() {
                 tally.violation = self.inverse_violation(&u, &samples)?;
             }
@@ -150,7 +150,8 @@ impl<D: Domain> Source<'_, D> {
     fn count(
         &self,
         batch: u64,
-        (u, samples): (&[f64], &[Option<Sample<D::Point>>]),
+        u: &[f64],
+        samples: &[Option<Sample<D::Point>>],
         counters: &Counters<D>,
         tally: &mut Tally,
     ) -> Result<()> {

@@ -169,17 +169,19 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         .and_then(|k| Some((k, exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level)?)));
     let means = sides.each_ref().map(side::mean_image);
     let scales = layout.scales(&means[1]);
-    let has_tiles = !sides.iter().any(Side::has_few_replicates);
-    let families_of = |observed: &[Vec<_>]| families(observed, &layout, &scales, has_tiles);
+    let few = sides.iter().any(Side::has_few_replicates).then_some("fewer than 16 replicates on a side");
+    let families_of = |observed: &[Vec<_>], no_tiles| families(observed, &layout, &scales, no_tiles);
     let is_different =
         |all: &[FamilyResult]| all.iter().any(|family| family.adjusted_p.is_some_and(|p| p < plan.level));
-    let mut families = families_of(&observed);
+    let mut families = families_of(&observed, few);
     // Noise that is found is allowed for. Fine detail that differs looks like noise: where that alone would explain a
     // difference, found or not, nothing can be said.
     let (mut noise_of_exact, mut noise_hides_difference) = (None, false);
     if let Some((k, noise)) = noise {
         let allowed = noise.allowed_for(&observed, k);
-        let with_noise = families_of(&allowed);
+        // One noisy image says nothing of how its noise is distributed over the few pixels of a tile.
+        let no_tiles = few.or(noise.found.then_some("noise in the image that is declared exact"));
+        let with_noise = families_of(&allowed, no_tiles);
         noise_hides_difference = is_different(&families) && !is_different(&with_noise);
         if noise.found || noise_hides_difference {
             (observed, families, noise_of_exact) = (allowed, with_noise, Some(noise.ratio));
@@ -233,15 +235,16 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     })
 }
 
-/// The tests of all families, from what both sides say of each functional; `scales` are what their precision is relative to.
+/// The tests of all families, from what both sides say of each functional; `scales` are what their precision is relative to,
+/// and `no_tiles` is why tiles are not tested.
 fn families(
     observed: &[Vec<[Observed; 3]>],
     layout: &Layout,
     scales: &[[f64; 3]],
-    has_tiles: bool,
+    no_tiles: Option<&'static str>,
 ) -> Vec<FamilyResult> {
     let of_family = |family: Family| {
-        let untested = (family == Family::Tiles && !has_tiles).then_some("fewer than 16 replicates on a side");
+        let untested = no_tiles.filter(|_| family == Family::Tiles);
         let of_functional = |i: usize| {
             let functional = layout.functional(i);
             (0..3).map(move |channel| {
