@@ -69,7 +69,7 @@ impl Integral {
         // The lower ends, the means and the upper ends of the three intervals, as they affect the integral.
         let [least, value, most] = [0, 1, 2].map(|i| {
             let within_reach = (polynomials + check.reach * (above[i] - below[2 - i])).at_least(0.0);
-            if within_reach > 0.0 { within_reach / (1.0 - missed[i]) } else { 0.0 }
+            if within_reach == 0.0 { 0.0 } else { within_reach / (1.0 - missed[i]) }
         });
         Self { value, error: (most - value).at_least(value - least), bound: Bound::Statistical }
     }

@@ -1,6 +1,5 @@
 //! A difference in parts of the mean of B.
 
-use super::{Compared, FamilyResult, Tested};
 use etalon_stats::Extremes;
 use etalon_stats::difference::Difference;
 use etalon_stats::welch::Mean;
@@ -17,24 +16,21 @@ pub struct Bias {
     pub high: f64,
 }
 
-impl Compared {
-    /// The difference of a test of `family`; nothing where the mean of B is not told from 0.
+impl Bias {
+    /// A `difference` in parts of the mean of B, with an interval at `level`; nothing where that mean is not told from 0.
     ///
     /// Fieller's interval has all θ for which the difference D less θ times the mean M is no further from 0 than t standard
     /// errors. Of whatever correlation, these are at most s + |θ| s_M, so that the ends of D's interval, each by the end of M's
     /// that makes the interval wider, hold it. Source: Fieller, "Some Problems in Interval Estimation", Journal of the Royal
     /// Statistical Society B 16, 1954.
-    #[must_use]
-    pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
-        let of_b = self.mean_of_b[test.channel];
+    pub(super) fn of(difference: Difference, of_b: Mean, level: f64) -> Option<Self> {
         let mean = Difference::of(Mean { value: of_b.value.abs(), ..of_b }, Mean::exact(0.0), 0.0);
-        let dof = test.difference.dof.at_most(mean.dof);
-        let half = |of: Difference| Difference { dof, ..of }.half_width(family.level(self.plan));
-        let (difference, [half, half_of_mean]) = (test.difference.value, [test.difference, mean].map(half));
+        let dof = difference.dof.at_most(mean.dof);
+        let [half, half_of_mean] = [difference, mean].map(|of| Difference { dof, ..of }.half_width(level));
         let [least, most] = [mean.value - half_of_mean, mean.value + half_of_mean];
-        let [low, high] = [difference - half, difference + half];
-        (least > 0.0).then(|| Bias {
-            value: difference / mean.value,
+        let [low, high] = [difference.value - half, difference.value + half];
+        (least > 0.0).then(|| Self {
+            value: difference.value / mean.value,
             low: low / if low < 0.0 { least } else { most },
             high: high / if high > 0.0 { least } else { most },
         })
@@ -43,8 +39,7 @@ impl Compared {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Answer, Family, Plan, Side, compare};
-    use super::{FamilyResult, Tested};
+    use super::super::{Answer, Family, FamilyResult, Plan, Side, Tested, compare};
     use crate::math::Rgb;
     use crate::raster::Image;
     use etalon_stats::stream::CounterRng;

@@ -7,8 +7,7 @@
 //! The image is first brought to the other side's mean in each block, so that a light that is too bright is not called noise.
 //! A difference in fine detail cannot be told from noise: one image does not show which it is.
 
-use super::Observed;
-use super::functionals::{Blocks, WAVES};
+use super::functionals::{Blocks, Observed, WAVES};
 use super::pooled::variances;
 use super::side::{PRECISION, Side};
 use crate::raster::Image;

@@ -2,6 +2,7 @@
 
 use crate::raster::Image;
 use etalon_stats::Extremes;
+use etalon_stats::welch::Mean;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -264,4 +265,11 @@ impl<'a> Layout<'a> {
         });
         sums
     }
+}
+
+/// What a side says about a functional in a channel.
+#[derive(Clone)]
+pub struct Observed {
+    pub mean: Mean,
+    pub dominated: bool,
 }

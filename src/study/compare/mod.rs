@@ -23,7 +23,7 @@ pub use self::independence::Related;
 pub use self::needed::Needed;
 pub use self::side::{Noise, PRECISION, Side};
 
-use self::functionals::{Blocks, Layout};
+use self::functionals::{Blocks, Layout, Observed};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::raster::Image;
@@ -266,6 +266,14 @@ fn families(
     Family::ALL.into_iter().map(of_family).collect()
 }
 
+impl Compared {
+    /// The difference of a test of `family`, in parts of the mean of B; nothing where that is not told from 0.
+    #[must_use]
+    pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
+        Bias::of(test.difference, self.mean_of_b[test.channel], family.level(self.plan))
+    }
+}
+
 impl Tested {
     /// The order of tests, the least likely first: by t where p is too small for a double.
     #[must_use]
@@ -295,13 +303,6 @@ impl FamilyResult {
     pub fn adjusted(&self, test: &Tested) -> f64 {
         (test.difference.p() * self.tests.len() as f64 * FAMILIES).at_most(1.0)
     }
-}
-
-/// What a side says about a functional in a channel.
-#[derive(Clone)]
-struct Observed {
-    mean: Mean,
-    dominated: bool,
 }
 
 /// All functionals of the first side.

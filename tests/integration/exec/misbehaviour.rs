@@ -34,7 +34,7 @@ fn a_name_gives_files_theirs_and_no_commands_to_the_terminal() {
         assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
         assert!(!(ran.stdout + &ran.stderr).contains('\u{1b}'), "{line:?}");
     }
-    assert!(folder.path().join("out/validation-a--31mb-detect-0.2.csv").exists());
+    assert!(folder.path().join("out/validation-a--31mb.csv").exists());
 }
 
 #[test]
