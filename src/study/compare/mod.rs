@@ -305,6 +305,9 @@ impl FamilyResult {
     }
 }
 
+/// A pixel with more than this share of a functional's variance decides alone.
+const MOST: f64 = 0.5;
+
 /// All functionals of the first side.
 fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec<[Observed; 3]>> {
     interrupt::check()?;
@@ -312,6 +315,9 @@ fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec
     // The level at which normal replicates would count as dominated anywhere at all.
     let each = level / (2.0 * 3.0 * layout.count() as f64);
     let spread = side.error().map(|error| layout.spread(error));
+    // Against an image without noise nothing offsets the skewness of a single pixel's.
+    let is_one_sided = side.noise == Noise::Replicates && other.noise == Noise::None;
+    let of_pixels = is_one_sided.then(|| layout.spread(&pooled::deviations(&side.images)));
     let of = |i: usize, channel: usize| {
         let replicates: Vec<f64> = values.iter().map(|values| values[i][channel]).collect();
         match (side.noise, &spread) {
@@ -319,11 +325,12 @@ fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec
                 let (variance, dof, share) = spread[i][channel].parts();
                 // A pixel that outweighs all others together: their sum is as uncertain, and as skewed, as the one sample
                 // that may be behind it, whatever the number of pixels.
-                Observed { mean: Mean { value: replicates[0], variance, dof }, dominated: share > 0.5 }
+                Observed { mean: Mean { value: replicates[0], variance, dof }, dominated: share > MOST }
             }
             (Noise::Replicates, None) => Observed {
                 mean: Mean::of_replicates(&replicates).unwrap_or(Mean::exact(replicates[0])),
-                dominated: is_dominated(&replicates, each),
+                dominated: is_dominated(&replicates, each)
+                    || of_pixels.as_ref().is_some_and(|spread| spread[i][channel].parts().2 > MOST),
             },
             (Noise::None | Noise::PerPixel, None) => Observed { mean: Mean::exact(replicates[0]), dominated: false },
         }

@@ -9,6 +9,7 @@
 
 use super::functionals::{Layout, WAVES};
 use super::side::Side;
+use crate::math::Rgb;
 use crate::raster::Image;
 use etalon_stats::Extremes;
 use etalon_stats::welch::Mean;
@@ -53,4 +54,10 @@ pub fn variances(images: &[Image]) -> Vec<[f64; 3]> {
         values.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)
     };
     (0..images[0].pixels().len()).map(|pixel| [0, 1, 2].map(|channel| variance(pixel, channel))).collect()
+}
+
+/// The standard deviation of each pixel over the images.
+pub fn deviations(images: &[Image]) -> Image {
+    let deviations = variances(images).into_iter().map(|of| Rgb::from_array(of.map(|variance| variance.sqrt() as f32)));
+    Image::from_pixels(images[0].width(), images[0].height(), deviations.collect())
 }
