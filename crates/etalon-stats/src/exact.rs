@@ -218,10 +218,15 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
     })
 }
 
+/// The distance of f32 numbers just below 1.
+const SINGLE_ULP: f64 = 1.0 / (1u64 << 24) as f64;
+
 /// Finds a value of a coordinate that several samples of a batch have, in more batches than chance explains.
 ///
 /// A value that each sample has with the probability q is repeated in one of n samples with at most (nq)²/2. For samples that
-/// are rounded, q is the probability that two of the pilot are equal, at least that of f32 numbers, times the density.
+/// are rounded, q is the probability that two of the pilot are equal, at least that of f32 numbers, times the density. At the
+/// ends of an axis samplers clamp what rounding puts beyond them, up to the root of a rounding error (of √(1 − x²) at x = 1): 2⁻¹²
+/// in single precision, which is as frequent as what could be found here.
 pub fn repeated_values<D: Domain>(domain: &D, probes: &[Probe], repeats: &Repeats, mass: f64) -> Option<String> {
     let (n, measure) = (probes.len() as f64, domain.measure() / mass);
     (0..1 + usize::from(domain.is_plane())).find_map(|axis| {
@@ -235,7 +240,9 @@ pub fn repeated_values<D: Domain>(domain: &D, probes: &[Probe], repeats: &Repeat
             // Any of as many values could be found.
             chi_square_below(2.0 * of.batches as f64, 2.0 * expected) < IMPOSSIBLE * COINCIDENCE
         };
-        let found = repeats.along(axis).into_iter().filter(is_impossible).max_by_key(|of| of.batches)?;
+        let is_inside = |of: &Repeated| of.value > SINGLE_ULP && of.value < 1.0 - SINGLE_ULP;
+        let inside = repeats.along(axis).into_iter().filter(is_inside);
+        let found = inside.filter(is_impossible).max_by_key(|of| of.batches)?;
         let (name, Repeated { value, batches, .. }) = (domain.axes()[axis], found);
         let of = repeats.batches;
         Some(format!("{name} = {value} is repeated in {batches} of {of} batches of samples, where the pdf has no atom"))
