@@ -77,14 +77,40 @@ const BARYCENTRIC: [f64; KRONROD] = {
     weights
 };
 
+/// Σ aᵢ bᵢ.
+///
+/// This, [`add_times`] and [`lagrange`] count by hand: users of this crate test without optimization, where iterators cost several times as
+/// much as the sums.
+#[inline]
+pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let (mut sum, mut i) = (0.0, 0);
+    while i < N {
+        sum += a[i] * b[i];
+        i += 1;
+    }
+    sum
+}
+
+/// Adds `factor` times a row to the sums.
+#[inline]
+pub(super) fn add_times<const N: usize>(sums: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    let mut i = 0;
+    while i < N {
+        sums[i] += factor * row[i];
+        i += 1;
+    }
+}
+
 /// Values at `x` in \[−1, 1\] of the 15 polynomials that are 1 at one node and 0 at the others.
 #[inline]
 fn lagrange(x: f64) -> [f64; KRONROD] {
-    let mut basis = [0.0; KRONROD];
-    for (value, (node, weight)) in basis.iter_mut().zip(RULE.iter().zip(BARYCENTRIC)) {
-        *value = weight / (x - node.0);
+    let (mut basis, mut sum) = ([0.0; KRONROD], 0.0);
+    let mut i = 0;
+    while i < KRONROD {
+        basis[i] = BARYCENTRIC[i] / (x - RULE[i].0);
+        sum += basis[i];
+        i += 1;
     }
-    let sum: f64 = basis.iter().sum();
     if !sum.is_finite() {
         // At a node.
         return RULE.map(|node| f64::from(u8::from(node.0 == x)));
@@ -97,18 +123,16 @@ fn lagrange(x: f64) -> [f64; KRONROD] {
 pub(super) fn interpolate(values: &[f64], at: &Cell, [x, y]: [f64; 2]) -> f64 {
     let local = |v: f64, [from, to]: [f64; 2]| ((2.0 * v - from - to) / (to - from)).within(-1.0, 1.0);
     let along_x = lagrange(local(x, at.x));
-    let sum = |basis: &[f64; KRONROD], values: &[f64]| {
-        basis.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>()
-    };
-    if values.len() == KRONROD {
-        return sum(&along_x, values);
+    let (rows, _) = values.as_chunks::<KRONROD>();
+    if let [line] = rows {
+        return dot(&along_x, line);
     }
     // Sum over rows first: the 15 columns are independent of each other.
     let mut columns = [0.0; KRONROD];
-    for (weight, row) in along_x.iter().zip(values.chunks_exact(KRONROD)) {
-        columns.iter_mut().zip(row).for_each(|(column, value)| *column += weight * value);
+    for (weight, row) in along_x.iter().zip(rows) {
+        add_times(&mut columns, *weight, row);
     }
-    sum(&lagrange(local(y, at.y)), &columns)
+    dot(&lagrange(local(y, at.y)), &columns)
 }
 
 #[cfg(test)]

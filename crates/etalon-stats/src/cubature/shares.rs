@@ -6,7 +6,7 @@
 
 use super::pieces::Piece;
 use super::refine::Refinement;
-use super::rule::{KRONROD, RULE};
+use super::rule::{KRONROD, RULE, add_times, dot};
 use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::Cell;
@@ -56,16 +56,16 @@ fn legendre(x: f64) -> [f64; TERMS + 1] {
 /// (2k + 1)/2 ∫ Pₖ from −1 to `x`.
 fn primitives(x: f64) -> [f64; TERMS] {
     let p = legendre(x);
-    std::array::from_fn(|k| 0.5 * if k == 0 { x + 1.0 } else { p[k + 1] - p[k - 1] })
+    let mut integrals = [0.5 * (x + 1.0); TERMS];
+    for k in 1..TERMS {
+        integrals[k] = 0.5 * (p[k + 1] - p[k - 1]);
+    }
+    integrals
 }
 
 /// wᵢ Pₖ(xᵢ) for each node i.
 fn projection() -> [[f64; TERMS]; KRONROD] {
     RULE.map(|(node, weight, _)| std::array::from_fn(|k| weight * legendre(node)[k]))
-}
-
-fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The numbers of the intervals between `ends` that meet `[from, to]`.
@@ -78,7 +78,12 @@ pub(super) fn met(ends: &[f64], [from, to]: [f64; 2]) -> Range<usize> {
 fn over(ends: &[f64], met: Range<usize>, [from, to]: [f64; 2]) -> Vec<[f64; TERMS]> {
     let at = |end: f64| primitives(((2.0 * end - from - to) / (to - from)).within(-1.0, 1.0));
     let ends: Vec<[f64; TERMS]> = ends[met.start..=met.end].iter().map(|&end| at(end)).collect();
-    ends.windows(2).map(|e| std::array::from_fn(|k| e[1][k] - e[0][k])).collect()
+    let between = |e: &[[f64; TERMS]]| {
+        let mut difference = e[1];
+        add_times(&mut difference, -1.0, &e[0]);
+        difference
+    };
+    ends.windows(2).map(between).collect()
 }
 
 impl<D: Domain> Refinement<'_, D> {
@@ -99,7 +104,7 @@ impl<D: Domain> Refinement<'_, D> {
             for (axis, margin) in margins.iter().enumerate().take(subdivision.axes.len()) {
                 let interval = [part.at.x, part.at.y][axis].map(f64::to_bits);
                 let (sum, error) = along[axis].entry(interval).or_insert(([0.0; TERMS], 0.0));
-                sum.iter_mut().zip(margin).for_each(|(sum, term)| *sum += term);
+                add_times(sum, 1.0, margin);
                 *error += piece.error();
             }
             let mut add = |i: usize, value: f64| {
@@ -118,7 +123,11 @@ impl<D: Domain> Refinement<'_, D> {
             }
             let of_columns: Vec<[f64; TERMS]> = over(&ys, columns.clone(), part.at.y)
                 .iter()
-                .map(|y| std::array::from_fn(|k| terms.iter().zip(y).map(|(row, y)| row[k] * y).sum()))
+                .map(|y| {
+                    let mut sums = [0.0; TERMS];
+                    terms.iter().zip(y).for_each(|(row, y)| add_times(&mut sums, *y, row));
+                    sums
+                })
                 .collect();
             for (row, x) in rows.clone().zip(over(&xs, rows, part.at.x)) {
                 for (column, terms) in columns.clone().zip(&of_columns) {
@@ -145,7 +154,7 @@ impl<D: Domain> Refinement<'_, D> {
 fn line(values: &[f64], scale: f64, projection: &[[f64; TERMS]; KRONROD]) -> [f64; TERMS] {
     let mut terms = [0.0; TERMS];
     for (value, row) in values.iter().zip(projection) {
-        terms.iter_mut().zip(row).for_each(|(term, p)| *term += scale * value * p);
+        add_times(&mut terms, scale * value, row);
     }
     terms
 }
