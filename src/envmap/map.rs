@@ -16,6 +16,7 @@ pub struct EnvMap {
     image: Image,
     geometry: LatLong,
     found: Found,
+    hash: u64,
 }
 
 /// The range of values in an image before it was cleaned.
@@ -52,7 +53,8 @@ impl EnvMap {
             (found.min, found.max) = (f32::NAN, f32::NAN);
         }
         let geometry = LatLong::new(image.width(), image.height());
-        Self { image, geometry, found }
+        let hash = image.hash();
+        Self { image, geometry, found, hash }
     }
 
     /// Where its texels lie on the sphere.
@@ -66,6 +68,12 @@ impl EnvMap {
     #[must_use]
     pub fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// A hash of its texels.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        self.hash
     }
 
     /// What was found in the file and what had to be cleaned.

@@ -4,6 +4,7 @@ pub mod circular;
 pub mod elementary;
 pub mod error_function;
 mod frame;
+pub(crate) mod hash;
 mod map_array;
 pub(crate) mod polynomial;
 mod real;

@@ -1,6 +1,7 @@
 //! The image buffer: linear-light RGB, 32-bit float, row 0 at the top.
 
 use crate::math::Rgb;
+use crate::math::hash::hash_words;
 
 /// A rectangle of linear RGB pixels. Row 0 is the top row.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +59,13 @@ impl Image {
     #[must_use]
     pub fn pixels(&self) -> &[Rgb] {
         &self.pixels
+    }
+
+    /// A hash of its size and all its values.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        let size = [self.width() as u32, self.height() as u32];
+        hash_words(0, size.into_iter().chain(self.pixels.iter().flat_map(|p| p.to_array().map(f32::to_bits))))
     }
 
     /// All pixels, mutable.

@@ -1,8 +1,8 @@
 //! Tells whether two renders have the same samples, so that only such are merged.
 
 use super::settings::Settings;
+use crate::math::hash::hash_words;
 use crate::raster::BUILD;
-use crate::sampling::hash::mix64;
 use crate::scene::{Request, Scene, Shape};
 
 /// A hash of all that a sample depends on: this build of the program, the scene to the last bit, the settings, and of the request all but the
@@ -30,10 +30,7 @@ pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
         }
     }
     if let Some(environment) = &scene.environment {
-        hash.text(&format!("{:?} {:?}", environment.scale, environment.to_world));
-        let image = environment.map.image();
-        hash.words([image.width() as u32, image.height() as u32]);
-        hash.words(image.pixels().iter().flat_map(|p| p.to_array().map(f32::to_bits)));
+        hash.text(&format!("{:?} {:?} {:?}", environment.scale, environment.to_world, environment.map.hash()));
     }
     format!("{:016x}", hash.0)
 }
@@ -41,14 +38,8 @@ pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> String {
 struct Hash(u64);
 
 impl Hash {
-    /// Words go to several hashes in turn, so that one step need not wait for the last; they are then hashed together.
     fn words(&mut self, words: impl IntoIterator<Item = u32>) {
-        let mut turns = [self.0; 8];
-        for (i, word) in words.into_iter().enumerate() {
-            let hash = &mut turns[i % 8];
-            *hash = mix64(*hash ^ u64::from(word)).wrapping_add(1);
-        }
-        self.0 = turns.into_iter().fold(self.0, |sum, hash| mix64(sum ^ hash).wrapping_add(1));
+        self.0 = hash_words(self.0, words);
     }
 
     fn text(&mut self, text: &str) {

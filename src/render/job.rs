@@ -163,7 +163,7 @@ impl<'a> Job<'a> {
                 pixels.par_iter().map(variance).collect()
             } else {
                 let row = |y: usize| self.variances(y, control);
-                (0..height).into_par_iter().flat_map_iter(row).collect()
+                (0..height).into_par_iter().with_max_len(1).flat_map_iter(row).collect()
             };
             if control.stop() {
                 return None;

@@ -2,7 +2,6 @@
 
 use crate::math::Rgb;
 use crate::raster::Image;
-use crate::sampling::hash::mix64;
 use glam::{DVec2, Vec2};
 use std::fmt;
 use std::sync::Arc;
@@ -114,12 +113,9 @@ impl Texels {
     /// The texels of an image of finite values.
     #[must_use]
     pub fn new(image: Image) -> Self {
-        let (mut range, mut hash) = ([f32::INFINITY, f32::NEG_INFINITY], 0);
+        let (mut range, hash) = ([f32::INFINITY, f32::NEG_INFINITY], image.hash());
         for texel in image.pixels() {
             range = [range[0].min(texel.min_element()), range[1].max(texel.max_element())];
-            for channel in texel.to_array() {
-                hash = mix64(hash ^ u64::from(channel.to_bits())).wrapping_add(1);
-            }
         }
         Self { image, range, hash }
     }

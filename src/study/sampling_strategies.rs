@@ -82,8 +82,8 @@ pub struct Zone {
 
 impl Zone {
     /// Of two images by either strategy.
-    fn of(pairs: [[&StatueRender; 2]; 2], mask: &[bool]) -> Self {
-        let [importance, hemisphere] = pairs.map(|shots| ZoneImage::of(shots, mask));
+    fn of(pairs: &[Pair; 2], mask: &[bool]) -> Self {
+        let [importance, hemisphere] = pairs.each_ref().map(|pair| ZoneImage::of(pair, mask));
         let z = importance.mean.z(&hemisphere.mean);
         Self { importance, hemisphere, z }
     }
@@ -109,15 +109,15 @@ pub fn compare(scene: &Scene, request: &Request, settings: &Settings) -> Result<
     };
     let (importance, hemisphere) = (shot(NormalSampling::Vndf, 0)?, shot(NormalSampling::Hemisphere, 1)?);
     let again = [shot(NormalSampling::Vndf, 2)?, shot(NormalSampling::Hemisphere, 3)?];
-    let pairs = [[&importance, &again[0]], [&hemisphere, &again[1]]];
-    let zone = |mask: &[bool]| Zone::of(pairs, mask);
+    let pairs = [Pair::new(&importance, &again[0]), Pair::new(&hemisphere, &again[1])];
+    let zone = |mask: &[bool]| Zone::of(&pairs, mask);
     // Signed distances from the silhouette give the rim and the bins of the profile.
     let depth = importance.objects.depth_inside(&importance.mask, (INSIDE + 1) as usize);
     let rim: Vec<bool> = depth.iter().map(|d| (0.0..RIM).contains(&from_silhouette(*d))).collect();
     let interior: Vec<bool> = depth.iter().map(|d| from_silhouette(*d) >= INTERIOR).collect();
     let [picture, statue] = [&vec![true; depth.len()], &importance.mask].map(|mask| zone(mask));
     let [rim, interior] = [rim, interior].map(|mask| zone(&mask));
-    let profile = profile(pairs, &depth);
+    let profile = profile(&pairs, &depth);
     Ok(StrategyComparison { importance, hemisphere, profile, picture, statue, rim, interior })
 }
 
@@ -127,9 +127,9 @@ fn from_silhouette(depth: f64) -> f64 {
 }
 
 /// Both images at each distance from the silhouette.
-fn profile(pairs: [[&StatueRender; 2]; 2], depth: &[f64]) -> Vec<ProfileBin> {
+fn profile(pairs: &[Pair; 2], depth: &[f64]) -> Vec<ProfileBin> {
     let shown: Vec<bool> =
-        pairs[0][0].objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
+        pairs[0].shot.objects.pixels.iter().map(|k| matches!(k, Some(Kind::Metal | Kind::Diffuse))).collect();
     let bins = (-OUTSIDE..INSIDE).filter_map(|from| {
         let (from_px, to_px) = (f64::from(from), f64::from(from + 1));
         let mask: Vec<bool> = depth
@@ -140,7 +140,7 @@ fn profile(pairs: [[&StatueRender; 2]; 2], depth: &[f64]) -> Vec<ProfileBin> {
         if !mask.contains(&true) {
             return None;
         }
-        let [a, b] = pairs.map(|shots| ZoneImage::of(shots, &mask));
+        let [a, b] = pairs.each_ref().map(|pair| ZoneImage::of(pair, &mask));
         Some(ProfileBin {
             from_px,
             to_px,
@@ -158,6 +158,19 @@ fn profile(pairs: [[&StatueRender; 2]; 2], depth: &[f64]) -> Vec<ProfileBin> {
         })
     });
     bins.collect()
+}
+
+/// Two images by one strategy.
+struct Pair<'a> {
+    shot: &'a StatueRender,
+    /// Mean 8-bit values of the tone-mapped pixels of either.
+    brightness: [Vec<f64>; 2],
+}
+
+impl<'a> Pair<'a> {
+    fn new(shot: &'a StatueRender, other: &StatueRender) -> Self {
+        Self { shot, brightness: [shot, other].map(|shot| brightness(&shot.rendered.image)) }
+    }
 }
 
 /// Some of the pixels of one image: numbers with standard errors. Those of median, brightness and noise are upper bounds: they count
@@ -182,9 +195,9 @@ fn root_mean(sum: f64, sum_of_squares: f64, n: f64) -> [f64; 2] {
 }
 
 /// Mean 8-bit values of tone-mapped pixels.
-fn brightness(image: &Image, mask: &[bool]) -> Vec<f64> {
+fn brightness(image: &Image) -> Vec<f64> {
     let bytes = to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT));
-    inside(bytes.chunks_exact(3), mask).map(|rgb| rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0).collect()
+    bytes.chunks_exact(3).map(|rgb| rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0).collect()
 }
 
 impl ZoneImage {
@@ -194,8 +207,8 @@ impl ZoneImage {
         [self.mean.mean_rgb(), self.mean.error.iter().sum::<f64>() / 3.0]
     }
 
-    fn of([shot, other]: [&StatueRender; 2], mask: &[bool]) -> Self {
-        let film = &shot.rendered.part.film;
+    fn of(pair: &Pair, mask: &[bool]) -> Self {
+        let film = &pair.shot.rendered.part.film;
         let mean = Mean::of(film, mask);
         let n = mean.pixels as f64;
         let (mut light, mut variance, mut squares) = (Vec::with_capacity(mean.pixels), 0.0, 0.0);
@@ -205,7 +218,8 @@ impl ZoneImage {
             variance += square;
             squares += square * square;
         }
-        let [shown, seen] = [shot, other].map(|shot| brightness(&shot.rendered.image, mask));
+        let [shown, seen] =
+            pair.brightness.each_ref().map(|all| inside(all.iter().copied(), mask).collect::<Vec<f64>>());
         let differences = || shown.iter().zip(&seen).map(|(a, b)| (a - b).powi(2) / 2.0);
         let shown_noise = root_mean(differences().sum(), differences().map(|d| d * d).sum(), n);
         let mean_shown = shown.iter().sum::<f64>() / n;

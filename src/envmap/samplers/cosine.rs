@@ -362,9 +362,12 @@ impl pulp::WithSimd for Fill<'_> {
             }
             for i in 0..out.len() {
                 bx[i] = blocks.column(cells[i], by[i].cell, u[i][0]);
+                texels.rows.prefetch(sampler.block([bx[i].cell, by[i].cell]));
             }
             for i in 0..out.len() {
-                ty[i] = texels.row(sampler.block([bx[i].cell, by[i].cell]), by[i].offset);
+                let block = sampler.block([bx[i].cell, by[i].cell]);
+                ty[i] = texels.row(block, by[i].offset);
+                texels.columns.prefetch(block * texels.size[1] + ty[i].cell);
             }
             for i in 0..out.len() {
                 tx[i] = texels.column(sampler.block([bx[i].cell, by[i].cell]), ty[i].cell, bx[i].offset);

@@ -146,7 +146,7 @@ impl Film {
             sums = rest;
             rows.push(Row::new(self.top + y, pixels, paths).with_splats(splats.as_ref()));
         }
-        let dropped = rows.into_par_iter().map(|mut row| {
+        let dropped = rows.into_par_iter().with_max_len(1).map(|mut row| {
             fill(&mut row);
             row.flush();
             row.dropped

@@ -2,6 +2,7 @@
 //! cells, among which a cell is found by counting those that end before it.
 
 use super::cdf::{CellSample, inside};
+use crate::sampling::prefetch::prefetch;
 use rayon::prelude::*;
 
 /// Distributions over n cells each.
@@ -40,6 +41,12 @@ impl ShortTables {
     #[inline(always)]
     fn of(&self, table: usize) -> &[f32] {
         &self.ends[table * self.stride..][..self.stride]
+    }
+
+    /// Starts to bring the first cells of a table into the cache.
+    #[inline(always)]
+    pub fn prefetch(&self, table: usize) {
+        prefetch(&self.ends, table * self.stride);
     }
 
     /// The cell of a table for `u` in \[0, 1) and the position inside it; a probability of 0 when all weights are 0.
