@@ -147,35 +147,48 @@ impl Bvh {
     }
 
     fn each<const ANY: bool, T>(&self, rays: Rays, out: &mut [T], keep: impl Fn(Option<Hit>) -> T) {
+        if out.len() == 1 {
+            self.alternately::<ANY, 1, _>(rays, out, keep);
+        } else {
+            self.alternately::<ANY, IN_FLIGHT, _>(rays, out, keep);
+        }
+    }
+
+    fn alternately<const ANY: bool, const N: usize, T>(
+        &self,
+        rays: Rays,
+        out: &mut [T],
+        keep: impl Fn(Option<Hit>) -> T,
+    ) {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = self.avx2 {
             return avx2.vectorize(
                 #[inline(always)]
-                || trace_each::<_, ANY, _>(avx2, &self.tree, rays, out, keep),
+                || trace_each::<_, ANY, N, _>(avx2, &self.tree, rays, out, keep),
             );
         }
-        trace_each::<_, ANY, _>(Portable, &self.tree, rays, out, keep);
+        trace_each::<_, ANY, N, _>(Portable, &self.tree, rays, out, keep);
     }
 }
 
-/// Rays traversed alternately: while one waits for memory, the others continue.
+/// Of several rays, so many are traversed alternately: while one waits for memory, the others continue.
 const IN_FLIGHT: usize = 8;
 
 #[inline(always)]
-fn trace_each<L: Lanes, const ANY: bool, T>(
+fn trace_each<L: Lanes, const ANY: bool, const N: usize, T>(
     l: L,
     tree: &Tree,
     rays: Rays,
     out: &mut [T],
     keep: impl Fn(Option<Hit>) -> T,
 ) {
-    let mut searches: [Search<ANY>; IN_FLIGHT] = Default::default();
+    let mut searches: [Search<ANY>; N] = std::array::from_fn(|_| Search::default());
     // Which ray each search is for; none at first, and none in the end.
-    let mut ray = [usize::MAX; IN_FLIGHT];
+    let mut ray = [usize::MAX; N];
     let mut next = 0;
     loop {
         let mut over = true;
-        for k in 0..IN_FLIGHT {
+        for k in 0..N {
             let search = &mut searches[k];
             if ray[k] < out.len() {
                 over = false;
