@@ -19,13 +19,13 @@ pub struct Target {
     before: Vec<OsString>,
 }
 
-/// Extensions by which a path is known to name a file, not a folder.
-const FILE_EXTENSIONS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "json"];
+/// Extensions of results: a path with one of them names a file, not a folder.
+const RESULTS: [&str; 10] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "html", "json"];
 
-/// The extension of a path that names a file.
-fn file_extension(path: &Path) -> Option<&'static str> {
+/// The extension of a path that names a result.
+pub fn result_extension(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?;
-    FILE_EXTENSIONS.into_iter().find(|known| extension.eq_ignore_ascii_case(known))
+    RESULTS.into_iter().find(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// The folder of results without `-o`.
@@ -36,7 +36,7 @@ impl Target {
     /// if it is missing. Without a path, the folder `out`.
     pub fn new(out: Option<&Path>) -> Self {
         let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
-        let (folder, name) = match file_extension(path) {
+        let (folder, name) = match result_extension(path) {
             Some(_) => (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from)),
             None => (path, None),
         };
@@ -176,7 +176,7 @@ pub fn file_name(name: &str) -> String {
 
 /// The image format that a path names, if it names a file.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
-    let Some(known) = out.and_then(file_extension) else { return Ok(None) };
+    let Some(known) = out.and_then(result_extension) else { return Ok(None) };
     if IMAGES.contains(&known) {
         return Ok(Some(known));
     }

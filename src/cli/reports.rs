@@ -3,6 +3,7 @@
 use super::global::OUTPUT;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::output;
 use crate::view::checks::Checks;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -23,15 +24,12 @@ pub struct Reports {
 impl Reports {
     /// Refuses files that cannot be written: before the work, not after it.
     pub fn check(&self) -> Result<()> {
-        for (name, path) in [("junit", &self.junit), ("markdown", &self.markdown)] {
-            let extension = path.as_deref().and_then(Path::extension);
-            if extension.is_some_and(|extension| RESULTS.iter().any(|result| extension.eq_ignore_ascii_case(result))) {
-                let message =
-                    format!("{} has the extension of a result", path.as_deref().unwrap_or(Path::new("")).display());
+        let given = [("junit", &self.junit), ("markdown", &self.markdown)];
+        for (name, path) in given.into_iter().filter_map(|(name, path)| Some((name, path.as_ref()?))) {
+            if output::result_extension(path).is_some() {
+                let message = format!("{} has the extension of a result", path.display());
                 return Err(Error::parameter(name, message).with_hint("reports are .xml and .md"));
             }
-        }
-        if let Some(path) = &self.junit {
             files::check_writable(path)?;
         }
         if let Some(path) = &self.markdown {
@@ -39,7 +37,6 @@ impl Reports {
                 let message = format!("{} is the file of the other report", path.display());
                 return Err(Error::parameter("markdown", message).with_hint("name another file than that of `junit`"));
             }
-            files::check_writable(path)?;
             before(path)?;
         }
         Ok(())
@@ -62,9 +59,6 @@ impl Reports {
         Ok([&self.junit, &self.markdown].into_iter().flatten().cloned().collect())
     }
 }
-
-/// Extensions of results, which reports must not replace.
-const RESULTS: [&str; 9] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "html", "json"];
 
 /// Most bytes of a file that is appended to; summaries of GitHub have at most one MiB.
 const LONGEST: u64 = 16 << 20;

@@ -9,6 +9,9 @@ use crate::output;
 use crate::raster::{Image, ToneMap};
 use serde::{Deserialize, Serialize};
 
+/// Formats of figures' files, in the order of the links to them.
+pub const FORMATS: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"];
+
 /// Where a figure's counterpart was published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Report {

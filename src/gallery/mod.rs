@@ -15,6 +15,7 @@ mod reproduce;
 mod studies;
 
 pub use check::{Check, skipped};
+pub use figure::FORMATS;
 pub use figures::registry;
 pub use inputs::{Effort, Inputs};
 pub use originals::Originals;

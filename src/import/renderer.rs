@@ -1,8 +1,7 @@
 //! Renderers in other programs: a command line with placeholders, run once for each image and timed from outside.
 
-use super::program::{Group, last_line, tail};
+use super::program::{Group, last_line, tail, words};
 use crate::error::{Error, Result};
-use crate::files;
 use crate::interrupt;
 use crate::raster::{self, Image, ReadOptions};
 use std::path::{Path, PathBuf};
@@ -61,8 +60,7 @@ pub struct RunFailure {
 }
 
 impl Renderer {
-    /// A renderer by its `definition`, `NAME=COMMAND`. The command is split into words as a shell would (quotes and backslashes;
-    /// nothing is substituted); `{scene}` in it stands for `scene`. A run may take `limit`.
+    /// A renderer by its `definition`, `NAME=COMMAND`; `{scene}` in the command stands for `scene`. A run may take `limit`.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a definition without a name or a command, a placeholder that is unknown, and one that is missing.
@@ -73,11 +71,7 @@ impl Renderer {
                 .with_hint("NAME=COMMAND, for example mine='prog {scene} {out}'")
         })?;
         check_name(name)?;
-        let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
-            wrong(format!("{command:?} is no command"))
-                .with_hint("give a program and its arguments, with quotes in pairs")
-        })?;
-        files::note_command(&words);
+        let words = words("renderer", command)?;
         let used: Vec<&str> = words.iter().flat_map(|word| placeholders(word)).collect();
         let known = || PLACEHOLDERS.map(|(name, _)| format!("{{{name}}}")).join(" ");
         if let Some(unknown) = used.iter().find(|used| !PLACEHOLDERS.iter().any(|(name, _)| name == *used)) {

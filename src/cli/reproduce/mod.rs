@@ -127,8 +127,7 @@ impl Reproduce {
     fn check_inputs(folder: &Path) -> Result<()> {
         gallery::registry().iter().try_for_each(|figure| {
             let stem = folder.join(figure.id);
-            let mut results = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm"].into_iter();
-            results.try_for_each(|format| files::check_no_input(&output::with_extension(&stem, format)))
+            gallery::FORMATS.iter().try_for_each(|format| files::check_no_input(&output::with_extension(&stem, format)))
         })
     }
 

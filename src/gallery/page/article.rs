@@ -4,12 +4,9 @@ use super::embedded::EmbeddedImage;
 use super::record::Record;
 use crate::figure::escape;
 use crate::gallery::check::Check;
-use crate::gallery::figure::{Erratum, Figure, Printed};
+use crate::gallery::figure::{Erratum, FORMATS, Figure, Printed};
 use crate::view::text::{counted, seconds};
 use std::path::Path;
-
-/// Formats of a figure's files, in the order of the links.
-const FILES: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"];
 
 pub struct Article<'a> {
     pub figure: &'a Figure,
@@ -51,7 +48,7 @@ impl Article<'_> {
         let [title, shows, matters, alternative] =
             [*title, shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
         let (beside, render) = (self.figure.beside.unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
-        let there = FILES.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
+        let there = FORMATS.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
         let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
         let (printed, citation, checks) = (printed(&self.record.printed), self.citation(), checks(&self.record.checks));

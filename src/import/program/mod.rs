@@ -17,7 +17,7 @@ pub mod sampler;
 pub use answer::Answer;
 pub use connection::Connection;
 pub(in crate::import) use group::Group;
-pub(in crate::import) use process::{last_line, tail};
+pub(in crate::import) use process::{last_line, tail, words};
 
 use crate::error::{Error, Result};
 use crate::import::sampler::Space;

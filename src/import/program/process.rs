@@ -26,6 +26,20 @@ const GRACE: Duration = Duration::from_secs(2);
 /// Interval at which interrupts are checked while waiting for a response.
 const POLL: Duration = Duration::from_millis(50);
 
+/// The words of a command, split as a shell would (quotes and backslashes; nothing is substituted). The files that they name are
+/// inputs from now on. `parameter` is what the command was given as.
+///
+/// # Errors
+/// [`Error::Parameter`] for a command without a word, or with a quote that is not closed.
+pub fn words(parameter: &'static str, command: &str) -> Result<Vec<String>> {
+    let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
+        Error::parameter(parameter, format!("{command:?} is no command"))
+            .with_hint("give a program and its arguments, with quotes in pairs")
+    })?;
+    files::note_command(&words);
+    Ok(words)
+}
+
 /// A running program. It is ended, with what it started, when this is dropped.
 pub struct Process {
     command: String,
@@ -41,13 +55,9 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command`, split into words as a shell would (quotes and backslashes; nothing is substituted).
+    /// Starts `command`, split into [`words`].
     pub fn start(command: &str, limit: Duration) -> Result<Self> {
-        let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
-            Error::parameter("command", format!("{command:?} is no command"))
-                .with_hint("give a program and its arguments, with quotes in pairs")
-        })?;
-        files::note_command(&words);
+        let words = words("command", command)?;
         let mut start = Command::new(&words[0]);
         start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // The group starts first, so that the program is always a member.
