@@ -3,7 +3,6 @@
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use etalon::bsdf::{self, NormalSampling, Scatter};
-use etalon::errata::Conventions;
 use etalon::math::Rgb;
 use etalon::optics::metals::SILVER;
 use etalon::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -74,7 +73,7 @@ fn materials(c: &mut Criterion) {
     normals(&mut group, "beckmann", Beckmann::new(0.25));
     normals(&mut group, "ggx", Ggx::new(0.25));
     let exact = ScatterModel::default();
-    let report = ScatterModel { conventions: Conventions::SECOND_REPORT, ..exact };
+    let report = ScatterModel::SECOND_REPORT;
     let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, 1.45);
     let glass = Material::Dielectric(Dielectric::clear(eta));
     let mut measured = vec![

@@ -54,8 +54,7 @@ pub enum DielectricFresnel {
     Exact,
     /// Schlick's approximation, with the cosine on the less dense side.
     Schlick,
-    /// Schlick's polynomial of the incident cosine on both sides; see
-    /// [`Conventions::single_cosine_schlick`](crate::errata::Conventions::single_cosine_schlick).
+    /// Schlick's polynomial of the incident cosine on both sides; see [`schlick_incident_cosine`](crate::errata::fresnel::schlick_incident_cosine).
     SingleCosineSchlick,
 }
 

@@ -1,16 +1,15 @@
-//! A rough conductor with errors of the second report, as [`Conventions`] select them.
+//! A rough conductor with errors of the second report, as [`MetalErrors`] select them.
 
 use super::rough_conductor::{Facet, reflect_at};
 use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
-use crate::errata::Conventions;
-use crate::errata::microfacet::{direction_pdf_without_cosine, lambda_with_pi};
+use crate::errata::microfacet::{MetalErrors, direction_pdf_without_cosine, lambda_with_pi};
 use crate::math::Rgb;
 use crate::optics::conductor::fresnel_approximate;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::normals::SampleNormals;
 use glam::Vec3;
 
-/// A rough conductor of Beckmann's distribution with the errors that its conventions select, visible from the side of the
+/// A rough conductor of Beckmann's distribution with errors, visible from the side of the
 /// normal (z > 0).
 ///
 /// Directions are sampled by the full distribution of normals, with their true pdf. The pdf that the second report prints
@@ -21,16 +20,16 @@ pub struct ErrataConductor {
     pub distribution: Beckmann<f32>,
     /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
-    /// Which formulas to use.
-    pub conventions: Conventions,
+    /// Which errors.
+    pub errors: MetalErrors,
 }
 
 impl ErrataConductor {
-    /// F at the cosine that the conventions choose, exact or approximate.
+    /// F at the right cosine or at that of the surface, exact or approximate.
     #[inline]
     fn reflectance(&self, wi: Vec3, facet: &Facet) -> Rgb {
-        let cos = if self.conventions.fresnel_at_normal { wi.z } else { facet.cos };
-        if !self.conventions.approximate_fresnel {
+        let cos = if self.errors.fresnel_at_normal { wi.z } else { facet.cos };
+        if !self.errors.approximate_fresnel {
             return self.fresnel.reflectance(cos);
         }
         let channel = |eta, k| fresnel_approximate(cos, eta, k).unpolarized();
@@ -38,10 +37,10 @@ impl ErrataConductor {
         Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
     }
 
-    /// Smith's Λ, or what the conventions have in its place.
+    /// Smith's Λ, or what the report has in its place.
     #[inline]
     fn lambda(&self, w: Vec3) -> f32 {
-        if !self.conventions.lambda_with_pi {
+        if !self.errors.lambda_with_pi {
             return self.distribution.lambda(w.to_array());
         }
         lambda_with_pi(w.z / (self.distribution.widths().along_x() * w.truncate().length()))

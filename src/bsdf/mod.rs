@@ -1,8 +1,7 @@
 //! BSDFs: the registry of all, under one contract, [`Scatter`].
 //!
 //! Directions are unit vectors in the local frame, the normal at +z, and point away from the surface: `wo` towards the
-//! viewer, `wi` towards the light. Light is radiance. Formulas that are wrong on
-//! purpose are chosen by [`Conventions`](crate::errata::Conventions).
+//! viewer, `wi` towards the light. Light is radiance.
 //!
 //! A new BSDF is a file that implements [`Scatter`], and an entry below.
 
@@ -167,7 +166,7 @@ bsdfs! {
     CoatedDiffuse(CoatedDiffuse) = "coated-diffuse",
     /// A weighted sum of other BSDFs.
     Mixture(Mixture<Bsdf>) = "mixture",
-    /// A rough conductor of Beckmann's distribution with errors that its conventions select.
+    /// A rough conductor of Beckmann's distribution with errors of the second report.
     ErrataConductor(ErrataConductor) = "errata-conductor",
 }
 

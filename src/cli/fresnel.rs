@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::global::{Global, Verdict, out};
 use super::values::{choice, model};
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::error::{Error, Result};
 use crate::optics::D_LINE_NM;
 use crate::optics::media::{self, Medium};
@@ -65,7 +65,7 @@ pub struct Fresnel {
     /// `report`: Schlick with the incident cosine on the exit side (an error of up to 0.97 beside the critical angle), curves
     /// ended at the critical angle.
     #[arg(help_heading = "Curves", long, value_parser = model(), default_value = "exact")]
-    model: Conventions,
+    model: Formulas,
 }
 
 fn metal_help() -> String {
@@ -97,7 +97,7 @@ impl Fresnel {
         for name in &self.metal {
             interfaces.push(Interface::of(Medium::Metal(metal::find(name)?)));
         }
-        if self.model != Conventions::CORRECT && (self.k.is_some() || interfaces.iter().any(|other| other.k > 0.0)) {
+        if self.model != Formulas::Exact && (self.k.is_some() || interfaces.iter().any(|other| other.k > 0.0)) {
             return Err(Error::parameter("model", "the first report plots no metals")
                 .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }

@@ -1,7 +1,7 @@
 //! Values of flags: choices among names, and environment-map samplers.
 
 use crate::envmap::samplers::{self, Entry, MapSampling};
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::sampling::filter::{PixelFilter, RANGE};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -21,10 +21,10 @@ pub fn choice<T: Clone + Send + Sync + 'static>(
 }
 
 /// Parses which formulas to use: the correct ones, or those of the first report.
-pub fn model() -> impl TypedValueParser<Value = Conventions> {
+pub fn model() -> impl TypedValueParser<Value = Formulas> {
     choice([
-        ("exact", "The correct formulas", Conventions::CORRECT),
-        ("report", "The first report's formulas, with their errors", Conventions::FIRST_REPORT),
+        ("exact", "The correct formulas", Formulas::Exact),
+        ("report", "The first report's formulas, with their errors", Formulas::FirstReport),
     ])
 }
 

@@ -2,6 +2,29 @@
 
 use crate::math::Real;
 
+/// Which formulas of rough metal are the second report's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MetalErrors {
+    /// Fresnel reflectance at the angle of `wi` with the surface's normal instead of the microfacet's.
+    ///
+    /// Not reciprocal: f(wo, wi) and f(wi, wo) differ by up to 2 % for the blue of silver, 13 % for that of aluminium,
+    /// 82 % for copper, 105 % for iron and 148 % for gold (grazing against the least reflective angle).
+    pub fresnel_at_normal: bool,
+    /// The approximation [`crate::optics::conductor::fresnel_approximate`], which drops sin² against η² + k²: an error
+    /// below 0.007 for gold and copper.
+    pub approximate_fresnel: bool,
+    /// [`lambda_with_pi`] in the shadowing term, which may then exceed 1.
+    pub lambda_with_pi: bool,
+}
+
+impl MetalErrors {
+    /// The correct formulas.
+    pub const NONE: Self = Self { fresnel_at_normal: false, approximate_fresnel: false, lambda_with_pi: false };
+
+    /// All of the second report's.
+    pub const ALL: Self = Self { fresnel_at_normal: true, approximate_fresnel: true, lambda_with_pi: true };
+}
+
 /// The second report's Λ for Beckmann's distribution, a = 1/(α tan θ): ½ (erf a − 1 + exp(−a²)/(a π)).
 ///
 /// The correct formula has √π in place of π. This one is negative for a > 0.529, down to −0.0241 at a = 0.805 where

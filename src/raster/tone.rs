@@ -1,7 +1,7 @@
 //! From linear light to 8-bit values for display.
 
 use super::Image;
-use crate::errata::{self, Conventions};
+use crate::errata;
 use crate::math::Rgb;
 
 /// How linear values become 8-bit ones. Every map sends NaN and negative values to 0 and +∞ to 255.
@@ -20,8 +20,8 @@ pub enum ToneMap {
         /// Exposure: log₂ of a factor.
         stops: f32,
     },
-    /// By conventions: [`errata::tone::encode`] where they ask for it, else sRGB without exposure.
-    By(Conventions),
+    /// As in the second report: [`errata::tone::encode`].
+    SecondReport,
     /// L / max · 255, truncated as a C cast does, where max is the largest finite channel value of the image: the
     /// first report's PPM, as far as it is known (division first, in single precision). An image without a positive
     /// value is black.
@@ -43,8 +43,7 @@ impl ToneMap {
         match *self {
             ToneMap::Srgb { stops } => round(srgb_from_linear(value * stops.exp2())),
             ToneMap::Gamma { gamma, stops } => round((value * stops.exp2()).powf(1.0 / gamma)),
-            ToneMap::By(conventions) if conventions.truncated_tone => errata::tone::encode(value),
-            ToneMap::By(_) => round(srgb_from_linear(value)),
+            ToneMap::SecondReport => errata::tone::encode(value),
             // Without a positive value this is 0/0, NaN, and so black.
             ToneMap::LinearMax => (value / max * 255.0) as u8,
         }
@@ -106,8 +105,7 @@ mod tests {
         assert_eq!(one(0.25, ToneMap::Gamma { gamma: 2.0, stops: 0.0 }), 128, "127.5 rounds up");
         assert_eq!(one(0.25, ToneMap::Gamma { gamma: 1.0, stops: 1.0 }), 128);
         // (√2 · 0.384)^(1/2.2) · 255 = 193.2: cut, not rounded.
-        assert_eq!(one(0.38, ToneMap::By(Conventions::SECOND_REPORT)), 192, "192.26");
-        assert_eq!(one(0.38, ToneMap::By(Conventions::CORRECT)), one(0.38, ToneMap::default()));
+        assert_eq!(one(0.38, ToneMap::SecondReport), 192, "192.26");
     }
 
     #[test]
@@ -121,9 +119,7 @@ mod tests {
 
     #[test]
     fn nan_and_infinities_are_black_or_white() {
-        for tone in
-            [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::By(Conventions::SECOND_REPORT)]
-        {
+        for tone in [ToneMap::default(), ToneMap::Gamma { gamma: 2.2, stops: -1.0 }, ToneMap::SecondReport] {
             assert_eq!(one(f32::NAN, tone), 0);
             assert_eq!(one(-3.0, tone), 0);
             assert_eq!(one(f32::NEG_INFINITY, tone), 0);

@@ -1,4 +1,4 @@
-//! What can be chosen about a render: sampling, random numbers, conventions; and what is checked of a request.
+//! What can be chosen about a render: sampling, random numbers, models; and what is checked of a request.
 
 use crate::envmap::samplers::MapSampling;
 use crate::error::{Error, Result};
@@ -85,7 +85,7 @@ pub struct Settings {
     pub seed: u64,
     /// How the environment map is sampled; by default [`Settings::map_sampling`].
     pub density: Option<MapSampling>,
-    /// Models of scattering, and conventions.
+    /// Models of scattering.
     pub model: ScatterModel,
     /// Choose `sampling` and `density` among the [candidates](Self::candidates) for the scene, by the variance of a few pixels.
     pub choose: bool,

@@ -7,7 +7,7 @@ use crate::bsdf::{
     LEAST_DEVIATION, Mirror, MissingEnergy, Mixture, NormalSampling, Refraction, RoughConductor, RoughDielectric,
     SmoothConductor,
 };
-use crate::errata::Conventions;
+use crate::errata::microfacet::MetalErrors;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 
 /// Which of several models and sampling strategies to use for the materials of a scene.
@@ -17,8 +17,18 @@ pub struct ScatterModel {
     pub normals: NormalSampling,
     /// What glass reflects.
     pub dielectric: DielectricFresnel,
-    /// The conventions, which where they differ from the correct ones take precedence over the above.
-    pub conventions: Conventions,
+    /// Errors of rough metal of Beckmann's distribution, whose directions are then sampled by all normals.
+    pub metal: MetalErrors,
+}
+
+impl ScatterModel {
+    /// The correct formulas, and the best sampling.
+    pub const EXACT: Self =
+        Self { normals: NormalSampling::Vndf, dielectric: DielectricFresnel::Exact, metal: MetalErrors::NONE };
+
+    /// The formulas of the second report.
+    pub const SECOND_REPORT: Self =
+        Self { dielectric: DielectricFresnel::SingleCosineSchlick, metal: MetalErrors::ALL, ..Self::EXACT };
 }
 
 impl Material {
@@ -52,12 +62,7 @@ impl Dielectric {
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
         let &Self { reflectance, transmittance, eta, alpha, distribution } = self;
         if self.is_smooth() {
-            let fresnel = if model.conventions.single_cosine_schlick {
-                DielectricFresnel::SingleCosineSchlick
-            } else {
-                model.dielectric
-            };
-            return Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel });
+            return Bsdf::Dielectric(bsdf::Dielectric { reflectance, transmittance, eta, fresnel: model.dielectric });
         }
         match distribution {
             Distribution::Beckmann => {
@@ -73,7 +78,6 @@ impl Dielectric {
 }
 
 impl Conductor {
-    /// Other conventions are of Beckmann's distribution only; they leave GGX alone.
     fn bsdf(&self, model: ScatterModel) -> Bsdf {
         let fresnel = ConductorFresnel::new(self.eta, self.k);
         let normals = model.normals;
@@ -83,12 +87,8 @@ impl Conductor {
         match self.distribution {
             Distribution::Beckmann => {
                 let distribution = Beckmann::anisotropic(self.alpha);
-                if model.conventions.change_metal() {
-                    return Bsdf::ErrataConductor(ErrataConductor {
-                        distribution,
-                        fresnel,
-                        conventions: model.conventions,
-                    });
+                if model.metal != MetalErrors::NONE {
+                    return Bsdf::ErrataConductor(ErrataConductor { distribution, fresnel, errors: model.metal });
                 }
                 // Its visible normals are sampled as a whole.
                 let normals = if normals == NormalSampling::Bounded { NormalSampling::Vndf } else { normals };

@@ -1,6 +1,6 @@
 //! Reflectance of a dielectric over the angle of incidence, exact and by Schlick.
 
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::error::{Error, Result};
 use crate::optics::{dielectric, schlick};
@@ -32,7 +32,7 @@ pub struct DielectricCurves {
     pub eta_i: f64,
     /// Index of refraction on the other side.
     pub eta_t: f64,
-    /// "exact", or "report" for curves by the first report's conventions.
+    /// "exact", or "report" for curves by the first report's formulas.
     pub model: &'static str,
     /// Angle at which no parallel light is reflected; `None` without an interface (equal indices).
     pub brewster_deg: Option<f64>,
@@ -91,16 +91,16 @@ pub(super) fn cos_deg(theta_deg: f64) -> f64 {
 
 /// Computes the curves for light that comes from index `eta_i` and meets index `eta_t`.
 ///
-/// Under [`Conventions::single_cosine_schlick`] Schlick's curve is that of the first report, and all end at the critical
-/// angle, as there.
+/// With the first report's formulas Schlick's curve has the incident cosine on both sides, and all end at the critical angle, as
+/// there.
 ///
 /// # Errors
 /// [`Error::Parameter`] for impossible indices and numbers of points.
-pub fn curves(eta_i: f64, eta_t: f64, points: usize, conventions: Conventions) -> Result<DielectricCurves> {
+pub fn curves(eta_i: f64, eta_t: f64, points: usize, formulas: Formulas) -> Result<DielectricCurves> {
     check_index("eta_i", eta_i)?;
     check_index("eta_t", eta_t)?;
     let eta = eta_t / eta_i;
-    let single_cosine = conventions.single_cosine_schlick;
+    let single_cosine = formulas == Formulas::FirstReport;
     let approximate = |cos: f64| {
         if single_cosine { schlick_incident_cosine(cos, eta) } else { schlick::schlick(cos, eta) }
     };
@@ -163,15 +163,15 @@ mod tests {
 
     #[test]
     fn the_reports_glass() {
-        let enter = curves(1.0, 1.45, 91, Conventions::CORRECT).unwrap();
+        let enter = curves(1.0, 1.45, 91, Formulas::Exact).unwrap();
         assert!((enter.brewster_deg.unwrap() - 55.407_711_312_490_06).abs() < 1e-11);
         assert_eq!(enter.critical_deg, None);
         assert!((enter.r_normal - 0.033_735_943_356_934).abs() < 1e-15);
         assert_eq!(enter.rows.len(), 91);
-        let exit = curves(1.45, 1.0, 91, Conventions::CORRECT).unwrap();
+        let exit = curves(1.45, 1.0, 91, Formulas::Exact).unwrap();
         assert!((exit.critical_deg.unwrap() - 43.602_818_972_703_62).abs() < 1e-11);
         assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.r_parallel == 1.0 && r.r_schlick == 1.0));
-        let report = curves(1.45, 1.0, 91, Conventions::FIRST_REPORT).unwrap();
+        let report = curves(1.45, 1.0, 91, Formulas::FirstReport).unwrap();
         assert_eq!(
             report.rows.last().unwrap().theta_deg,
             report.critical_deg.unwrap(),
@@ -183,14 +183,14 @@ mod tests {
     #[test]
     fn schlicks_published_error_for_glass() {
         // numerics of eta 1.5: 0.036 at about 85°; relative 23 % somewhere.
-        let c = curves(1.0, 1.5, 2, Conventions::CORRECT).unwrap();
+        let c = curves(1.0, 1.5, 2, Formulas::Exact).unwrap();
         assert!((c.schlick_max_abs_error - 0.036).abs() < 1e-3 && (c.schlick_max_abs_error_deg - 85.0).abs() < 1.0);
         assert!((c.schlick_max_rel_error - 0.23).abs() < 0.01);
     }
 
     #[test]
     fn equal_indices_reflect_nothing() {
-        let c = curves(1.3, 1.3, 5, Conventions::CORRECT).unwrap();
+        let c = curves(1.3, 1.3, 5, Formulas::Exact).unwrap();
         assert!(c.rows.iter().all(|r| r.r_unpolarized == 0.0 && r.r_schlick == 0.0 && r.transmittance == 1.0));
         assert_eq!((c.brewster_deg, c.critical_deg, c.r_normal), (None, None, 0.0));
     }
@@ -198,13 +198,10 @@ mod tests {
     #[test]
     fn bad_input_is_refused() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(
-                curves(bad, 1.5, 10, Conventions::CORRECT).is_err()
-                    && curves(1.0, bad, 10, Conventions::CORRECT).is_err()
-            );
+            assert!(curves(bad, 1.5, 10, Formulas::Exact).is_err() && curves(1.0, bad, 10, Formulas::Exact).is_err());
         }
         for points in [0, 1, usize::MAX] {
-            assert!(curves(1.0, 1.5, points, Conventions::CORRECT).is_err());
+            assert!(curves(1.0, 1.5, points, Formulas::Exact).is_err());
         }
     }
 }

@@ -93,7 +93,6 @@ mod tests {
     use super::*;
     use crate::envmap::samplers::{ALL, ErrataSampler, MapSampling};
     use crate::envmap::synthetic::Synthetic;
-    use crate::errata::Conventions;
     use crate::math::Rgb;
     use crate::raster::Image;
     use crate::sampling::warp::uniform_sphere;
@@ -136,7 +135,7 @@ mod tests {
             assert_eq!(samples.rows, draw_by(sampling, &map, 256, 1).unwrap().rows);
             assert_eq!(samples.pdf_mismatches, 0, "{sampling}");
         }
-        let corners = ErrataSampler::new(map.clone(), Conventions::FIRST_REPORT);
+        let corners = ErrataSampler::new(map.clone());
         assert!(draw(&map, &corners, DVec3::Y, 256, 1).unwrap().pdf_mismatches > 0);
         assert!(draw_by(MapSampling::MAP, &map, 0, 1).is_err());
     }

@@ -1,7 +1,7 @@
 //! Reflectance of several media over the angle of incidence, side by side, at one wavelength.
 
 use super::{fresnel, metal};
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::error::{Error, Result};
 use crate::optics::D_LINE_NM;
 use crate::optics::media::{self, Medium};
@@ -121,13 +121,13 @@ pub const MAX_MEDIA: usize = 7;
 ///
 /// # Errors
 /// [`Error::Parameter`] for no medium, more than [`MAX_MEDIA`], one given twice, impossible indices and numbers of points.
-pub fn curves(eta_i: f64, interfaces: &[Interface], points: usize, conventions: Conventions) -> Result<MediaCurves> {
+pub fn curves(eta_i: f64, interfaces: &[Interface], points: usize, formulas: Formulas) -> Result<MediaCurves> {
     if !(1..=MAX_MEDIA).contains(&interfaces.len()) {
         return Err(Error::parameter("media", format!("{} media cannot be drawn in one figure", interfaces.len()))
             .with_hint(format!("give 1 to {MAX_MEDIA}")));
     }
     check_distinct(interfaces)?;
-    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, conventions)).collect::<Result<_>>()?;
+    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, formulas)).collect::<Result<_>>()?;
     Ok(MediaCurves { eta_i, wavelength_nm: D_LINE_NM, media })
 }
 
@@ -141,11 +141,11 @@ pub(super) fn check_distinct(interfaces: &[Interface]) -> Result<()> {
     Ok(())
 }
 
-fn one(eta_i: f64, interface: &Interface, points: usize, conventions: Conventions) -> Result<MediumCurves> {
+fn one(eta_i: f64, interface: &Interface, points: usize, formulas: Formulas) -> Result<MediumCurves> {
     let Interface { name, eta, k, medium, .. } = interface.clone();
     let source = medium.map(|medium| medium.source());
     if k == 0.0 {
-        let curves = fresnel::curves(eta_i, eta, points, conventions)?;
+        let curves = fresnel::curves(eta_i, eta, points, formulas)?;
         let row = |r: &fresnel::DielectricRow| MediumRow {
             medium: name.clone(),
             theta_deg: r.theta_deg,
@@ -199,7 +199,7 @@ mod tests {
 
     fn of(names: &[&str]) -> Result<MediaCurves> {
         let interfaces = names.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-        curves(1.0, &interfaces, 91, Conventions::CORRECT)
+        curves(1.0, &interfaces, 91, Formulas::Exact)
     }
 
     #[test]
@@ -218,7 +218,7 @@ mod tests {
         assert!((all.media[1].brewster_deg.unwrap() - 56.309_932).abs() < 1e-6);
         assert_eq!((all.media[1].source, all.media[2].source), (None, Some("Johnson & Christy 1972")));
         // From inside of water: total reflection beyond 48.6°.
-        let inside = curves(1.3334, &[Interface::dielectric(1.0)], 2, Conventions::CORRECT).unwrap();
+        let inside = curves(1.3334, &[Interface::dielectric(1.0)], 2, Formulas::Exact).unwrap();
         assert!((inside.media[0].critical_deg.unwrap() - 48.59).abs() < 0.01);
     }
 

@@ -5,7 +5,6 @@ use super::object_ids::Kind;
 use super::pixel_mean::{Mean, inside};
 use super::roughness::{StatueRender, render_statue};
 use crate::bsdf::NormalSampling;
-use crate::errata::Conventions;
 use crate::error::Result;
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::render::Settings;
@@ -196,7 +195,7 @@ fn root_mean(sum: f64, sum_of_squares: f64, n: f64) -> [f64; 2] {
 
 /// Mean 8-bit values of tone-mapped pixels.
 fn brightness(image: &Image) -> Vec<f64> {
-    let bytes = to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT));
+    let bytes = to_rgb8(image, &ToneMap::SecondReport);
     bytes.chunks_exact(3).map(|rgb| rgb.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0).collect()
 }
 

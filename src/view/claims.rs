@@ -1,6 +1,6 @@
 //! The reports' claims as tables, and pictures of the places that claims are about.
 
-use super::depth::by_conventions;
+use super::depth::tone_mapped;
 use super::text::superscript;
 use crate::figure::{Anchor, Colour, Drawing, Level, Rgb8, Stroke, Text, contact_sheet, theme, wrapped};
 use crate::math::{Rgb, mean_rgb};
@@ -253,8 +253,8 @@ pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) 
             picture.word,
             with_error([share.value, share.error()], Unit::Percent)
         );
-        cells.push((title, framed(&by_conventions(&cut(&image, &crop)), &picture.place, &crop)));
-        cells.push((alone, by_conventions(&class)));
+        cells.push((title, framed(&tone_mapped(&cut(&image, &crop)), &picture.place, &crop)));
+        cells.push((alone, tone_mapped(&class)));
     }
     contact_sheet("", 4, &cells)
 }

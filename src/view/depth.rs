@@ -1,19 +1,18 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class.
 
 use super::text::rounded;
-use crate::errata::Conventions;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
 
 /// An image as the second report shows its own.
-pub(super) fn by_conventions(image: &Image) -> Rgb8 {
-    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::By(Conventions::SECOND_REPORT)))
+pub(super) fn tone_mapped(image: &Image) -> Rgb8 {
+    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::SecondReport))
 }
 
 /// An image as the second report shows its own, and nothing else: ready for slides.
 pub fn image(image: &Image) -> Drawing {
-    Drawing::over(by_conventions(image))
+    Drawing::over(tone_mapped(image))
 }
 
 /// The share of the pixels of a difference that its exposure leaves below white.

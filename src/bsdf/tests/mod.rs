@@ -5,7 +5,6 @@ mod layers;
 mod rough_dielectric;
 
 use super::*;
-use crate::errata::Conventions;
 use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
 use crate::scene::{Conductor as ConductorMaterial, Dielectric as DielectricMaterial, Material, ScatterModel};
@@ -40,7 +39,7 @@ fn all_materials() -> Vec<(String, Bsdf)> {
                 list.push((name, gold(alpha, distribution).bsdf(model)));
             }
         }
-        let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+        let erroneous = ScatterModel::SECOND_REPORT;
         list.push((format!("erroneous {alpha}"), gold(alpha, Distribution::Beckmann).bsdf(erroneous)));
     }
     // Rough dielectrics, denser on either side, and different along x and y.
@@ -76,12 +75,8 @@ fn all_materials() -> Vec<(String, Bsdf)> {
         Material::Dielectric(DielectricMaterial { reflectance, transmittance, ..DielectricMaterial::clear(1.0) }),
         gold(0.0, Distribution::Beckmann),
     ];
-    let schlick = ScatterModel {
-        dielectric: DielectricFresnel::Schlick,
-        conventions: Conventions { single_cosine_schlick: true, ..Conventions::default() },
-        ..ScatterModel::default()
-    };
-    for model in [ScatterModel::default(), schlick, ScatterModel { conventions: Conventions::CORRECT, ..schlick }] {
+    let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..ScatterModel::default() };
+    for model in [ScatterModel::default(), schlick, ScatterModel::SECOND_REPORT] {
         list.extend(plain.iter().map(|m| (format!("{m:?}"), m.bsdf(model))));
     }
     list
@@ -249,7 +244,7 @@ fn smooth_materials_lose_nothing() {
     let glass = Material::Dielectric(DielectricMaterial::clear(1.45));
     let model = ScatterModel::default();
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..model };
-    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
+    let erroneous = ScatterModel::SECOND_REPORT;
     for wo in directions() {
         for bsdf in [glass.bsdf(model), glass.bsdf(schlick), glass.bsdf(erroneous)] {
             for i in 0..1000 {

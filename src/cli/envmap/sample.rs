@@ -7,7 +7,7 @@ use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::cli::values::{map_samplers, map_sampling, model};
 use crate::envmap::EnvMap;
 use crate::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::error::Result;
 use crate::interrupt;
 use crate::output::{self, Written};
@@ -39,7 +39,7 @@ pub struct Sample {
     ///
     /// `report`: rows weighted by sin(hπ/(H−1)), which loses the pole rows, and texel corners, an error of half a texel.
     #[arg(long, value_parser = model(), default_value = "exact", conflicts_with = "sampler")]
-    model: Conventions,
+    model: Formulas,
     #[command(flatten)]
     look: LookArgs,
     #[command(flatten)]
@@ -74,9 +74,9 @@ impl Output {
 impl Sample {
     /// The sampler, and whether its density is positive wherever the map has light.
     fn sampler(&self, map: &Arc<EnvMap>) -> Result<(Box<dyn SurfaceSampler>, bool)> {
-        if self.model != Conventions::CORRECT {
+        if self.model != Formulas::Exact {
             MapSampling::MAP.request(map)?;
-            return Ok((Box::new(ErrataSampler::new(map.clone(), self.model)), true));
+            return Ok((Box::new(ErrataSampler::new(map.clone())), true));
         }
         let complete = self.sampler.entry().complete && !self.sampler.needs_normal();
         Ok((self.sampler.sampler(map.clone())?, complete))

@@ -13,7 +13,7 @@ use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
 use super::shard::Shard;
 use super::values::{choice, map_samplers, map_sampling, stops};
 use crate::envmap::samplers::MapSampling;
-use crate::errata::Conventions;
+use crate::errata::microfacet::MetalErrors;
 use crate::error::{Error, Result};
 use crate::output::Target;
 use crate::raster::{BUILD, BUILD_NAME, Metadata, ToneMap};
@@ -76,7 +76,7 @@ pub struct Render {
     #[arg(long, help_heading = OUTPUT, value_parser = choice([
         ("srgb", "The sRGB curve, rounded", ToneMap::default()),
         ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
-         ToneMap::By(Conventions::SECOND_REPORT)),
+         ToneMap::SecondReport),
     ]))]
     tone: Option<ToneMap>,
     /// Exposure of PNG and PPM in stops, before tone mapping
@@ -140,7 +140,7 @@ Examples:
 impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let model = self.model.model()?;
-        if self.scene.has_multiple_scattering() && model.conventions.change_metal() {
+        if self.scene.has_multiple_scattering() && model.metal != MetalErrors::NONE {
             return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));
         }
         let images = self.images(global)?;

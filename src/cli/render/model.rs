@@ -1,8 +1,8 @@
-//! Flags for the scattering model: the correct formulas, approximations, the reports' conventions.
+//! Flags for the scattering model: the correct formulas, approximations, the reports' errors.
 
 use crate::bsdf::{DielectricFresnel, NormalSampling};
 use crate::cli::values::choice;
-use crate::errata::Conventions;
+use crate::errata::microfacet::MetalErrors;
 use crate::error::{Error, Result};
 use crate::scene::ScatterModel;
 use clap::{ArgAction, Args};
@@ -27,73 +27,74 @@ pub struct ModelArgs {
     /// (NDF), or uniformly over the hemisphere.
     #[arg(long, value_parser = choice(NormalSampling::ALL.map(|normals| (normals.name(), "", normals))))]
     normals: Option<NormalSampling>,
-    /// Correct formulas, or conventions of the second report
+    /// Correct formulas, or errors of the second report
     ///
-    /// All of its conventions (report), or single ones with commas between them.
+    /// All of its errors (report), or single ones with commas between them.
     #[arg(long, value_delimiter = ',', action = ArgAction::Set, value_name = "NAME,...", default_value = "exact",
           value_parser = choice(MODELS.iter().map(|model| (model.0, model.1, model))))]
     model: Vec<&'static Model>,
 }
 
-/// A value of `--model`: name, help and conventions.
-type Model = (&'static str, &'static str, Conventions);
+/// A value of `--model`: name, help and errors.
+type Model = (&'static str, &'static str, ScatterModel);
 
 /// All of them.
 static MODELS: [Model; 6] = [
-    ("exact", "The correct formulas", Conventions::CORRECT),
-    ("report", "All conventions below together", Conventions { truncated_tone: false, ..Conventions::SECOND_REPORT }),
+    ("exact", "The correct formulas", ScatterModel::EXACT),
+    ("report", "All errors below together", ScatterModel::SECOND_REPORT),
     (
         "fresnel-at-normal",
         "Metal: reflectance at the angle with the shading normal, not the microfacet normal; f(wo, wi) and f(wi, wo) then \
          differ by up to 2 % (blue of silver), 13 % (aluminium), 82 % (copper), 105 % (iron), 148 % (gold)",
-        Conventions { fresnel_at_normal: true, ..Conventions::CORRECT },
+        of_metal(MetalErrors { fresnel_at_normal: true, ..MetalErrors::NONE }),
     ),
     (
         "approximate-fresnel",
         "Metal: a reflectance that drops a term, with an error below 0.007 for gold and copper",
-        Conventions { approximate_fresnel: true, ..Conventions::CORRECT },
+        of_metal(MetalErrors { approximate_fresnel: true, ..MetalErrors::NONE }),
     ),
     (
         "single-cosine-schlick",
         "Glass: Schlick's approximation with the cosine on the ray's own side; inside glass of 1.5 at 40 degrees it \
          reflects 0.041 instead of 0.245, and 0.573 instead of 0.596 of uniform light from inside",
-        Conventions { single_cosine_schlick: true, ..Conventions::CORRECT },
+        ScatterModel { dielectric: DielectricFresnel::SingleCosineSchlick, ..ScatterModel::EXACT },
     ),
     (
         "lambda-pi",
         "Metal: pi instead of its root in Lambda, which is then wrong by a factor of up to 1.77 (grazing), so that G exceeds 1 \
          (up to 1.051)",
-        Conventions { lambda_with_pi: true, ..Conventions::CORRECT },
+        of_metal(MetalErrors { lambda_with_pi: true, ..MetalErrors::NONE }),
     ),
 ];
+
+const fn of_metal(metal: MetalErrors) -> ScatterModel {
+    ScatterModel { metal, ..ScatterModel::EXACT }
+}
 
 impl ModelArgs {
     /// The model that the flags select; an error where two of them exclude each other.
     pub fn model(&self) -> Result<ScatterModel> {
-        if self.model.len() > 1 && self.model.iter().any(|model| model.2 == Conventions::CORRECT) {
-            return Err(Error::parameter("model", "exact excludes the reports' conventions"));
+        if self.model.len() > 1 && self.model.iter().any(|model| model.2 == ScatterModel::EXACT) {
+            return Err(Error::parameter("model", "exact excludes the report's errors"));
         }
-        let has = |flag: fn(&Conventions) -> bool| self.model.iter().any(|model| flag(&model.2));
-        let conventions = Conventions {
-            fresnel_at_normal: has(|c| c.fresnel_at_normal),
-            approximate_fresnel: has(|c| c.approximate_fresnel),
-            single_cosine_schlick: has(|c| c.single_cosine_schlick),
-            lambda_with_pi: has(|c| c.lambda_with_pi),
-            ..Conventions::CORRECT
+        let has = |flag: fn(&ScatterModel) -> bool| self.model.iter().any(|model| flag(&model.2));
+        let metal = MetalErrors {
+            fresnel_at_normal: has(|model| model.metal.fresnel_at_normal),
+            approximate_fresnel: has(|model| model.metal.approximate_fresnel),
+            lambda_with_pi: has(|model| model.metal.lambda_with_pi),
         };
-        if conventions.change_metal() && !matches!(self.normals, None | Some(NormalSampling::Ndf)) {
+        if metal != MetalErrors::NONE && !matches!(self.normals, None | Some(NormalSampling::Ndf)) {
             return Err(Error::parameter("normals", "the report's metal samples directions by all normals")
-                .with_hint("omit `normals`, or the conventions for metal"));
+                .with_hint("omit `normals`, or the errors of metal"));
         }
-        if conventions.single_cosine_schlick && self.fresnel.is_some() {
+        let report = DielectricFresnel::SingleCosineSchlick;
+        let has_its_glass = self.model.iter().any(|model| model.2.dielectric == report);
+        if has_its_glass && self.fresnel.is_some() {
             return Err(Error::parameter("fresnel", "the report's glass has its own reflectance")
                 .with_hint("omit `fresnel`, or single-cosine-schlick"));
         }
-        Ok(ScatterModel {
-            normals: self.normals.unwrap_or_default(),
-            dielectric: self.fresnel.unwrap_or_default(),
-            conventions,
-        })
+        let dielectric = if has_its_glass { report } else { self.fresnel.unwrap_or_default() };
+        Ok(ScatterModel { normals: self.normals.unwrap_or_default(), dielectric, metal })
     }
 
     pub fn has_normals(&self) -> bool {

@@ -1,6 +1,5 @@
 //! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`, and `depth-differences`.
 
-use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::render::{Sampling, Settings};
@@ -132,7 +131,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     }
     let image = &result.images[place];
     let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
-    Ok(Content::new(view::image(image), &rows, checks)?.with_image(image, ToneMap::By(Conventions::SECOND_REPORT)))
+    Ok(Content::new(view::image(image), &rows, checks)?.with_image(image, ToneMap::SecondReport))
 }
 
 fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

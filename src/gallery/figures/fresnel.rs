@@ -1,6 +1,6 @@
 //! Reflectance of glass from either side: `fresnel-enter`, `fresnel-exit`.
 
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::gallery::prelude::*;
 use crate::study::fresnel;
 use crate::view::fresnel as view;
@@ -47,7 +47,7 @@ pub fn figures() -> Vec<Figure> {
 }
 
 fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
-    let curves = fresnel::curves(eta_i, eta_t, POINTS, Conventions::CORRECT)?;
+    let curves = fresnel::curves(eta_i, eta_t, POINTS, Formulas::Exact)?;
     // From inside, Brewster's angle is the complement.
     let (brewster, of_brewster) = if eta_t > eta_i {
         (BREWSTER_DEG, "Brewster's angle (degrees; the report prints 55.40771131249006)")

@@ -1,6 +1,6 @@
 //! Reflectance of water, glass, diamond and metals in one panel: `fresnel-media`.
 
-use crate::errata::Conventions;
+use crate::errata::Formulas;
 use crate::gallery::prelude::*;
 use crate::study::media::{self, Interface, MediumCurves};
 use crate::study::metal::worst;
@@ -29,7 +29,7 @@ pub fn figures() -> Vec<Figure> {
 
 fn content() -> Result<Content> {
     let interfaces = NAMES.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-    let curves = media::curves(1.0, &interfaces, POINTS, Conventions::CORRECT)?;
+    let curves = media::curves(1.0, &interfaces, POINTS, Formulas::Exact)?;
     let closed = |c: &MediumCurves| {
         ((c.eta - 1.0).powi(2) + c.k * c.k) / ((c.eta + 1.0).powi(2) + c.k * c.k) - c.rows[0].r_unpolarized
     };

@@ -1,6 +1,5 @@
 //! A golden statue of increasing roughness: `roughness-0.005`, `-0.05`, `-0.25`, `-0.5`; one in iron: `iron`.
 
-use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::optics::metals::{IRON, WAVELENGTHS_NM};
 use crate::raster::ToneMap;
@@ -139,7 +138,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, symbol: &str, alpha: f32) -> 
         Check::within("mean of the statue, visible minus all normals (standard errors)", 0.0, z, SIGMAS),
     ];
     let content = Content::new(view::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
+    Ok(content.with_image(&shot.rendered.image, ToneMap::SecondReport))
 }
 
 /// Rougher metal has dimmer highlights.

@@ -1,6 +1,5 @@
 //! Importance sampling against hemisphere sampling: `sampling-importance`, `sampling-hemisphere`, `sampling-error`.
 
-use crate::errata::Conventions;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
 use crate::study::sampling_strategies::{StrategyComparison, compare};
@@ -70,7 +69,7 @@ fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Co
         Check::within(name("statue"), 0.0, result.statue.z, SIGMAS),
     ];
     let content = Content::new(depth::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::By(Conventions::SECOND_REPORT)))
+    Ok(content.with_image(&shot.rendered.image, ToneMap::SecondReport))
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

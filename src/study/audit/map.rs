@@ -6,7 +6,6 @@
 use super::erratum::{Erratum, ErratumCurves, Nature, Suspect};
 use crate::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};
 use crate::envmap::{EnvMap, LatLong};
-use crate::errata::Conventions;
 use crate::errata::maps::{PLACE_IN_TEXEL, row_weight, row_without_sums};
 use crate::error::{Error, Result};
 use crate::math::Rgb;
@@ -100,7 +99,7 @@ pub fn corners() -> Suspect {
     // The mean of the report's estimator: Σ L cos θ/p over the corners, each sampled with its probability.
     let corners: f64 = (0..HEIGHT / 2).map(|y| row_weight(y, HEIGHT) * edge(y)).sum::<f64>() * 2.0 * PI / HEIGHT as f64;
     let printed = Case::of("audit/corners/printed", Directions::sphere(Pole::Y), || {
-        let draw = ErrataSampler::new(uniform_sky(), Conventions::FIRST_REPORT);
+        let draw = ErrataSampler::new(uniform_sky());
         let claim = TexelSampler::new(uniform_sky());
         (
             direction_sampler(move |u| draw.sample_for(u, DVec3::Y).map(|sample| sample.wi)),

@@ -2,7 +2,7 @@
 
 use super::erratum::{Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
 use crate::bsdf::{ConductorFresnel, ErrataConductor, Scatter, pdf_without_cosine};
-use crate::errata::Conventions;
+use crate::errata::microfacet::MetalErrors;
 use crate::errata::microfacet::lambda_with_pi;
 use crate::error::Result;
 use crate::optics::conductor::{fresnel, fresnel_approximate};
@@ -59,9 +59,9 @@ fn brdf(wo: DVec3, wi: DVec3) -> f64 {
     0.25 * facets.d(facet(wo, wi).to_array()) * facets.g2_over_cosines(wo.to_array(), wi.to_array())
 }
 
-fn metal(conventions: Conventions) -> ErrataConductor {
+fn metal(errors: MetalErrors) -> ErrataConductor {
     let fresnel = ConductorFresnel::new(COPPER.eta_rgb(), COPPER.k_rgb());
-    ErrataConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, conventions }
+    ErrataConductor { distribution: Beckmann::new(ALPHA as f32), fresnel, errors }
 }
 
 fn printed_density() -> Result<Suspect> {
@@ -69,7 +69,7 @@ fn printed_density() -> Result<Suspect> {
     let wo = viewer(SEEN_AT);
     let case = |name: &str, printed: bool| {
         Case::of(format!("audit/density/{name}"), Directions::hemisphere(Pole::Z), move || {
-            let metal = metal(Conventions::SECOND_REPORT);
+            let metal = metal(MetalErrors::ALL);
             let draw = move |u: &[f64]| {
                 let sample = metal.sample(wo.as_vec3(), 0.0, [u[0] as f32, u[1] as f32])?;
                 Some(Sample::new(sample.wi.as_dvec3().to_array()))
@@ -113,7 +113,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
     const SEEN_AT: f64 = 60.0;
     let wo = viewer(SEEN_AT);
     let case = |name: &str, at_normal: bool| {
-        let metal = metal(Conventions { fresnel_at_normal: at_normal, ..Conventions::default() });
+        let metal = metal(MetalErrors { fresnel_at_normal: at_normal, ..MetalErrors::NONE });
         Case::new(format!("audit/reciprocity/{name}"), move |protocol: &Protocol, round| {
             let asymmetry = largest_asymmetry(&metal, hash::key([protocol.seed, round, 0]));
             let violation = (asymmetry > ROUNDING)

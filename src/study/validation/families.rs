@@ -2,7 +2,6 @@
 
 use super::scattering::Scattering;
 use crate::bsdf::NormalSampling;
-use crate::errata::Conventions;
 use crate::error::{Error, Result};
 use crate::math::Rgb;
 use crate::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA, ScatterModel};
@@ -132,7 +131,7 @@ pub fn all() -> Vec<Family> {
     let model = ScatterModel::default();
     let bounded = ScatterModel { normals: NormalSampling::Bounded, ..model };
     let ndf = ScatterModel { normals: NormalSampling::Ndf, ..model };
-    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..model };
+    let erroneous = ScatterModel::SECOND_REPORT;
     let family = |name, parameters, material| Family { name, parameters, material, model, energy: Energy::AtMostOne };
     let lossless = |family| Family { energy: Energy::Conserved(0.0), ..family };
     let mixture: fn(&[f32]) -> Material = |v| {
@@ -164,7 +163,7 @@ pub fn all() -> Vec<Family> {
         family("mixture", &[("share", 0.5, SHARE), ALBEDO, ALPHA, METAL[0], METAL[1]], mixture),
         Family {
             model: erroneous,
-            energy: Energy::MayExceedOne("its conventions say so"),
+            energy: Energy::MayExceedOne("the report's shadowing term does"),
             ..family("errata-conductor", ISOTROPIC_METAL, |v| conductor(&isotropic(v), Distribution::Beckmann, false))
         },
     ]

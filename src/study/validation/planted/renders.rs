@@ -37,7 +37,7 @@ pub fn faults() -> Vec<PlantedFault> {
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
     let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
     let mut shadowing = bsdf;
-    shadowing.model.conventions.lambda_with_pi = true;
+    shadowing.model.metal.lambda_with_pi = true;
     let adaptive = || adaptive_image(many_lights());
     let series = inside(1000, hemisphere);
     let cut = RenderTest { truth: Truth::Uniform(2.0), ..inside(5, hemisphere) };

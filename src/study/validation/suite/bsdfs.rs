@@ -1,5 +1,5 @@
 //! Directions that BSDFs scatter into: diffuse ones, rough conductors by every way to sample their normals and by other
-//! conventions, and materials with one or two directions (mirrors, polished metal, refraction, glass from both sides).
+//! errors, and materials with one or two directions (mirrors, polished metal, refraction, glass from both sides).
 //!
 //! Everything in f32 as renders do it, with random numbers of 24 bits; the pdfs are those by which renders divide. The
 //! directions and probabilities of smooth materials are computed here from the laws of reflection, Snell and Fresnel, in
@@ -9,7 +9,6 @@ use super::super::case::Case;
 use super::in_lanes::in_lanes;
 use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::bsdf::{Bsdf, BsdfSample, NormalSampling, Scatter};
-use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::SILVER;
 use crate::optics::microfacet::Distribution;
@@ -56,7 +55,7 @@ fn rough() -> Vec<(&'static str, Case)> {
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
         }
     }
-    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let erroneous = ScatterModel::SECOND_REPORT;
     for alpha in [0.005, 0.05, 0.25, 0.5] {
         for degrees in [0.0, 40.0, 80.0] {
             let bsdf = metal(alpha, Distribution::Beckmann).bsdf(erroneous);

@@ -8,7 +8,6 @@ use super::super::scattering::Scattering;
 use super::super::whole;
 use super::inputs::{DISTRIBUTIONS, towards};
 use crate::bsdf::{DielectricFresnel, NormalSampling};
-use crate::errata::Conventions;
 use crate::math::Rgb;
 use crate::optics::metals::GOLD;
 use crate::optics::microfacet::Distribution;
@@ -66,7 +65,7 @@ fn configurations() -> Vec<Configuration> {
     let (reflectance, transmittance, albedo) = (Rgb::splat(0.9), Rgb::splat(0.8), Rgb::new(0.2, 0.5, 1.0));
     let clear = |eta| Material::Dielectric(Dielectric::clear(eta));
     let schlick = ScatterModel { dielectric: DielectricFresnel::Schlick, ..ScatterModel::default() };
-    let erroneous = ScatterModel { conventions: Conventions::SECOND_REPORT, ..ScatterModel::default() };
+    let erroneous = ScatterModel::SECOND_REPORT;
     let bounded = ScatterModel { normals: NormalSampling::Bounded, ..ScatterModel::default() };
     let lossy = Dielectric { reflectance, transmittance, ..Dielectric::clear(1.5) };
     let mixed = [(0.4, Material::Diffuse { albedo }), (0.6, Material::Conductor(metal([0.2; 2], Distribution::Ggx)))];
@@ -88,7 +87,7 @@ fn configurations() -> Vec<Configuration> {
         Configuration::new("mixture/mirror", Material::Mixture(polished.into())),
         Configuration {
             model: erroneous,
-            energy: Energy::MayExceedOne("its conventions say so"),
+            energy: Energy::MayExceedOne("the report's shadowing term does"),
             ..Configuration::new("errata-conductor", Material::Conductor(gold([0.3; 2], Distribution::Beckmann)))
         },
     ];
