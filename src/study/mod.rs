@@ -1,7 +1,6 @@
 //! One file per experiment: each computes a plain result and neither plots nor prints.
 
 pub mod albedo;
-pub mod anisotropy;
 pub mod audit;
 pub mod claims;
 pub mod compare;
@@ -14,15 +13,12 @@ pub mod map_samples;
 pub mod media;
 pub mod median_cut;
 pub mod metal;
-pub mod multiple_scattering;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;
 pub mod proposal_cost;
-pub mod rough_glass;
 pub mod roughness;
 pub mod sampling_strategies;
-pub mod scaling;
 pub mod special_angles;
 pub mod sphere;
 pub mod stability;

@@ -99,7 +99,7 @@ pub fn conductor(scene: &Scene) -> Option<&Conductor> {
 }
 
 /// Share of the largest hundredth of the values (at least one) in the sum of all.
-pub(super) fn brightest_percent(mut values: Vec<f64>) -> f64 {
+pub fn brightest_percent(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(|a, b| b.total_cmp(a));
     let count = values.len().div_ceil(100);
     values[..count].iter().sum::<f64>() / values.iter().sum::<f64>()

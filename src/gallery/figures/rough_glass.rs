@@ -1,12 +1,17 @@
-//! Glass of increasing roughness: `rough-glass`.
+//! Glass of increasing roughness, what is seen through it, and its caustic: `rough-glass`.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::gallery::prelude::*;
-use crate::render::Settings;
-use crate::scene::{Camera, Projection, Request};
-use crate::study::rough_glass::{GlassRow, render_glass, with_area_lights};
+use crate::math::Rgb;
+use crate::raster::Image;
+use crate::render::{Kernel, Sampling, Settings, Silent, render};
+use crate::scene::{Camera, Emission, EmitterVisibility, Light, Material, Object, Projection, Request, Scene, Shape};
+use crate::study::object_ids::{Kind, ObjectIdBuffer};
+use crate::study::pixel_mean::{Mean, inside};
+use crate::study::roughness::brightest_percent;
 use crate::view::renders as view;
 use glam::DVec3;
+use serde::Serialize;
 
 /// Widths of the distribution of normals; with the first the glass is smooth, with the second it must look so.
 const ALPHAS: [f32; 6] = [0.0, 0.001, 0.03, 0.1, 0.25, 0.5];
@@ -70,4 +75,101 @@ fn agreement(row: &GlassRow) -> [Check; 2] {
         Check::within(name, 0.0, row.z, SIGMAS),
         Check::equal(format!("dropped samples, α = {}", row.alpha), 0.0, row.dropped as f64),
     ]
+}
+
+/// Results of one roughness: a row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+struct GlassRow {
+    /// Width of the distribution of normals.
+    alpha: f32,
+    /// Samples per pixel.
+    spp: u32,
+    /// Pixels that show glass.
+    glass_pixels: usize,
+    /// Their mean radiance, of all channels.
+    glass: f64,
+    /// The root mean square of the standard errors of these pixels, over their mean radiance.
+    noise: f64,
+    /// The same by the reference path tracer, with fewer samples.
+    glass_by_reference: f64,
+    /// The difference in standard errors, of the channel where it is largest.
+    z: f64,
+    /// Share of the light on the walls that comes from the brightest hundredth of their pixels, where the caustic is.
+    brightest_percent: f64,
+    /// Samples that were not finite or negative.
+    dropped: u64,
+}
+
+/// An image with its statistics.
+struct GlassRender {
+    /// Its row of the table.
+    row: GlassRow,
+    /// The glass's mean radiance.
+    glass: Mean,
+    /// The render.
+    image: Image,
+}
+
+/// The scene with its rectangular lights as area lights, in the place of emitters that light samples do not know.
+///
+/// The second report's file has a panel that is only seen, and a light that no ray finds, turned by 90° against it. A facet distribution of
+/// α = 0.001 needs rays that find the light: a light sample meets its lobe once in 10⁵ times. And smooth glass would show the panel, rough glass the light.
+#[must_use]
+fn with_area_lights(mut scene: Scene) -> Scene {
+    let (panels, others): (Vec<Light>, Vec<Light>) =
+        scene.lights.into_iter().partition(|light| matches!(light, Light::Rectangle { .. }));
+    scene.lights = others;
+    if !panels.is_empty() {
+        let is_sampled = |emission: Emission| emission.visibility == EmitterVisibility::Sampled;
+        scene.objects.retain(|object| object.emission.is_none_or(is_sampled));
+    }
+    for panel in panels {
+        let Light::Rectangle { rectangle, radiance } = panel else { continue };
+        let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });
+        let black = Material::Diffuse { albedo: Rgb::ZERO };
+        scene.objects.push(Object { emission, ..Object::new(Shape::Rectangle(rectangle), black) });
+    }
+    scene
+}
+
+/// A scene whose glass has the roughness `alpha`.
+fn with_alpha(scene: &Scene, alpha: f32) -> Scene {
+    let mut scene = scene.clone();
+    for object in &mut scene.objects {
+        if let Material::Dielectric(glass) = &mut object.material {
+            glass.alpha = [alpha; 2];
+        }
+    }
+    scene
+}
+
+/// Renders the scene with glass of roughness `alpha`, and with an eighth of the samples by the reference path tracer.
+///
+/// # Errors
+/// Those of the renders.
+fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha: f32) -> Result<GlassRender> {
+    let scene = with_alpha(scene, alpha);
+    let rendered = render(&scene, request, settings, &Silent)?;
+    let objects = ObjectIdBuffer::new(&scene, request);
+    let mask = objects.mask(Kind::Glass);
+    let glass = Mean::of(&rendered.part.film, &mask);
+    let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
+    let seed = settings.seed.wrapping_add(1);
+    let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
+    let reference = Mean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
+    let square = glass.error.iter().map(|error| error * error).sum::<f64>() / 3.0;
+    let walls = objects.mask(Kind::Diffuse);
+    let light = inside(rendered.image.pixels(), &walls).map(|p| f64::from(p.element_sum())).collect();
+    let row = GlassRow {
+        alpha,
+        spp: request.spp,
+        glass_pixels: glass.pixels,
+        glass: glass.mean_rgb(),
+        noise: (square * glass.pixels as f64).sqrt() / glass.mean_rgb(),
+        glass_by_reference: reference.mean_rgb(),
+        z: glass.z(&reference),
+        brightest_percent: brightest_percent(light),
+        dropped: rendered.dropped.total(),
+    };
+    Ok(GlassRender { row, glass, image: rendered.image })
 }

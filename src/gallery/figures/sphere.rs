@@ -1,12 +1,14 @@
-//! The white sphere under the environment map: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`, and
-//! `sphere-error` by sampling strategy.
+//! The white sphere under the environment map, beside its error: `sphere-8`, `sphere-16`, `sphere-32`, `sphere-64`; and its error
+//! against samples and time: `sphere-error`.
 
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::gallery::prelude::*;
-use crate::raster::ToneMap;
+use crate::raster::{ToneMap, to_rgb8};
 use crate::render::Settings;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
-use crate::study::sphere::{self as study, AtNormal, Exact, PBRT_RMSE, Series, SphereRender};
-use crate::view::sphere as view;
+use crate::study::sphere::{self as study, AtNormal, Exact, Label, PBRT_RMSE, Series, SphereRender, SphereRow};
+use crate::view::converge::round;
+use crate::view::converge_images::ERROR_LABEL;
 
 /// Samples per pixel of the report's renders.
 const SPP: [u32; 4] = [8, 16, 32, 64];
@@ -102,7 +104,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         let check = Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0);
         checks.push(check.unless(inputs.other_map()));
     }
-    let content = Content::new(view::shot(&shot, &noisiest), &[shot.row], checks)?;
+    let content = Content::new(image_and_error(&shot, &noisiest), &[shot.row], checks)?;
     Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
 }
 
@@ -123,7 +125,7 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let mut checks: Vec<Check> = series.iter().map(slope).collect();
     let radiances = study::against_pbrt(&inputs.map.map);
     checks.extend(radiances.iter().flat_map(radiance).map(|check| check.unless(other_map.as_deref())));
-    Content::new(view::errors(&series, other_map.is_none()), &view::rows(&series), checks)
+    Content::new(curves(&series, other_map.is_none()), &rows(&series), checks)
 }
 
 /// Independent random numbers have a slope of −1/2 over the camera paths; scrambled Sobol' points must not be worse.
@@ -138,4 +140,56 @@ fn radiance(at: &AtNormal) -> [Check; 3] {
         let name = format!("radiance at n = ({x:.3} {y:.3} {z:.3}) as PBRT renders it, {channel}");
         Check::within(name, at.pbrt[c], at.exact[c], 0.01 * at.pbrt[c])
     })
+}
+
+/// The render and its relative error, side by side; the scale is that of the `noisiest` of a series.
+fn image_and_error(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
+    let image = &shot.rendered.image;
+    let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
+    let row = &shot.row;
+    let limit = 100.0 * round(largest_of_most(&noisiest.relative_error));
+    let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
+    let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
+    let title = format!(
+        "{} samples per pixel, {:.2} camera paths in each, {} light samples",
+        row.spp, row.camera_paths_per_sample, row.light_samples
+    );
+    let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
+    let cells = [("rendered, shown one stop brighter".into(), rendered), (error, errors.image())];
+    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5, 2.0)
+}
+
+/// The modulus that 95 % of the errors do not exceed.
+fn largest_of_most(errors: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = errors.iter().filter(|e| e.is_finite()).map(|e| e.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.get(sizes.len() * 95 / 100).copied().unwrap_or(f64::NAN)
+}
+
+fn rows(series: &[Series]) -> Vec<(Label, SphereRow)> {
+    series.iter().flat_map(|s| s.rows.iter().map(|row| (s.label, *row))).collect()
+}
+
+/// Error against camera paths and against time, both logarithmic; on the Grace map, PBRT-v2's beside them, whose samples have one
+/// path each.
+fn curves(series: &[Series], with_pbrt: bool) -> Drawing {
+    let axis = || Axis::log("relative RMSE");
+    let paths = Axis::log("camera paths per pixel").at([8.0, 16.0, 32.0, 64.0, 128.0]);
+    let mut by_paths = Panel::new(paths, axis()).title("Error against camera paths");
+    let mut by_time = Panel::new(Axis::log("render time (s)"), axis()).title("Error against time");
+    let names: Vec<&str> = series.iter().map(|s| s.label.strategy).collect();
+    let colours = theme::strategies(&names);
+    for (i, s) in series.iter().enumerate() {
+        let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
+        let points = |x: fn(&SphereRow) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
+        let (paths, time) = (points(SphereRow::camera_paths), points(|r| r.seconds));
+        by_paths = by_paths.dotted_line(label, stroke, paths);
+        by_time = by_time.dotted_line(label, stroke, time);
+    }
+    if with_pbrt {
+        let stroke = Stroke { colour: theme::REFERENCE, width: theme::LINE, dash: theme::DOTTED };
+        let points: Vec<Point> = PBRT_RMSE.iter().map(|&(spp, e)| [f64::from(spp), e]).collect();
+        by_paths = by_paths.dotted_line("PBRT-v2", stroke, points);
+    }
+    Plot::new([by_paths, by_time]).draw()
 }
