@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::output::{self, Saving};
 use crate::study::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use crate::view::checks::{Check, Checks};
+use crate::view::stability as view;
 use crate::view::text::rounded;
-use crate::view::{stability as maps, stability_summary as summary};
 use clap::Args;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -90,9 +90,9 @@ impl Stability {
             return Err(Error::Interrupted);
         }
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &summary::worst_cases(&result.rows), &output::table(&result.rows)?));
+        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &output::table(&result.rows)?));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            saving.add(maps::maps(&result.sweeps).write(&maps_stem));
+            saving.add(view::maps(&result.sweeps).write(&maps_stem));
         }
         saving.add(self.reports.write(&checks(&result, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();

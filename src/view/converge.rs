@@ -395,3 +395,22 @@ pub fn round(value: f64) -> f64 {
     let power = 10.0_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::converge::strategy::methods;
+
+    #[test]
+    fn every_strategy_has_a_colour_of_its_own() {
+        let names: Vec<String> = methods().into_iter().map(|(name, _)| name).collect();
+        let mut colours = Vec::new();
+        for name in names.iter().map(String::as_str).chain(["mis+lt"]) {
+            // Beside another that has none, and takes the first that is free.
+            let [own, beside] = [vec![name], vec!["unknown", name]].map(|names| theme::strategies(&names));
+            assert_eq!(own[0], beside[1], "{name} has no colour of its own");
+            assert!(!colours.contains(&own[0]), "{name} shares its colour");
+            colours.push(own[0]);
+        }
+    }
+}

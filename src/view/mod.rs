@@ -2,27 +2,23 @@
 //!
 //! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
-pub mod audit;
 pub mod checks;
 pub mod claims;
 pub mod compare;
 pub mod compare_text;
 pub mod converge;
 pub mod converge_images;
-pub mod converge_series;
 pub mod depth;
 pub mod fresnel;
 pub mod furnace;
 pub mod map;
 pub mod media;
-pub mod metals;
 pub mod planted;
 pub mod proposal;
 pub mod proposal_cost;
 pub mod renders;
 pub mod special_angles;
 pub mod stability;
-pub mod stability_summary;
 pub mod sweep;
 pub mod text;
 pub mod validation;

@@ -1,9 +1,11 @@
-//! Indices, special angles and albedo of the metals: `metals-table`.
+//! Indices, special angles and albedo of the metals: `metals-table`. Below their reflectance, and the error of the second report's
+//! approximation, stands the table.
 
-use super::roughness::{iron_of_the_report, printed_iron};
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
+use crate::gallery::figures::roughness::{iron_of_the_report, printed_iron};
 use crate::gallery::prelude::*;
-use crate::study::metal;
-use crate::view::metals as view;
+use crate::study::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
+use crate::view::text::capitalized;
 
 const POINTS: usize = 181;
 
@@ -34,5 +36,68 @@ fn content() -> Result<Content> {
         Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
         Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
     ]);
-    Ok(Content::new(view::drawing(&table), &table.rows, checks)?.with_printed(printed_iron()))
+    Ok(Content::new(drawing(&table), &table.rows, checks)?.with_printed(printed_iron()))
+}
+
+/// One column for each metal: reflectance above, error of the approximation below, each row on one scale; then the table.
+fn drawing(metals: &MetalTable) -> Drawing {
+    let curves = &metals.curves;
+    let exact = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "reflectance")).range(0.4, 1.0).every(0.2);
+        panel(metal, y, "", |r| r.r_unpolarized).title(capitalized(&metal.metal))
+    });
+    let errors = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "approximation − exact")).range(0.0, 0.008).every(0.002);
+        panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
+    });
+    let rows = [exact.collect(), errors.collect()];
+    let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
+    Drawing::stacked(vec![plot, numbers(metals)], 0.5, 2.0)
+}
+
+/// The first column names the axes.
+fn of_first(place: usize, text: &'static str) -> &'static str {
+    if place == 0 { text } else { "" }
+}
+
+fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> f64) -> Panel {
+    let angle = Axis::linear(x).range(0.0, 90.0).every(30.0);
+    metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
+        let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
+        panel.line(channel.name.as_str(), Stroke::solid(colour, theme::LINE), points)
+    })
+}
+
+/// One line for each metal and channel.
+fn numbers(metals: &MetalTable) -> Drawing {
+    let header = [
+        "metal",
+        "wavelength (nm)",
+        "η",
+        "k",
+        "R at 0°",
+        "pseudo-Brewster angle",
+        "albedo",
+        "by the approximation",
+        "its largest error",
+        "at",
+    ];
+    let mut last = "";
+    let row = |r: &MetalRow| {
+        let metal = if r.metal == last { String::new() } else { format!("{} ({})", r.metal, r.symbol) };
+        last = r.metal;
+        vec![
+            metal,
+            format!("{:.0}", r.wavelength_nm),
+            format!("{:.4}", r.eta),
+            format!("{:.4}", r.k),
+            format!("{:.4}", r.r_normal),
+            format!("{:.2}°", r.pseudo_brewster_deg),
+            format!("{:.4}", r.albedo),
+            format!("{:.4}", r.albedo_approximate),
+            format!("{:.4}", r.approximate_max_abs_error),
+            format!("{:.1}°", r.approximate_max_abs_error_deg),
+        ]
+    };
+    table(&header, &metals.rows.iter().map(row).collect::<Vec<_>>())
 }

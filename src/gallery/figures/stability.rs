@@ -3,7 +3,7 @@
 
 use crate::gallery::prelude::*;
 use crate::study::stability::{self, Stability, Workload};
-use crate::view::{stability as maps, stability_summary as summary};
+use crate::view::stability as view;
 
 /// Ids and titles of the figures.
 const TITLES: [(&str, &str); 7] = [
@@ -69,15 +69,15 @@ fn texts(id: &str) -> [&'static str; 2] {
 fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<Content> {
     let own = families(inputs, studies, id)?;
     let drawing = if id == SPECIAL {
-        summary::worst_cases(&own.rows)
+        view::worst_cases(&own.rows)
     } else if id == SUMS {
         let mut rows = Vec::new();
         for figure in stability::figures().into_iter().filter(|figure| *figure != SPECIAL) {
             rows.extend_from_slice(&families(inputs, studies, figure)?.rows);
         }
-        summary::worst_cases(&rows)
+        view::worst_cases(&rows)
     } else {
-        maps::maps(&own.sweeps)
+        view::maps(&own.sweeps)
     };
     let checks = own.bounds.iter().map(|bound| Check::at_most(&bound.name, bound.got, bound.limit));
     Content::new(drawing, &own.rows, checks.collect())

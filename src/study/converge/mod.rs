@@ -11,13 +11,11 @@
 pub mod answer;
 pub mod contender;
 pub mod curve;
-pub mod depth;
 pub mod doubling;
 mod plan;
 pub mod recorded;
 pub mod reference;
 mod result;
-pub mod roughness;
 mod schedule;
 pub mod strategy;
 
