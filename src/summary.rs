@@ -55,7 +55,7 @@ impl Summary for Validation {
 /// Two renderers: a row for each functional in each channel.
 impl Summary for Compared {
     fn text(&self) -> String {
-        view::compare_text::text(self)
+        view::compare::text(self)
     }
 
     fn svg(&self) -> Option<String> {

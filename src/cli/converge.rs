@@ -18,7 +18,6 @@ use crate::study::converge::reference::Reference;
 use crate::study::converge::strategy::{self, SUFFIXES, Strategy};
 use crate::study::converge::{Asked, Convergence, Plan, measure};
 use crate::view::converge::{self as view, duration, word};
-use crate::view::converge_images;
 use crate::view::text::{counted, rounded, wrapped};
 use clap::{ArgAction, Args};
 use etalon_stats::estimate::Estimate;
@@ -171,7 +170,7 @@ impl Converge {
             let table = output::with_extension(&replicates, "csv");
             let rows = output::table(&view::replicate_rows(&result))?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
-            saving.add(converge_images::images(&result).write(&images));
+            saving.add(view::images(&result).write(&images));
         }
         let (files, saved) = saving.end();
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());

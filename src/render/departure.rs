@@ -1,6 +1,6 @@
 //! How a camera path left its last vertex, and the MIS weight of the light that its ray finds.
 
-use super::mis::balance_heuristic;
+use super::light_sample::balance_heuristic;
 use super::prepared::PreparedScene;
 use super::settings::Sampling;
 use super::shaders::Kind;

@@ -1,6 +1,7 @@
-//! Many paths side by side, component by component, so that loops over them vectorize.
+//! Many paths side by side, component by component, so that loops over them vectorize, and are compiled for wide vectors.
 
 use glam::Vec3;
+use pulp::{Arch, Simd, WithSimd};
 
 /// How many paths are followed at once: their arrays fit the nearest caches.
 pub const LANES: usize = 256;
@@ -96,4 +97,29 @@ pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
     lanes[0][i] = value.x;
     lanes[1][i] = value.y;
     lanes[2][i] = value.z;
+}
+
+/// A loop whose iterations do not depend on each other.
+pub trait Wide {
+    /// Runs the loop. Everything that it calls must be `#[inline(always)]`, so as to become part of [`wide`].
+    fn run(self);
+}
+
+/// Runs a loop in code compiled for the widest vectors that the machine has (AVX-512 at most).
+///
+/// Nothing is contracted or reordered, so every machine gets the same bits.
+#[inline]
+pub fn wide(arch: Arch, work: impl Wide) {
+    arch.dispatch(Compiled(work));
+}
+
+struct Compiled<W>(W);
+
+impl<W: Wide> WithSimd for Compiled<W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.run();
+    }
 }

@@ -1,7 +1,7 @@
 //! The camera for many rays at once, and the pixels around a film position.
 
 use super::lanes::{LANES, Lane, Rays, set};
-use super::wide::{Wide, wide};
+use super::lanes::{Wide, wide};
 use crate::sampling::filter::FilterAxis;
 use crate::scene::{Camera, PixelFilter, Projection};
 use glam::Vec3;

@@ -24,7 +24,6 @@ pub(crate) mod light_selection;
 pub(crate) mod light_tracing;
 pub mod light_tree;
 pub(crate) mod lights;
-mod mis;
 mod needs;
 pub(crate) mod prepared;
 mod reference;
@@ -34,7 +33,6 @@ pub(crate) mod shaders;
 pub(crate) mod shading_normal;
 mod solids;
 mod triangle_light;
-pub(crate) mod wide;
 
 pub use film::Dropped;
 pub use job::{Control, Job, Rendered, Silent, render};

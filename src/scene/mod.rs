@@ -4,7 +4,6 @@ pub mod builtin;
 pub mod bvh;
 pub mod camera;
 mod description;
-pub mod environment;
 pub mod first_hit;
 pub mod light;
 pub mod material;
@@ -21,8 +20,8 @@ pub use crate::sampling::filter::{FilterShape, PixelFilter};
 pub use bvh::{Bvh, Hit, Rays};
 pub use camera::{Camera, Projection, Ray};
 pub use description::{Object, Request, Scene, Shape};
-pub use environment::Environment;
 pub use first_hit::FirstHit;
+pub use light::Environment;
 pub use light::{Falloff, Light};
 pub use material::{
     Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA, Textured, least_alpha,

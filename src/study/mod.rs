@@ -16,7 +16,6 @@ pub mod metal;
 pub mod object_ids;
 pub mod pixel_mean;
 pub mod proposal;
-pub mod proposal_cost;
 pub mod roughness;
 pub mod sampling_strategies;
 pub mod special_angles;

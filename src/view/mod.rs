@@ -5,9 +5,7 @@
 pub mod checks;
 pub mod claims;
 pub mod compare;
-pub mod compare_text;
 pub mod converge;
-pub mod converge_images;
 pub mod depth;
 pub mod fresnel;
 pub mod furnace;
@@ -15,7 +13,6 @@ pub mod map;
 pub mod media;
 pub mod planted;
 pub mod proposal;
-pub mod proposal_cost;
 pub mod renders;
 pub mod special_angles;
 pub mod stability;

@@ -9,7 +9,7 @@ use crate::output::{self, Saving};
 use crate::study::compare::{Answer, Compared, FamilyResult, Needed, Plan, Side, compare};
 use crate::view::checks::{Check, Checks};
 use crate::view::compare as view;
-use crate::view::compare_text::{sentence, text};
+use crate::view::compare::{sentence, text};
 use crate::view::text::{p_is, rounded};
 use serde::Serialize;
 use std::time::Instant;

@@ -4,7 +4,6 @@ mod cut;
 mod info;
 mod make;
 mod options;
-mod outputs;
 mod proposal;
 mod sample;
 

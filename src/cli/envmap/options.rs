@@ -1,13 +1,14 @@
-//! Arguments of several `envmap` subcommands: the map, and how it is shown.
+//! Arguments of several `envmap` subcommands, the map and how it is shown; and the results for several numbers of samples or regions.
 
 use crate::cli::console::Console;
-use crate::cli::global::OUTPUT;
+use crate::cli::global::{OUTPUT, Verdict};
 use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::stops;
 use crate::envmap::NamedMap;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::view::map::Look;
 use clap::Args;
+use serde::Serialize;
 use std::ffi::OsString;
 
 /// The map.
@@ -54,4 +55,33 @@ impl LookArgs {
 
 fn gamma(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| (0.1..=10.0).contains(v)).ok_or("not a number between 0.1 and 10".into())
+}
+
+/// The JSON object: a result for each number.
+#[derive(Serialize)]
+pub struct Outputs<T> {
+    pub map: String,
+    pub results: Vec<T>,
+    pub interrupted: bool,
+}
+
+impl<T> Outputs<T> {
+    /// Collects `all` results; after an interruption, those that were finished.
+    pub fn of(map: &str, all: impl Iterator<Item = Result<T>>) -> Result<Self> {
+        let mut outputs = Self { map: map.to_owned(), results: Vec::new(), interrupted: false };
+        for result in all {
+            match result {
+                Err(Error::Interrupted) if !outputs.results.is_empty() => {
+                    outputs.interrupted = true;
+                    break;
+                }
+                result => outputs.results.push(result?),
+            }
+        }
+        Ok(outputs)
+    }
+
+    pub fn verdict(&self) -> Verdict {
+        if self.interrupted { Verdict::Inconclusive } else { Verdict::Good }
+    }
 }

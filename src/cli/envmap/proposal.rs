@@ -5,10 +5,9 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::error::{Error, Result};
 use crate::output;
-use crate::study::proposal;
-use crate::study::proposal_cost::{self, Along, Cost};
+use crate::study::proposal::{self, Along, Cost};
+use crate::view::proposal as view;
 use crate::view::text::{p_is, rounded};
-use crate::view::{proposal as view, proposal_cost as cost_view};
 use clap::Args;
 use etalon_stats::chi_square::ChiSquare;
 use serde::Serialize;
@@ -46,10 +45,10 @@ impl Proposal {
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
         let mut files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate
-        let costs = proposal_cost::costs(&source.map, CHECKED, global.seed);
+        let costs = proposal::costs(&source.map, CHECKED, global.seed);
         if let Some(costs) = &costs {
             let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
-            files.extend(output::write(&stem, &cost_view::drawing(costs), &output::table(&costs.costs)?)?);
+            files.extend(output::write(&stem, &view::costs(costs), &output::table(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
         console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {
@@ -75,7 +74,7 @@ fn samples(costs: &[Cost]) -> String {
     );
     for of_proposal in costs.chunks(Along::ALL.len()) {
         let needed =
-            of_proposal.iter().map(|cost| format!(" {:>12}", rounded(cost_view::samples(cost.irradiance_variance), 3)));
+            of_proposal.iter().map(|cost| format!(" {:>12}", rounded(view::samples(cost.irradiance_variance), 3)));
         text += &format!("{:<24}{}\n", of_proposal[0].proposal, needed.collect::<String>());
     }
     if costs.is_empty() { String::new() } else { text }

@@ -2,7 +2,6 @@
 
 mod images;
 mod model;
-mod resume;
 mod summary;
 mod work;
 
@@ -149,7 +148,7 @@ impl Render {
         let settings = self.settings(Settings { seed: global.seed, model, ..Settings::usual() });
         // The scene's request, changed by flags; a resumed render has the samples of its state by default
         let state = self.resume.as_deref();
-        let held = state.map(resume::held).transpose()?.flatten();
+        let held = state.map(work::held).transpose()?.flatten();
         let request = Request {
             spp: self.spp.or(held.as_ref().map(|part| part.ranges().spp())).unwrap_or(asked.spp),
             light_samples: self.light_samples.unwrap_or(asked.light_samples),
@@ -162,7 +161,7 @@ impl Render {
         let metadata = self.metadata(&scene, &request, job.settings());
         let fresh = job.part(metadata.clone())?;
         let mut part = match (held, state) {
-            (Some(held), Some(path)) => resume::continued(held, path, &fresh)?,
+            (Some(held), Some(path)) => work::continued(held, path, &fresh)?,
             _ => fresh,
         };
         images.check(&scene.name, state)?;

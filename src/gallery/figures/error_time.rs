@@ -8,7 +8,7 @@ use crate::study::converge::curve::Curve;
 use crate::study::converge::strategy::Strategy;
 use crate::study::converge::{Convergence, Plan, measure};
 use crate::view::converge as view;
-use crate::view::converge_images::sheet;
+use crate::view::converge::sheet;
 
 /// Standard errors beyond which a bias is seen.
 const SIGMAS: f64 = 3.0;

@@ -2,9 +2,8 @@
 
 use crate::gallery::prelude::*;
 use crate::study::metal::worst;
-use crate::study::proposal::{self, Proposal, RowBin};
-use crate::study::proposal_cost::{self, Cost, Shape};
-use crate::view::{proposal as view, proposal_cost as cost_view};
+use crate::study::proposal::{self, Cost, Proposal, RowBin, Shape};
+use crate::view::proposal as view;
 
 /// Rows that are sampled.
 const SAMPLES: usize = 100_000;
@@ -67,7 +66,7 @@ const CHECKED: u32 = 1 << 16;
 
 fn cost(inputs: &Inputs) -> Result<Content> {
     let map = &inputs.map.map;
-    let Some(costs) = proposal_cost::costs(map, CHECKED, inputs.seed) else {
+    let Some(costs) = proposal::costs(map, CHECKED, inputs.seed) else {
         let check = Check::is_true("the map has light above the horizon", false);
         return Content::new(view::nothing_to_test(), &[] as &[Cost], vec![check]);
     };
@@ -84,5 +83,5 @@ fn cost(inputs: &Inputs) -> Result<Content> {
             costs.costs.iter().all(|cost| cost.irradiance_variance.is_finite() && cost.flux_variance.is_finite()),
         ),
     ];
-    Content::new(cost_view::drawing(&costs), &costs.costs, checks)
+    Content::new(view::costs(&costs), &costs.costs, checks)
 }

@@ -1,8 +1,8 @@
 //! The film itself: accumulates samples row by row, is turned into images, is merged.
 
 use super::classes::PathClasses;
-use super::dropped::Dropped;
 use super::fixed::{FixedRgb, UNIT};
+use super::pixel::Dropped;
 use super::pixel::Pixel;
 use super::row::Row;
 use super::splats::Splats;

@@ -2,8 +2,8 @@
 
 use super::accumulate::Film;
 use super::classes::PathClasses;
-use super::dropped::Dropped;
 use super::part::Part;
+use super::pixel::Dropped;
 use super::pixel::Pixel;
 use super::ranges::Ranges;
 use super::sums::slots;

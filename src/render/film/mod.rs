@@ -5,7 +5,6 @@
 
 mod accumulate;
 mod classes;
-mod dropped;
 mod file;
 pub mod fixed;
 mod layers;
@@ -19,10 +18,10 @@ mod sums;
 
 pub use self::accumulate::{Film, PixelEstimate};
 pub use self::classes::{PathClass, PathClasses};
-pub use self::dropped::Dropped;
 pub use self::file::ERRORS_OF_SUMS;
 pub use self::merge::merge_files;
 pub use self::part::{Part, Task};
+pub use self::pixel::Dropped;
 pub use self::pixel::Pixel;
 pub use self::ranges::{Ranges, list, shard};
 pub use self::row::Row;

@@ -1,8 +1,8 @@
 //! Loops over rays against one shape or box, which vectorize.
 
+use crate::render::lanes::Wide;
 use crate::render::lanes::{Hits, LANES, Lane, Rays, at};
 use crate::render::solids::Solid;
-use crate::render::wide::Wide;
 use glam::Vec3;
 
 /// The loop over all rays that looks for the nearest hit.

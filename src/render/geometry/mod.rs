@@ -8,9 +8,9 @@ mod loops;
 #[cfg(test)]
 mod tests;
 
+use super::lanes::wide;
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
 use super::solids::{Panel, Wall, offset_of_sphere};
-use super::wide::wide;
 use crate::math::Frame;
 use crate::scene::bvh::{self, Bvh};
 use crate::scene::{Object, Scene, Shape, Sphere};

@@ -1,8 +1,8 @@
 //! Surfaces that are not diffuse: how paths continue at delta lobes, and at any other BSDF.
 
+use super::paths::Step;
 use super::paths::{Paths, Vertex};
 use super::rough::{self, Bsdfs, Scattered};
-use super::step::Step;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::Rgb;
 use crate::render::departure::{Departure, LightSamples};

@@ -3,8 +3,8 @@
 //! The MIS weights mirror those of the camera paths: see [`crate::render::light_tracing`].
 
 use super::general::groups;
+use super::paths::Step;
 use super::rough::{self, Bsdfs, Scattered};
-use super::step::Step;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::{Frame, Rgb};
 use crate::render::film::{PathClass, Splat};

@@ -1,15 +1,15 @@
 //! Directions towards light for a batch of places, from every source that the strategy uses.
 
-use super::step::Step;
+use super::paths::Step;
 use crate::math::{Frame, Rgb};
 use crate::render::environment::BsdfOnly;
 use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, NOTHING, at, set};
+use crate::render::lanes::{Wide, wide};
 use crate::render::light_lanes;
 use crate::render::light_sample::{LightSample, LightSampleLanes};
 use crate::render::light_selection::{Lights, Round, Selection};
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::Kind;
-use crate::render::wide::{Wide, wide};
 
 /// A source of directions towards light.
 #[derive(Clone, Copy)]

@@ -12,7 +12,6 @@ mod light_paths;
 mod light_samples;
 mod paths;
 mod rough;
-mod step;
 
 pub(crate) use diffuse::ExtendPaths;
 pub use light_paths::{LightPathBuffers, trace_light_paths};
@@ -30,8 +29,8 @@ use super::sample_lanes::SampleLanes;
 use super::shaders::Kind;
 use crate::bsdf::Bsdf;
 use direct::DirectLight;
+use paths::Step;
 use paths::Vertex;
-use step::Step;
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]

@@ -1,10 +1,13 @@
-//! The state of many paths side by side, component by component.
+//! The state of many paths side by side, component by component, and what every stage reads while all of them scatter once.
 
+use crate::bsdf::{Bsdf, Scatter};
 use crate::math::{Frame, Rgb};
 use crate::render::departure::Departure;
 use crate::render::film::{PathClass, PathClasses};
 use crate::render::geometry::Surface;
 use crate::render::lanes::{LANES, Lane, Lane3, Rays, ZERO3, set};
+use crate::render::prepared::PreparedScene;
+use crate::render::sample_lanes::SampleLanes;
 use glam::{Vec2, Vec3};
 
 /// Camera paths in flight.
@@ -216,5 +219,24 @@ impl Radiance {
     pub fn by_class(&self, slot: usize) -> &[Rgb] {
         let classes = self.layers.len() / LANES;
         &self.layers[slot * classes..][..classes]
+    }
+}
+
+/// What every stage of a step reads.
+#[derive(Clone, Copy)]
+pub struct Step<'a> {
+    /// What is rendered.
+    pub scene: &'a PreparedScene<'a>,
+    /// Random numbers by slot.
+    pub numbers: &'a SampleLanes,
+    /// Scatterings before this one.
+    pub scatterings: u32,
+}
+
+impl Step<'_> {
+    /// Whether MIS weights need the pdfs of reverse directions: for light tracing, which reaches the first vertex otherwise and
+    /// does not scatter at a BSDF that is not reciprocal.
+    pub fn needs_reverse_pdf(&self, bsdf: &Bsdf) -> bool {
+        self.scene.light_tracing.is_some() && self.scatterings > 0 && bsdf.is_reciprocal()
     }
 }

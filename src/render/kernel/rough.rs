@@ -2,8 +2,8 @@
 
 use crate::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
 use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
+use crate::render::lanes::{Wide, wide};
 use crate::render::shaders::SurfaceShader;
-use crate::render::wide::{Wide, wide};
 use glam::Vec2;
 use pulp::Arch;
 use std::array::from_mut;

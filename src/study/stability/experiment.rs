@@ -2,9 +2,9 @@
 //!
 //! It re-exports what an experiment is written with.
 
+pub use super::family::{STABLE, TEXTBOOK};
 pub use super::precision::Precision;
 pub use super::row::{Bound, ErrorRow};
-pub use super::variant::{STABLE, TEXTBOOK};
 
 use crate::error::Result;
 

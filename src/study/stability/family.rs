@@ -1,16 +1,24 @@
-//! A family of formulas for one quantity: its inputs, the grids that they are swept over, the reference and the variants;
-//! and inputs that several families share: directions, their scales, and sin² θ by two formulas.
+//! A family of formulas for one quantity: its inputs, the grids that they are swept over, the reference and the variants (the code that
+//! renders, textbook formulas, formulas of the reports); and inputs that several families share: directions, their scales, and sin² θ
+//! by two formulas.
 //!
 //! Families import all of it, and what it re-exports.
 
-pub use super::case::{Case, Range};
-pub use super::number::{Machine, Number, Value, cross, dot, minus, normalized, scalar};
-pub use super::precision::Precision;
-pub use super::row::Bound;
-pub(super) use super::variant::variant;
-pub use super::variant::{REPORT, STABLE, TEXTBOOK, Variant};
-
-use super::precise::Precise;
+use crate::math::Real;
+pub use crate::study::stability::case::Case;
+pub use crate::study::stability::case::Range;
+use crate::study::stability::number::Formula;
+pub use crate::study::stability::number::Machine;
+pub use crate::study::stability::number::Number;
+pub use crate::study::stability::number::Value;
+pub use crate::study::stability::number::cross;
+pub use crate::study::stability::number::dot;
+pub use crate::study::stability::number::minus;
+pub use crate::study::stability::number::normalized;
+pub use crate::study::stability::number::scalar;
+use crate::study::stability::precise::Precise;
+pub use crate::study::stability::precision::Precision;
+pub use crate::study::stability::row::Bound;
 
 /// Formulas for one quantity, swept over grids of their inputs.
 pub struct Family {
@@ -148,6 +156,56 @@ pub fn sin2_from_xy<T: Number>(w: [T; 3]) -> T {
 /// sin² θ = 1 − cos² θ, as books and most renderers have it.
 pub fn sin2_from_z<T: Number>(w: [T; 3]) -> T {
     T::of(1.0) - w[2].square()
+}
+
+/// Name of the variant that renders.
+pub const STABLE: &str = "stable";
+/// Name of the formula as books print it.
+pub const TEXTBOOK: &str = "textbook";
+/// Name of the formula of one of the two reports, where that is another one.
+pub const REPORT: &str = "report";
+
+/// One way of computing a family's quantity.
+pub struct Variant {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// The formula in f32.
+    pub single: Formula<f32>,
+    /// The formula in f64; `None` for code that exists in f32 alone.
+    pub double: Option<Formula<f64>>,
+}
+
+/// A [`Variant`] of one generic formula in both precisions: `variant!(NAME, formula)`.
+macro_rules! variant {
+    ($name:expr, $formula:expr) => {
+        $crate::study::stability::family::Variant::new($name, $formula, $formula)
+    };
+}
+pub(super) use variant;
+
+impl Variant {
+    /// A variant in both precisions.
+    pub const fn new(name: &'static str, single: fn(&[f32]) -> Value<f32>, double: fn(&[f64]) -> Value<f64>) -> Self {
+        Self { name, single, double: Some(double) }
+    }
+
+    /// A variant that exists in f32 alone.
+    pub const fn single(name: &'static str, single: fn(&[f32]) -> Value<f32>) -> Self {
+        Self { name, single, double: None }
+    }
+
+    /// The variant's value for inputs that are numbers of that precision; `None` where it does not exist in it.
+    pub fn evaluate(&self, precision: Precision, inputs: &[f64]) -> Option<Value<f64>> {
+        match precision {
+            Precision::Single => Some(evaluate(self.single, inputs)),
+            Precision::Double => self.double.map(|formula| evaluate(formula, inputs)),
+        }
+    }
+}
+
+fn evaluate<T: Machine>(formula: fn(&[T]) -> Value<T>, inputs: &[f64]) -> Value<f64> {
+    let inputs: Vec<T> = inputs.iter().map(|&x| Real::from_f64(x)).collect();
+    formula(&inputs).map(|value| value.map(Real::to_f64))
 }
 
 #[cfg(test)]

@@ -24,22 +24,20 @@ mod registry;
 mod replay;
 mod rough_dielectric;
 mod row;
-mod search;
 mod special;
 mod sums;
 mod sweep;
 mod tables;
-mod variant;
 
 pub use case::Case;
 pub use experiment::{Experiment, Workload};
 pub use family::{Family, Scale, Section};
+pub use family::{REPORT, STABLE, TEXTBOOK, Variant};
 pub use precision::Precision;
 pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
 pub use replay::{Replay, Replayed, replay};
 pub use row::{Bound, ErrorRow};
 pub use sweep::Sweep;
-pub use variant::{REPORT, STABLE, TEXTBOOK, Variant};
 
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -107,7 +105,7 @@ pub fn run<S: AsRef<str>>(
 /// # Errors
 /// [`Error::Parameter`] for anything else.
 pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
-    let sweep = search::at_random(inputs, seed)?;
+    let sweep = replay::at_random(inputs, seed)?;
     let (rows, mut bounds) = (sweep.rows(), BoundCheck::of_sweep(&sweep));
     bounds.insert(0, BoundCheck::finite(&rows));
     Ok(Stability { rows, bounds, sweeps: Vec::new(), interrupted: false })

@@ -2,8 +2,8 @@
 //! bounds on the errors of the code that renders.
 
 use super::case::Case;
+use super::family::STABLE;
 use super::precision::Precision;
-use super::variant::STABLE;
 use etalon_stats::Extremes;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
