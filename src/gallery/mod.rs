@@ -7,7 +7,6 @@ mod check;
 mod figure;
 mod figures;
 mod inputs;
-mod originals;
 pub mod page;
 pub mod papers;
 mod prelude;
@@ -17,8 +16,8 @@ mod studies;
 pub use check::{Check, skipped};
 pub use figure::FORMATS;
 pub use figures::registry;
+pub use inputs::Originals;
 pub use inputs::{Effort, Inputs};
-pub use originals::Originals;
 pub use reproduce::{Reproduced, Step, reproduce, selected};
 
 #[cfg(test)]

@@ -22,7 +22,7 @@
 //!
 //! The density of light tracing is 0 for a path that is not a caustic in this sense: its vertex next to the light is diffuse or is
 //! the only one, the one next to the camera is a delta lobe, a BSDF on it is not reciprocal, or a shading normal on it is not
-//! [sound](super::shading_normal::is_sound).
+//! [sound](super::shaders::is_sound).
 //!
 //! Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, section 10.3; Georgiev,
 //! "Implementing Vertex Connection and Merging", 2012 (recursive quantities).
@@ -30,8 +30,7 @@
 use super::environment::EnvironmentSampling;
 use super::geometry::Geometry;
 use super::light_selection::Lights;
-use super::shaders::{Kind, SurfaceShader};
-use super::shading_normal;
+use super::shaders::{Kind, SurfaceShader, is_sound};
 use super::solids;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::Rgb;
@@ -69,7 +68,7 @@ pub struct LightTracing {
 /// is not sound.
 #[inline]
 pub fn projected(normals: [Vec3; 2], w: Vec3, pdf: f32) -> f32 {
-    if shading_normal::is_sound(normals, w) { pdf / normals[0].dot(w).abs() } else { 0.0 }
+    if is_sound(normals, w) { pdf / normals[0].dot(w).abs() } else { 0.0 }
 }
 
 /// The density of the technique that arrives from the other side over that of this one, at a sample of a delta lobe: the probabilities

@@ -8,7 +8,6 @@
 
 mod adaptive;
 mod choice;
-mod cut_lights;
 mod departure;
 pub(crate) mod environment;
 pub mod film;
@@ -30,7 +29,6 @@ mod reference;
 mod sample_lanes;
 mod settings;
 pub(crate) mod shaders;
-pub(crate) mod shading_normal;
 mod solids;
 mod triangle_light;
 

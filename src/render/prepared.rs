@@ -1,6 +1,5 @@
 //! A scene made ready for rendering, and what both implementations of the integrator ask of it.
 
-use super::cut_lights;
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
@@ -8,6 +7,7 @@ use super::lanes::Hits;
 use super::light_sample::SampleLight;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
+use super::lights;
 use super::lights::Sampled;
 use super::needs::{Needs, lone_convex_from_outside};
 use super::settings::{Sampling, Settings};
@@ -75,7 +75,7 @@ impl<'a> PreparedScene<'a> {
             format!("the materials of {objects} objects, and {lights} lights")
         })?;
         let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
-        let fixed = cut_lights::of(scene, settings)?;
+        let fixed = lights::of_cut(scene, settings)?;
         let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
         let rounds = lights.rounds().len();
         if !Dimensions::suffice(request.max_depth, rounds) {

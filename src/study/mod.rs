@@ -8,7 +8,6 @@ pub mod converge;
 pub mod depth;
 pub mod fit;
 pub mod fresnel;
-pub mod furnace;
 pub mod map_samples;
 pub mod media;
 pub mod median_cut;

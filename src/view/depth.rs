@@ -1,9 +1,9 @@
-//! Images of a Cornell box at increasing path depth, and their differences by path class.
+//! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
 
-use super::text::rounded;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
+use crate::view::text::rounded;
 
 /// An image as the second report shows its own.
 pub(super) fn tone_mapped(image: &Image) -> Rgb8 {
@@ -102,4 +102,12 @@ fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     // No break between number and sign.
     if percent < 0.095 { format!("{percent:.2}\u{a0}%") } else { format!("{percent:.1}\u{a0}%") }
+}
+
+/// Captioned images in rows of `columns`, brightened by `stops`.
+pub fn grid(title: &str, columns: usize, stops: f32, images: &[(String, &Image)]) -> Drawing {
+    let shown = |(caption, image): &(String, &Image)| {
+        (caption.clone(), Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops })))
+    };
+    contact_sheet(title, columns, &images.iter().map(shown).collect::<Vec<_>>())
 }

@@ -1,6 +1,6 @@
 //! A furnace test: the directional albedo over the angle and parameters, and spheres in uniform light.
 
-use super::renders::grid;
+use super::depth::grid;
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use crate::math::Rgb;
 use crate::raster::Image;

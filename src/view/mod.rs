@@ -13,7 +13,6 @@ pub mod map;
 pub mod media;
 pub mod planted;
 pub mod proposal;
-pub mod renders;
 pub mod special_angles;
 pub mod stability;
 pub mod sweep;

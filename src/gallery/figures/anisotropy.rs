@@ -6,7 +6,7 @@ use crate::raster::Image;
 use crate::render::{Kernel, Sampling, Settings, Silent, render};
 use crate::scene::{Environment, FirstHit, Material, Mesh, Object, Request, Scene, Shape, builtin};
 use crate::study::pixel_mean::Mean;
-use crate::view::renders as view;
+use crate::view::depth as view;
 use glam::{DVec2, Vec2Swizzles};
 use serde::Serialize;
 use std::sync::Arc;

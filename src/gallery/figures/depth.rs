@@ -1,12 +1,15 @@
-//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`, and `depth-differences`.
+//! Mirror and glass sphere at increasing path depth: `depth-0` … `depth-5`, `depth-100`, and `depth-differences`. Spheres that absorb
+//! nothing must have radiance 1 in an environment of radiance 1, a white furnace.
 
+use crate::error::Result;
 use crate::gallery::prelude::*;
 use crate::raster::ToneMap;
-use crate::render::{Sampling, Settings};
-use crate::scene::Request;
+use crate::render::{Sampling, Settings, Silent, render};
+use crate::scene::{Material, Request, builtin};
 use crate::study::depth::{self, DEPTHS, Depths, RadianceRow};
-use crate::study::furnace::{FurnaceSphere, furnace};
 use crate::study::metal::worst;
+use crate::study::object_ids::{Kind, ObjectIdBuffer};
+use crate::study::pixel_mean::Mean;
 use crate::view::depth as view;
 
 /// One render, taken apart by path class.
@@ -166,4 +169,41 @@ fn white(sphere: &FurnaceSphere) -> Check {
     // Samples that are all 1 are 1 to the last bits of f32.
     let tolerance = 4.0 * error + 1e-5;
     Check::within(format!("white furnace, {} sphere", sphere.material), 1.0, sphere.radiance.mean_rgb(), tolerance)
+}
+
+/// The mean radiance of one sphere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FurnaceSphere {
+    /// Its material.
+    pub material: &'static str,
+    /// Over the pixels whose centre shows it.
+    pub radiance: Mean,
+}
+
+/// Renders a diffuse, a mirror and a glass sphere at `spp` samples per pixel.
+pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
+    let (mut scene, request) = builtin::furnace();
+    // Without the metal of the built-in scene, which absorbs and is reflected in the mirror.
+    scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
+    let rendered = render(&scene, &Request { spp, ..request }, settings, &Silent)?;
+    let objects = ObjectIdBuffer::new(&scene, &request);
+    let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
+    Ok(spheres.map(|(kind, material)| FurnaceSphere {
+        material,
+        radiance: Mean::of(&rendered.part.film, &objects.mask(kind)),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_sphere_gains_or_loses_light() {
+        for sphere in furnace(4, &Settings::default()).unwrap() {
+            let Mean { error, pixels, .. } = sphere.radiance;
+            let error = error.into_iter().fold(0.0, f64::max);
+            assert!(pixels > 100 && (sphere.radiance.mean_rgb() - 1.0).abs() < 4.0 * error + 1e-5, "{sphere:?}");
+        }
+    }
 }

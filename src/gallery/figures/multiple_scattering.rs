@@ -12,7 +12,7 @@ use crate::render::{Settings, Silent, render};
 use crate::scene::{Conductor, Distribution, Material, Request, ScatterModel, Scene, builtin};
 use crate::study::object_ids::ObjectIdBuffer;
 use crate::study::pixel_mean::Mean;
-use crate::view::renders::grid;
+use crate::view::depth::grid;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -9,7 +9,7 @@ use crate::scene::{Camera, Emission, EmitterVisibility, Light, Material, Object,
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
 use crate::study::pixel_mean::{Mean, inside};
 use crate::study::roughness::brightest_percent;
-use crate::view::renders as view;
+use crate::view::depth as view;
 use glam::DVec3;
 use serde::Serialize;
 

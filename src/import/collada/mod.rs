@@ -14,7 +14,6 @@
 //!
 //! Source: the format's specification (Khronos, COLLADA 1.4.1, 2008), and how the course's renderer reads it.
 
-mod camera;
 mod document;
 mod geometry;
 mod light;
@@ -23,7 +22,7 @@ mod settings;
 mod transform;
 mod walk;
 
-pub use camera::WINDOW;
+pub use transform::WINDOW;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Place, Result};
@@ -50,7 +49,7 @@ pub fn read(path: &Path, options: &SceneOptions) -> Result<Imported> {
     let (camera, size) = match options.camera {
         Some(path) => settings::read(path).map(|(camera, window)| (camera, options.resolution.unwrap_or(window)))?,
         None => {
-            let size = options.resolution.unwrap_or(camera::WINDOW);
+            let size = options.resolution.unwrap_or(transform::WINDOW);
             let view = found.view.as_ref().ok_or_else(|| {
                 Error::input(path, "the scene has no camera").with_hint("give a file of camera settings")
             })?;

@@ -1,7 +1,7 @@
 //! Traverses the nodes of the visual scene and collects camera, lights and objects.
 
-use super::camera::View;
 use super::document::{Document, Element, elements, is};
+use super::transform::View;
 use super::{geometry, light, material, transform};
 use crate::error::{Error, Result};
 use crate::import::transform::{affine, directions};

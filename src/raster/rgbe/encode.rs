@@ -1,6 +1,6 @@
 //! Writing a Radiance image in the newer run lengths.
 
-use super::pixel::{RUN_WIDTHS, shared_exponent};
+use super::decode::{RUN_WIDTHS, shared_exponent};
 use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use std::io::{self, Write};

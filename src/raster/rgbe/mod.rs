@@ -2,7 +2,6 @@
 
 mod decode;
 mod encode;
-mod pixel;
 
 pub(super) use self::decode::decode;
 pub(super) use self::encode::encode;

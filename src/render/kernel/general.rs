@@ -10,8 +10,7 @@ use crate::render::geometry::Surface;
 use crate::render::lanes::{Hits, LANES, ZERO3, at, set};
 use crate::render::light_tracing::{delta_ratio, projected};
 use crate::render::prepared::PreparedScene;
-use crate::render::shaders::{Kind, SurfaceShader};
-use crate::render::shading_normal;
+use crate::render::shaders::{Kind, SurfaceShader, is_sound};
 use glam::Vec3;
 
 /// A hit on a surface that is not diffuse, if it scatters light on this side.
@@ -93,10 +92,7 @@ fn delta_departure(
     sample: &BsdfSample,
 ) -> Departure {
     let normals = [surface.normal, surface.shading];
-    let is_traced = light_tracing > 0.0
-        && bsdf.is_reciprocal()
-        && shading_normal::is_sound(normals, wo)
-        && shading_normal::is_sound(normals, wi);
+    let is_traced = light_tracing > 0.0 && bsdf.is_reciprocal() && is_sound(normals, wo) && is_sound(normals, wi);
     let light_tracing = if is_traced { light_tracing * delta_ratio(bsdf, sample) } else { 0.0 };
     Departure { light_samples: LightSamples::Impossible, light_tracing, is_caustic: true }
 }

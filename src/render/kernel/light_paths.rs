@@ -16,7 +16,7 @@ use crate::render::lights::SHORT;
 use crate::render::prepared::{Dimensions, PreparedScene};
 use crate::render::sample_lanes::SampleLanes;
 use crate::render::shaders::{Kind, SurfaceShader};
-use crate::render::shading_normal::{adjoint_factor, is_sound};
+use crate::render::shaders::{adjoint_factor, is_sound};
 use glam::{Vec2, Vec3};
 
 /// A light path in flight. Its ray is in [`LightPathBuffers`].

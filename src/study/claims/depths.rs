@@ -1,11 +1,11 @@
 //! What the second report sees appear at each maximum depth: where each class is, and how it stands out there.
 
+use super::claim::Share;
 use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE, percent};
 use super::events::{Event, World, word};
 use super::feature::{ClassImage, Place, PlacePicture, View};
 use super::features::{And, Feature, features};
 use super::glazing::glazing;
-use super::share::Share;
 use crate::error::Result;
 use crate::interrupt;
 use crate::math::mean_rgb;

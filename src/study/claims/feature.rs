@@ -2,8 +2,8 @@
 //!
 //! One half of the samples finds the place, the other half measures it: the place is not chosen by the noise that is measured.
 
+use super::claim::Share;
 use super::events::{Event, World, is_of, word};
-use super::share::Share;
 use crate::interrupt;
 use crate::math::{Rgb, mean_rgb};
 use crate::raster::Image;

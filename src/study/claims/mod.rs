@@ -6,7 +6,6 @@
 
 mod claim;
 mod copper;
-mod deep;
 mod depths;
 mod events;
 mod feature;
@@ -16,7 +15,6 @@ mod glazing;
 mod gold;
 mod map;
 mod metal;
-mod share;
 #[cfg(test)]
 mod tests;
 

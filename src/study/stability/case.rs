@@ -1,8 +1,8 @@
 //! One input of a family, the errors of all variants there, and how much of them rounding of the input alone would explain.
 
+use super::number::Precision;
 use super::number::{Formula, Number, Value, dot};
 use super::precise::Precise;
-use super::precision::Precision;
 
 /// One input in one precision.
 #[derive(Debug, Clone, PartialEq)]

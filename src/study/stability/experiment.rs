@@ -3,7 +3,7 @@
 //! It re-exports what an experiment is written with.
 
 pub use super::family::{STABLE, TEXTBOOK};
-pub use super::precision::Precision;
+pub use super::number::Precision;
 pub use super::row::{Bound, ErrorRow};
 
 use crate::error::Result;

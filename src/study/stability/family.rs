@@ -10,6 +10,7 @@ pub use crate::study::stability::case::Range;
 use crate::study::stability::number::Formula;
 pub use crate::study::stability::number::Machine;
 pub use crate::study::stability::number::Number;
+pub use crate::study::stability::number::Precision;
 pub use crate::study::stability::number::Value;
 pub use crate::study::stability::number::cross;
 pub use crate::study::stability::number::dot;
@@ -17,7 +18,6 @@ pub use crate::study::stability::number::minus;
 pub use crate::study::stability::number::normalized;
 pub use crate::study::stability::number::scalar;
 use crate::study::stability::precise::Precise;
-pub use crate::study::stability::precision::Precision;
 pub use crate::study::stability::row::Bound;
 
 /// Formulas for one quantity, swept over grids of their inputs.

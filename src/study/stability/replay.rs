@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::sampling::stream::CounterRng;
 use crate::study::stability::case::{Exact, Flaw};
 use crate::study::stability::inputs::parse;
-use crate::study::stability::precision::Precision;
+use crate::study::stability::number::Precision;
 use crate::study::stability::sweep::{Sweep, case};
 use rand::RngExt;
 use serde::Serialize;

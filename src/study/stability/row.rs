@@ -3,7 +3,7 @@
 
 use super::case::Case;
 use super::family::STABLE;
-use super::precision::Precision;
+use super::number::Precision;
 use etalon_stats::Extremes;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;

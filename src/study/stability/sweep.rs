@@ -2,7 +2,7 @@
 
 use super::case::{Case, Deviation, Exact, Flaw, Place, on_the_edge};
 use super::family::Family;
-use super::precision::Precision;
+use super::number::Precision;
 use super::row::ErrorRow;
 use rayon::prelude::*;
 

@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::math::Rgb;
 use crate::optics::microfacet::Distribution;
 use crate::render::geometry::Surface;
-use crate::render::shading_normal::{adjoint_factor, is_sound};
+use crate::render::shaders::{adjoint_factor, is_sound};
 use crate::sampling::stream::{Independent, Stream};
 use crate::sampling::warp;
 use crate::scene::{Dielectric, Material, ScatterModel};
