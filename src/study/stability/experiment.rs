@@ -2,9 +2,8 @@
 //!
 //! It re-exports what an experiment is written with.
 
-pub use super::family::{STABLE, TEXTBOOK};
 pub use super::number::Precision;
-pub use super::row::{Bound, ErrorRow};
+pub use super::row::{Bound, ErrorRow, STABLE, TEXTBOOK};
 
 use crate::error::Result;
 

@@ -4,21 +4,13 @@
 //!
 //! Families import all of it, and what it re-exports.
 
+pub use super::case::{Case, Range};
+pub use super::number::{Machine, Number, Precision, Value, cross, dot, minus, normalized, scalar};
+pub use super::row::{Bound, REPORT, STABLE, TEXTBOOK};
+
+use super::number::Formula;
+use super::precise::Precise;
 use crate::math::Real;
-pub use crate::study::stability::case::Case;
-pub use crate::study::stability::case::Range;
-use crate::study::stability::number::Formula;
-pub use crate::study::stability::number::Machine;
-pub use crate::study::stability::number::Number;
-pub use crate::study::stability::number::Precision;
-pub use crate::study::stability::number::Value;
-pub use crate::study::stability::number::cross;
-pub use crate::study::stability::number::dot;
-pub use crate::study::stability::number::minus;
-pub use crate::study::stability::number::normalized;
-pub use crate::study::stability::number::scalar;
-use crate::study::stability::precise::Precise;
-pub use crate::study::stability::row::Bound;
 
 /// Formulas for one quantity, swept over grids of their inputs.
 pub struct Family {
@@ -157,13 +149,6 @@ pub fn sin2_from_xy<T: Number>(w: [T; 3]) -> T {
 pub fn sin2_from_z<T: Number>(w: [T; 3]) -> T {
     T::of(1.0) - w[2].square()
 }
-
-/// Name of the variant that renders.
-pub const STABLE: &str = "stable";
-/// Name of the formula as books print it.
-pub const TEXTBOOK: &str = "textbook";
-/// Name of the formula of one of the two reports, where that is another one.
-pub const REPORT: &str = "report";
 
 /// One way of computing a family's quantity.
 pub struct Variant {

@@ -30,12 +30,11 @@ mod tables;
 
 pub use case::Case;
 pub use experiment::{Experiment, Workload};
-pub use family::{Family, Scale, Section};
-pub use family::{REPORT, STABLE, TEXTBOOK, Variant};
+pub use family::{Family, Scale, Section, Variant};
 pub use number::Precision;
 pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
 pub use replay::{Replay, Replayed, replay};
-pub use row::{Bound, ErrorRow};
+pub use row::{Bound, ErrorRow, REPORT, STABLE, TEXTBOOK};
 pub use sweep::Sweep;
 
 use crate::error::{Error, Result};

@@ -2,11 +2,17 @@
 //! bounds on the errors of the code that renders.
 
 use super::case::Case;
-use super::family::STABLE;
 use super::number::Precision;
 use etalon_stats::Extremes;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
+
+/// Name of the variant that renders.
+pub const STABLE: &str = "stable";
+/// Name of the formula as books print it.
+pub const TEXTBOOK: &str = "textbook";
+/// Name of the formula of one of the two reports, where that is another one.
+pub const REPORT: &str = "report";
 
 /// A variant over all its cases. Field names are the CSV columns, except where noted.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
