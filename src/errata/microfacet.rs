@@ -3,7 +3,7 @@
 use crate::math::Real;
 
 /// Which formulas of rough metal are the second report's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MetalErrors {
     /// Fresnel reflectance at the angle of `wi` with the surface's normal instead of the microfacet's.
     ///

@@ -162,7 +162,7 @@ const CHECKSUMS: [(&str, &str); 2] = [
 const LIMIT: u64 = 1 << 30;
 
 /// Width and height of the report's images.
-pub const SIZE: [usize; 2] = [480, 360];
+const SIZE: [usize; 2] = [480, 360];
 
 impl Originals {
     /// Reads `CBspheres.dae`, `CBdragon_microfacet_au.dae` and `CBbunny_microfacet_cu.dae`; also returns the readers'

@@ -16,8 +16,7 @@ mod studies;
 pub use check::{Check, skipped};
 pub use figure::FORMATS;
 pub use figures::registry;
-pub use inputs::Originals;
-pub use inputs::{Effort, Inputs};
+pub use inputs::{Effort, Inputs, Originals};
 pub use reproduce::{Reproduced, Step, reproduce, selected};
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The camera for many rays at once, and the pixels around a film position.
 
-use super::lanes::{LANES, Lane, Rays, set};
-use super::lanes::{Wide, wide};
+use super::lanes::{LANES, Lane, Rays, Wide, set, wide};
 use crate::sampling::filter::FilterAxis;
 use crate::scene::{Camera, PixelFilter, Projection};
 use glam::Vec3;

@@ -1,7 +1,8 @@
 //! Light samples for many shading points at once: of one light for all points, or of one chosen light for each.
 
-use super::lanes::{BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, ZERO_BLOCK3, at, block, blocks, put, set};
-use super::lanes::{Wide, wide};
+use super::lanes::{
+    BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, Wide, ZERO_BLOCK3, at, block, blocks, put, set, wide,
+};
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
 use super::lights::{Kind, RectangleLight, Sampled, SphereLight};
 use super::triangle_light::TriangleLight;

@@ -1,8 +1,8 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
 //! importance sampling.
 
+use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3, set};
 use crate::math::Rgb;
-use crate::render::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3, set};
 use glam::Vec3;
 
 /// A direction towards a light.

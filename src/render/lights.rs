@@ -1,16 +1,16 @@
 //! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the point lights
 //! that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
+use super::lanes::NOTHING;
+use super::light_sample::{LightPoint, LightSample, SampleLight};
+use super::light_tree::LightBounds;
+use super::settings::{Sampling, Settings};
+use super::solids;
+use super::triangle_light::TriangleLight;
 use crate::envmap::samplers::FixedLight;
 use crate::error::{Error, Result};
 use crate::math::circular::Circular;
 use crate::math::{Rgb, map_array, mean_rgb};
-use crate::render::lanes::NOTHING;
-use crate::render::light_sample::{LightPoint, LightSample, SampleLight};
-use crate::render::light_tree::LightBounds;
-use crate::render::settings::{Sampling, Settings};
-use crate::render::solids;
-use crate::render::triangle_light::TriangleLight;
 use crate::sampling::rectangle::{SphericalRectangle, solid_angle};
 use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Plane, Rectangle, Scene, Shape, Sphere};
 use glam::Vec3;

@@ -1,7 +1,6 @@
 //! The random numbers of many camera samples at once.
 
-use super::lanes::LANES;
-use super::lanes::{Wide, wide};
+use super::lanes::{LANES, Wide, wide};
 use crate::sampling::stream::{Independent, Sobol, Stream, StreamKind};
 use pulp::Arch;
 use std::marker::PhantomData;

@@ -3,12 +3,12 @@
 //!
 //! Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, section 5.3.
 
+use super::geometry::Surface;
+use super::lanes::NOTHING;
+use super::lights::Sampled;
+use super::settings::Settings;
 use crate::bsdf::{Bsdf, Scatter};
 use crate::math::{Frame, Rgb};
-use crate::render::geometry::Surface;
-use crate::render::lanes::NOTHING;
-use crate::render::lights::Sampled;
-use crate::render::settings::Settings;
 use crate::scene::{Emission, Material, Object, Scene, VaryingBsdf};
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;

@@ -1,8 +1,8 @@
 //! Lights without a visible surface; and light from infinity, a lat-long map that is turned and scaled into the scene.
 
+use super::Rectangle;
 use crate::envmap::EnvMap;
 use crate::math::Rgb;
-use crate::scene::Rectangle;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::Arc;
 

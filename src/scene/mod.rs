@@ -21,8 +21,7 @@ pub use bvh::{Bvh, Hit, Rays};
 pub use camera::{Camera, Projection, Ray};
 pub use description::{Object, Request, Scene, Shape};
 pub use first_hit::FirstHit;
-pub use light::Environment;
-pub use light::{Falloff, Light};
+pub use light::{Environment, Falloff, Light};
 pub use material::{
     Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA, Textured, least_alpha,
 };

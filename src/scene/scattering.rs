@@ -1,7 +1,6 @@
 //! A material's scattering functions, its constants computed once.
 
-use super::material::SMOOTH_ALPHA;
-use super::material::{Conductor, Dielectric, Material};
+use super::material::{Conductor, Dielectric, Material, SMOOTH_ALPHA};
 use crate::bsdf::{
     self, Bsdf, CoatedDiffuse, CompensatedConductor, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor,
     LEAST_DEVIATION, Mirror, MissingEnergy, Mixture, NormalSampling, Refraction, RoughConductor, RoughDielectric,
@@ -11,7 +10,7 @@ use crate::errata::microfacet::MetalErrors;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
 
 /// Which of several models and sampling strategies to use for the materials of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ScatterModel {
     /// How rough conductors are sampled.
     pub normals: NormalSampling,
@@ -29,6 +28,12 @@ impl ScatterModel {
     /// The formulas of the second report.
     pub const SECOND_REPORT: Self =
         Self { dielectric: DielectricFresnel::SingleCosineSchlick, metal: MetalErrors::ALL, ..Self::EXACT };
+}
+
+impl Default for ScatterModel {
+    fn default() -> Self {
+        Self::EXACT
+    }
 }
 
 impl Material {

@@ -1,11 +1,11 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
+use super::text::{counted, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::compare::{Answer, Bias, Compared, FamilyResult, Functional, Needed, Related, Tested};
-use crate::view::text::{counted, p_is, p_value, power_of_ten, rounded, wrapped};
 use serde::Serialize;
 use std::cmp::Ordering;
 

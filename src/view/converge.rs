@@ -1,13 +1,13 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words; and images after equal
 //! time: of every contender the regions where contenders differ most, enlarged, above their errors.
 
+use super::text::rounded;
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use crate::study::converge::Convergence;
 use crate::study::converge::answer::{Answer, Ratio, Rival};
 use crate::study::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use crate::study::converge::strategy::DEFAULT;
-use crate::view::text::rounded;
 use serde::Serialize;
 use std::rc::Rc;
 

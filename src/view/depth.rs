@@ -1,9 +1,9 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
 
+use super::text::rounded;
 use crate::figure::{Drawing, Rgb8, contact_sheet};
 use crate::raster::{Image, ToneMap, to_rgb8};
 use crate::study::depth::{ALL, ClassRow, DEPTHS, Depths};
-use crate::view::text::rounded;
 
 /// An image as the second report shows its own.
 pub(super) fn tone_mapped(image: &Image) -> Rgb8 {

@@ -1,10 +1,9 @@
 //! Drawings of the proposal experiment, and of what proposal distributions cost: their densities over rows and columns, and the
 //! samples that they need.
 
+use super::text::p_value;
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
-use crate::study::proposal::{Along, Cost, Costs, SHAPES, Shape};
-use crate::study::proposal::{Proposal, RowBin};
-use crate::view::text::p_value;
+use crate::study::proposal::{Along, Cost, Costs, Proposal, RowBin, SHAPES, Shape};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
 pub fn drawing(result: &Proposal) -> Drawing {

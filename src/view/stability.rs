@@ -1,9 +1,9 @@
 //! Maps of errors over the inputs: the renderer's formula, the textbook's, the reports', and the error that rounding of the input causes;
 //! and the worst case of every family, variant and precision beside what rounding explains of it.
 
+use super::text::capitalized;
 use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, theme};
 use crate::study::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, Section, Sweep, TEXTBOOK};
-use crate::view::text::capitalized;
 
 /// One colour scale for all maps: from below the rounding of f32 to a relative error of 1.
 const SCALE: (f64, f64) = (1e-8, 1.0);

@@ -1,8 +1,8 @@
 //! Light missing in renders that end at some depth, and the time that this saves: `error-depth`.
 
+use super::error_time::{LIMIT, small};
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Panel, Plot, theme};
-use crate::gallery::figures::error_time::{LIMIT, small};
 use crate::gallery::prelude::*;
 use crate::raster::Image;
 use crate::render::Settings;

@@ -1,9 +1,9 @@
 //! Time and noise of the ways of sampling microfacet normals, over the roughness of a metal: `error-time-roughness`.
 
+use super::error_time::{LIMIT, small};
 use crate::bsdf::NormalSampling;
 use crate::error::Result;
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
-use crate::gallery::figures::error_time::{LIMIT, small};
 use crate::gallery::prelude::*;
 use crate::raster::Metadata;
 use crate::render::{Job, Settings};

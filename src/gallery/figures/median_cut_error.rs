@@ -1,7 +1,7 @@
 //! Error of fixed lights in place of a map, over their number: `median-cut-error`.
 
+use super::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
-use crate::gallery::figures::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
 use crate::gallery::prelude::*;
 use crate::study::converge::curve::{Curve, Level};
 use crate::study::converge::{CUTS, Convergence, cuts};

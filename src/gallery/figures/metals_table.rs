@@ -1,8 +1,8 @@
 //! Indices, special angles and albedo of the metals: `metals-table`. Below their reflectance, and the error of the second report's
 //! approximation, stands the table.
 
+use super::roughness::{iron_of_the_report, printed_iron};
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
-use crate::gallery::figures::roughness::{iron_of_the_report, printed_iron};
 use crate::gallery::prelude::*;
 use crate::study::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
 use crate::view::text::capitalized;

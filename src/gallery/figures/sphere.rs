@@ -7,8 +7,7 @@ use crate::raster::{ToneMap, to_rgb8};
 use crate::render::Settings;
 use crate::scene::builtin::SPHERE_ENV_SCALE;
 use crate::study::sphere::{self as study, AtNormal, Exact, Label, PBRT_RMSE, Series, SphereRender, SphereRow};
-use crate::view::converge::ERROR_LABEL;
-use crate::view::converge::round;
+use crate::view::converge::{ERROR_LABEL, round};
 
 /// Samples per pixel of the report's renders.
 const SPP: [u32; 4] = [8, 16, 32, 64];

@@ -1,8 +1,8 @@
 //! The file's up axis, and the transforms of COLLADA's nodes; and the camera that the course's renderer places itself: of the file's
 //! camera only direction and field of view count.
 
+use super::document::{Document, Element, elements, find};
 use crate::error::Result;
-use crate::import::collada::document::{Document, Element, elements, find};
 use crate::import::place::quote;
 use crate::import::rule::{ANGLE, ANY, Rule};
 use crate::import::transform::{affine, in_range, rotate};

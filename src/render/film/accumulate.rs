@@ -2,8 +2,7 @@
 
 use super::classes::PathClasses;
 use super::fixed::{FixedRgb, UNIT};
-use super::pixel::Dropped;
-use super::pixel::Pixel;
+use super::pixel::{Dropped, Pixel};
 use super::row::Row;
 use super::splats::Splats;
 use crate::error::{Error, Result};

@@ -3,8 +3,7 @@
 use super::accumulate::Film;
 use super::classes::PathClasses;
 use super::part::Part;
-use super::pixel::Dropped;
-use super::pixel::Pixel;
+use super::pixel::{Dropped, Pixel};
 use super::ranges::Ranges;
 use super::sums::slots;
 use crate::error::{Error, Result};

@@ -1,8 +1,8 @@
 //! One pixel of the film: how many samples it had, their sums and the sums of their squares; and samples that did not count: how
 //! many, why, and where the first impossible one was.
 
+use super::fixed::{Fixed, FixedRgb, LIMIT, spread};
 use crate::math::Rgb;
-use crate::render::film::fixed::{Fixed, FixedRgb, LIMIT, spread};
 use serde::Serialize;
 use std::fmt;
 

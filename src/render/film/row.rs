@@ -1,8 +1,7 @@
 //! A row of the film while samples are added to it: light that is not finite or negative is dropped, counted and located.
 
 use super::fixed::{FixedRgb, LIMIT, UNIT};
-use super::pixel::Dropped;
-use super::pixel::Pixel;
+use super::pixel::{Dropped, Pixel};
 use super::splats::{OfPath, Splat, Splats};
 use crate::math::Rgb;
 use std::sync::{Mutex, PoisonError};

@@ -1,7 +1,6 @@
 //! Loops over rays against one shape or box, which vectorize.
 
-use crate::render::lanes::Wide;
-use crate::render::lanes::{Hits, LANES, Lane, Rays, at};
+use crate::render::lanes::{Hits, LANES, Lane, Rays, Wide, at};
 use crate::render::solids::Solid;
 use glam::Vec3;
 

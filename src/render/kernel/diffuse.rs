@@ -1,16 +1,13 @@
 //! Diffuse hits in vectorized loops: rays towards a light, and the directions in which the paths continue.
 
-use super::paths::Step;
-use super::paths::{Paths, Points, Shadows};
+use super::paths::{Paths, Points, Shadows, Step};
 use crate::bsdf::Bsdf;
 use crate::math::circular::Circular;
 use crate::math::{Frame, Rgb};
 use crate::render::departure::Departure;
 use crate::render::geometry::Surface;
-use crate::render::lanes::{LANES, Lane, Lane3, ZERO3, at, set};
-use crate::render::lanes::{Wide, wide};
-use crate::render::light_sample::LightSampleLanes;
-use crate::render::light_sample::balance_heuristic;
+use crate::render::lanes::{LANES, Lane, Lane3, Wide, ZERO3, at, set, wide};
+use crate::render::light_sample::{LightSampleLanes, balance_heuristic};
 use crate::render::light_tracing::projected;
 use crate::render::shaders::Kind;
 use glam::Vec3;

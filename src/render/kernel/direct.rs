@@ -1,13 +1,11 @@
 //! Direct light at the hits: light sampling, and directions that are sampled without regard to light.
 
 use super::light_samples::{Choice, Places, Source, sample, sources};
-use super::paths::Step;
-use super::paths::{Points, Radiance, Shadows, Vertex};
+use super::paths::{Points, Radiance, Shadows, Step, Vertex};
 use super::rough::{self, Bsdfs, Scattered};
 use super::{diffuse, general};
 use crate::render::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
-use crate::render::light_sample::LightSampleLanes;
-use crate::render::light_sample::balance_heuristic;
+use crate::render::light_sample::{LightSampleLanes, balance_heuristic};
 use crate::render::light_selection::Round;
 use crate::render::prepared::PreparedScene;
 use crate::render::shaders::{Kind, SurfaceShader};

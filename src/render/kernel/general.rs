@@ -1,7 +1,6 @@
 //! Surfaces that are not diffuse: how paths continue at delta lobes, and at any other BSDF.
 
-use super::paths::Step;
-use super::paths::{Paths, Vertex};
+use super::paths::{Paths, Step, Vertex};
 use super::rough::{self, Bsdfs, Scattered};
 use crate::bsdf::{Bsdf, BsdfSample, Scatter};
 use crate::math::Rgb;

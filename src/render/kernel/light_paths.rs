@@ -15,8 +15,7 @@ use crate::render::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_r
 use crate::render::lights::SHORT;
 use crate::render::prepared::{Dimensions, PreparedScene};
 use crate::render::sample_lanes::SampleLanes;
-use crate::render::shaders::{Kind, SurfaceShader};
-use crate::render::shaders::{adjoint_factor, is_sound};
+use crate::render::shaders::{Kind, SurfaceShader, adjoint_factor, is_sound};
 use glam::{Vec2, Vec3};
 
 /// A light path in flight. Its ray is in [`LightPathBuffers`].

@@ -3,8 +3,7 @@
 use super::paths::Step;
 use crate::math::{Frame, Rgb};
 use crate::render::environment::BsdfOnly;
-use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, NOTHING, at, set};
-use crate::render::lanes::{Wide, wide};
+use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, NOTHING, Wide, at, set, wide};
 use crate::render::light_lanes;
 use crate::render::light_sample::{LightSample, LightSampleLanes};
 use crate::render::light_selection::{Lights, Round, Selection};

@@ -29,8 +29,7 @@ use super::sample_lanes::SampleLanes;
 use super::shaders::Kind;
 use crate::bsdf::Bsdf;
 use direct::DirectLight;
-use paths::Step;
-use paths::Vertex;
+use paths::{Step, Vertex};
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]

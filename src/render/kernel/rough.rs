@@ -1,8 +1,7 @@
 //! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
 
 use crate::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
-use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
-use crate::render::lanes::{Wide, wide};
+use crate::render::lanes::{BLOCK, LANES, Lane, Lane3, Wide, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set, wide};
 use crate::render::shaders::SurfaceShader;
 use glam::Vec2;
 use pulp::Arch;

@@ -2,8 +2,7 @@
 
 use super::erratum::{Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
 use crate::bsdf::{ConductorFresnel, ErrataConductor, Scatter, pdf_without_cosine};
-use crate::errata::microfacet::MetalErrors;
-use crate::errata::microfacet::lambda_with_pi;
+use crate::errata::microfacet::{MetalErrors, lambda_with_pi};
 use crate::error::Result;
 use crate::optics::conductor::{fresnel, fresnel_approximate};
 use crate::optics::metals::{COPPER, METALS};

@@ -1,7 +1,6 @@
 //! What the second report sees appear at each maximum depth: where each class is, and how it stands out there.
 
-use super::claim::Share;
-use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Unit, VISIBLE, percent};
+use super::claim::{Agreement, Bound, Claim, Finding, SIGMAS, Share, Unit, VISIBLE, percent};
 use super::events::{Event, World, word};
 use super::feature::{ClassImage, Place, PlacePicture, View};
 use super::features::{And, Feature, features};

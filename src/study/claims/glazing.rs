@@ -1,12 +1,12 @@
 //! The second report's glazing on the glass sphere: which of the long paths make it, by what happens where the eye's ray first meets
 //! the sphere.
 
+use super::claim::{Agreement, Bound, Claim, Finding, Share, Unit, VISIBLE, percent};
+use super::events::Event;
+use super::feature::{Place, PlacePicture, View};
 use crate::math::mean_rgb;
 use crate::raster::Image;
 use crate::sampling::stream::{Independent, Stream};
-use crate::study::claims::claim::{Agreement, Bound, Claim, Finding, Share, Unit, VISIBLE, percent};
-use crate::study::claims::events::Event;
-use crate::study::claims::feature::{Place, PlacePicture, View};
 use crate::study::depth::{DEPTHS, Depths};
 use crate::study::object_ids::{Kind, ObjectIdBuffer};
 use glam::DVec3;

@@ -1,7 +1,6 @@
 //! One input of a family, the errors of all variants there, and how much of them rounding of the input alone would explain.
 
-use super::number::Precision;
-use super::number::{Formula, Number, Value, dot};
+use super::number::{Formula, Number, Precision, Value, dot};
 use super::precise::Precise;
 
 /// One input in one precision.

@@ -1,12 +1,12 @@
 //! Replay of one input by every variant in every precision; and a search for the worst inputs within ranges, by random numbers that
 //! are uniform over the floating-point numbers of each range, so that every power of two counts as much as any other.
 
+use super::case::{Exact, Flaw};
+use super::inputs::parse;
+use super::number::Precision;
+use super::sweep::{Sweep, case};
 use crate::error::{Error, Result};
 use crate::sampling::stream::CounterRng;
-use crate::study::stability::case::{Exact, Flaw};
-use crate::study::stability::inputs::parse;
-use crate::study::stability::number::Precision;
-use crate::study::stability::sweep::{Sweep, case};
 use rand::RngExt;
 use serde::Serialize;
 
