@@ -8,21 +8,29 @@ use std::path::{Path, PathBuf};
 
 /// Digits of a commit that are shown.
 const DIGITS: usize = 10;
-/// What a result may depend on. A packaged crate has the tests' crate as a dependency, whose version is in the lock file.
-const SOURCES: [&str; 3] = ["src", "crates/etalon-stats/src", "Cargo.lock"];
+/// What a result may depend on, beside the sources of the crates. A packaged program has them as dependencies, whose versions are
+/// in the lock file.
+const SOURCES: [&str; 3] = ["src", "envmaps", "Cargo.lock"];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let commit = commit(Path::new(".git")).unwrap_or_default();
     println!("cargo::rustc-env=ETALON_COMMIT={}", commit.get(..DIGITS).unwrap_or_default());
     let mut sources = Fnv(0xcbf2_9ce4_8422_2325);
-    for path in SOURCES.map(Path::new) {
-        if path.exists() {
-            println!("cargo::rerun-if-changed={}", path.display());
-            sources.add(path);
-        }
+    let crates = entries(Path::new("crates")).into_iter().map(|path| path.join("src"));
+    for path in SOURCES.iter().map(PathBuf::from).chain(crates).filter(|path| path.exists()) {
+        println!("cargo::rerun-if-changed={}", path.display());
+        sources.add(&path);
     }
     println!("cargo::rustc-env=ETALON_SOURCES={:016x}", sources.0);
+}
+
+/// The entries of a folder, in the order of their names; none if it cannot be read.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<PathBuf> =
+        read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    entries
 }
 
 /// The hash FNV-1a of names and contents of files.
@@ -34,10 +42,11 @@ impl Fnv {
         // The same name on every system
         let names: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy()).collect();
         self.bytes(names.join("/").as_bytes());
-        let Ok(folder) = read_dir(path) else { return self.bytes(&read(path).unwrap_or_default()) };
-        let mut entries: Vec<PathBuf> = folder.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        entries.sort();
-        entries.iter().for_each(|entry| self.add(entry));
+        if path.is_dir() {
+            entries(path).iter().for_each(|entry| self.add(entry));
+        } else {
+            self.bytes(&read(path).unwrap_or_default());
+        }
     }
 
     fn bytes(&mut self, bytes: &[u8]) {

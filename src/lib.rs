@@ -1,53 +1,33 @@
 //! A test bench for the sampling code of physically based renderers: plots, environment maps, a small path tracer and
-//! statistical tests.
+//! statistical tests. `ARCHITECTURE.md` says more.
 //!
-//! Modules in layers, highest first; a module imports only from lines below its own. Those without a link are
-//! private to the program. The repository's `ARCHITECTURE.md` says more.
+//! Each crate below imports only from those under it; this one re-exports what its users need.
 //!
-//! | modules | what they hold |
+//! | crate | what it holds |
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call, print |
-//! | `gallery` | one file per figure, the registry of figures, their checks and the page |
 //! | [`summary`] | results of studies for other user interfaces: text, SVG, CSV |
-//! | `view` | results of studies as drawings and tables |
-//! | [`study`] | one file or folder per experiment: computes a plain result |
-//! | [`render`], [`import`], [`export`] | the path tracer and its film; scene files, meshes, external samplers; scenes as files of other renderers |
-//! | [`scene`] | camera, shapes, BVH, materials, lights, built-in scenes |
-//! | [`bsdf`], [`envmap`] | BSDFs; lat-long maps and their samplers |
-//! | `output` | drawings and tables as files |
-//! | [`raster`], `figure` | float images and their files; plots as SVG, PNG and PDF |
-//! | [`errata`] | the formulas that are wrong in the two reports |
-//! | [`sampling`] | warps, tables, normals of microfacets, solid angles of shapes |
-//! | [`optics`] | Fresnel equations, metals, microfacet distributions |
-//! | [`math`] | colours, local frames, the float trait, elementary functions |
-//! | `files`, [`memory`], [`interrupt`], [`error`] | atomic files, the limit of memory, Ctrl-C, the error type |
-//!
-//! The statistical tests are the crate [`etalon_stats`].
+//! | `etalon_figures` | plots, views of results, the figures and their page |
+//! | [`study`] (`etalon_bench`) | one file or folder per experiment: computes a plain result |
+//! | [`render`] (`etalon_render`) | the path tracer and its film |
+//! | `etalon_core` | [`import`], [`export`], [`scene`], [`bsdf`], [`envmap`], [`raster`], [`errata`], [`sampling`], [`optics`], [`math`] |
+//! | [`etalon_stats`] | statistical tests of samplers; knows nothing of rendering |
+//! | [`etalon_random`] | hash functions and random streams |
 
 // Only the command line prints.
+#![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
-pub mod bsdf;
 pub mod cli;
-pub mod envmap;
-pub mod errata;
-pub mod error;
-pub mod export;
-mod figure;
-mod files;
-mod gallery;
-pub mod import;
-pub mod interrupt;
-pub mod math;
-pub mod memory;
-pub mod optics;
-mod output;
-pub mod raster;
-pub mod render;
-pub mod sampling;
-pub mod scene;
-pub mod study;
 pub mod summary;
-mod view;
 
-pub use error::{Error, Result};
+pub use etalon_bench as study;
+pub use etalon_bench::protocol;
+pub use etalon_core::build::Build;
+pub use etalon_core::{Error, Result};
+pub use etalon_core::{bsdf, envmap, errata, export, import, interrupt, math, memory, optics, raster, sampling, scene};
+pub use etalon_render as render;
+
+/// What this program is built from.
+pub const BUILD: Build =
+    Build { version: env!("CARGO_PKG_VERSION"), sources: env!("ETALON_SOURCES"), commit: env!("ETALON_COMMIT") };

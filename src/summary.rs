@@ -1,11 +1,11 @@
 //! Results of studies for other user interfaces than the command line: as text, as a figure, as a table.
 
-use crate::error::Result;
-use crate::output::table;
-use crate::study::albedo::Table;
-use crate::study::compare::Compared;
-use crate::study::validation::{Tested, Validation};
-use crate::view;
+use etalon_bench::albedo::Table;
+use etalon_bench::compare::Compared;
+use etalon_bench::validation::{Tested, Validation};
+use etalon_core::error::Result;
+use etalon_figures::output::table;
+use etalon_figures::view;
 
 /// What the command line prints and writes of a result.
 pub trait Summary {
@@ -18,7 +18,7 @@ pub trait Summary {
     /// The table as a CSV document with a header; `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) if the table cannot be put together.
+    /// [`Error::Io`](etalon_core::Error::Io) if the table cannot be put together.
     fn csv(&self) -> Result<Option<Vec<u8>>>;
 }
 

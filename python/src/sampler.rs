@@ -4,7 +4,7 @@ use crate::arrays::{Numbers, flags, numbers, rows};
 use crate::caller::{Caller, run};
 use crate::calls::Calls;
 use crate::found::Found;
-use etalon::import::sampler::{Coordinates, Space, Visitor};
+use etalon::protocol::sampler::{Coordinates, Space, Visitor};
 use etalon::study::validation::{Case, run as validate};
 use etalon_stats::{
     Atom, Density, Mass, Protocol, SINGLE_PRECISION, Sample, SampleCount, Sampler, Verdict, examine, explain,

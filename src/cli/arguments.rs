@@ -1,9 +1,9 @@
 //! The arguments of a run as a whole: the files that they name.
 
-use crate::error::{Error, Result};
-use crate::files;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command};
+use etalon_core::error::{Error, Result};
+use etalon_core::files;
 use std::any::TypeId;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;

@@ -2,9 +2,9 @@
 
 use super::console::Console;
 use super::global::Verdict;
-use crate::error::{Error, Result};
 use clap::{Args, Command, value_parser};
 use clap_complete::{Shell, generate};
+use etalon_core::error::{Error, Result};
 
 /// Print a script that completes options in a shell
 #[derive(Args)]

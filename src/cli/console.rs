@@ -1,7 +1,7 @@
 //! Output: results to standard output, warnings, errors and progress to standard error.
 
-use crate::error::{Error, Result};
-use crate::output::Written;
+use etalon_core::error::{Error, Result};
+use etalon_figures::output::Written;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::io::{IsTerminal, Write};

@@ -2,9 +2,9 @@
 
 use super::console::Console;
 use super::program::ExternalBsdf;
-use crate::error::{Error, Result};
-use crate::study::sweep::Families;
-use crate::study::validation::families;
+use etalon_bench::sweep::Families;
+use etalon_bench::validation::families;
+use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::{Family, Parameter};
 use serde::Serialize;
 use std::collections::BTreeMap;

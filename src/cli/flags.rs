@@ -4,8 +4,8 @@
 //! that differ. Texts of the library put the names of other parameters between backquotes.
 
 use super::arguments::called;
-use crate::error::Error;
 use clap::{Arg, ArgMatches, Command};
+use etalon_core::error::Error;
 
 /// Names of the library, and the ids of the arguments that set them where these differ.
 const ALIASES: [(&str, &str); 11] = [
@@ -149,7 +149,8 @@ mod tests {
     #[test]
     fn every_parameter_of_the_library_is_an_argument() {
         let mut names = Vec::new();
-        names_in(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut names);
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        ["src", "crates"].iter().for_each(|folder| names_in(&root.join(folder), &mut names));
         assert!(names.len() > 50, "{names:?}");
         let flags = flags("scenes");
         for name in names {

@@ -3,16 +3,16 @@
 use super::console::Console;
 use super::global::{Global, Verdict, out};
 use super::values::{choice, model};
-use crate::errata::Formulas;
-use crate::error::{Error, Result};
-use crate::optics::media::{self, Medium};
-use crate::optics::{D_LINE_NM, metals};
-use crate::output;
-use crate::study::media::{Interface, MediumCurves};
-use crate::study::{fresnel, media as study, metal, special_angles};
-use crate::view::media::{CURVES, Curve};
-use crate::view::{fresnel as view, media as media_view, special_angles as angles_view};
 use clap::{ArgAction, Args};
+use etalon_bench::media::{Interface, MediumCurves};
+use etalon_bench::{fresnel, media as study, metal, special_angles};
+use etalon_core::errata::Formulas;
+use etalon_core::error::{Error, Result};
+use etalon_core::optics::media::{self, Medium};
+use etalon_core::optics::{D_LINE_NM, metals};
+use etalon_figures::output;
+use etalon_figures::view::media::{CURVES, Curve};
+use etalon_figures::view::{fresnel as view, media as media_view, special_angles as angles_view};
 use serde::Serialize;
 
 /// Plot the reflectance of dielectrics and metals over the angle of incidence

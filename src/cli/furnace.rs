@@ -5,12 +5,12 @@ use super::families::{families, list};
 use super::global::{Global, Verdict, out, seed, threads};
 use super::program::ExternalBsdf;
 use super::values::setting;
-use crate::error::{Error, Result};
-use crate::output;
-use crate::study::albedo::{Request, albedo_table};
-use crate::study::validation::families;
-use crate::view::furnace as view;
 use clap::{ArgAction, Args};
+use etalon_bench::albedo::{Request, albedo_table};
+use etalon_bench::validation::families;
+use etalon_core::error::{Error, Result};
+use etalon_figures::output;
+use etalon_figures::view::furnace as view;
 use etalon_stats::bsdf::Family;
 use std::collections::BTreeMap;
 

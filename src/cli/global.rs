@@ -1,9 +1,9 @@
 //! What subcommands have in common: the options that all or most take, and the verdict.
 
 use super::arguments::{Arguments, called};
-use crate::output::Target;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, value_parser};
+use etalon_figures::output::Target;
 use std::path::PathBuf;
 
 pub const DEFAULT_SEED: u64 = 1;

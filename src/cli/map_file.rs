@@ -1,14 +1,14 @@
 //! Loading the environment map that a command names, a built-in one or a file, with its zenith in row 0.
 
 use super::console::Console;
-use crate::envmap::info::Info;
-use crate::envmap::synthetic::Synthetic;
-use crate::envmap::{EnvMap, Grace, NamedMap, check_range};
-use crate::error::{Error, Result};
-use crate::interrupt;
-use crate::raster::{self, ReadOptions};
-use crate::view::text::counted;
 use clap::Args;
+use etalon_core::envmap::info::Info;
+use etalon_core::envmap::synthetic::Synthetic;
+use etalon_core::envmap::{EnvMap, Grace, NamedMap, check_range};
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use etalon_core::raster::{self, ReadOptions};
+use etalon_figures::view::text::counted;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;

@@ -28,11 +28,11 @@ mod sweep;
 mod validate;
 mod values;
 
-use crate::error::{Error, Result};
-use crate::files;
-use crate::memory;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
+use etalon_core::error::{Error, Result};
+use etalon_core::files;
+use etalon_core::memory;
 use flags::Flags;
 use global::{Global, Verdict};
 use std::ffi::OsString;
@@ -87,6 +87,7 @@ enum Command {
 ///
 /// It sets what belongs to the whole process: handlers of signals, the number of threads, the limit of memory.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
+    crate::BUILD.state();
     // Parse the arguments
     let mut command = Cli::command();
     command.build();

@@ -1,9 +1,9 @@
 //! BSDFs of another program: the arguments that start it.
 
-use crate::error::{Error, Result};
-use crate::import::program::bsdf::Program;
-use crate::import::program::{self, External};
 use clap::Args;
+use etalon_bench::protocol::program::bsdf::Program;
+use etalon_bench::protocol::program::{self, External};
+use etalon_core::error::{Error, Result};
 use std::time::Duration;
 
 /// Another program.

@@ -1,11 +1,11 @@
 //! `--junit` and `--markdown`: reports of checks for continuous integration.
 
 use super::global::OUTPUT;
-use crate::error::{Error, Result};
-use crate::files;
-use crate::output;
-use crate::view::checks::Checks;
 use clap::Args;
+use etalon_core::error::{Error, Result};
+use etalon_core::files;
+use etalon_figures::output;
+use etalon_figures::view::checks::Checks;
 use std::path::{Path, PathBuf};
 
 /// The options, of subcommands with checks.

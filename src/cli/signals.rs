@@ -1,7 +1,7 @@
 //! Signals: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP asks the command to stop, a second one ends the process at once. So does
 //! the first, if for [`PATIENCE`] no work looks whether it was asked and no file is written: it reads files, say, and has no results.
 
-use crate::interrupt;
+use etalon_core::interrupt;
 use std::io;
 #[cfg(unix)]
 use std::time::Duration;
@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Those of the operating system, for example when there can be no further thread.
 #[cfg(unix)]
 pub fn install() -> io::Result<()> {
-    use crate::files;
+    use etalon_core::files;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use std::io::Write;

@@ -1,9 +1,9 @@
 //! Values of flags: choices among names, and environment-map samplers.
 
-use crate::envmap::samplers::{self, Entry, MapSampling};
-use crate::errata::Formulas;
-use crate::sampling::filter::{PixelFilter, RANGE};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use etalon_core::envmap::samplers::{self, Entry, MapSampling};
+use etalon_core::errata::Formulas;
+use etalon_core::sampling::filter::{PixelFilter, RANGE};
 
 /// Parses one of a few names; each has a help, which may be empty, and a value.
 pub fn choice<T: Clone + Send + Sync + 'static>(

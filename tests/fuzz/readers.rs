@@ -2,12 +2,12 @@
 
 use etalon::envmap::EnvMap;
 use etalon::envmap::info::Info;
-use etalon::import::program::sampler::Client;
-use etalon::import::program::{Answer, Connection, External, connect};
-use etalon::import::sampler::files::{GridDensity, SampleFile};
-use etalon::import::sampler::{Coordinates, Space, Visitor};
 use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
+use etalon::protocol::program::sampler::Client;
+use etalon::protocol::program::{Answer, Connection, External, connect};
+use etalon::protocol::sampler::files::{GridDensity, SampleFile};
+use etalon::protocol::sampler::{Coordinates, Space, Visitor};
 use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};

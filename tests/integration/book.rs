@@ -163,6 +163,10 @@ fn files_and_tests_that_texts_name_exist() {
                 assert!(root.join(path).exists(), "{name} names {path}, which does not exist");
                 count += 1;
             }
+            if path.starts_with("etalon-") && path.contains("/src/") {
+                assert!(root.join("crates").join(path).exists(), "{name} names {path}, which does not exist");
+                count += 1;
+            }
         }
         for test in text.split("cargo ").skip(1).filter_map(|rest| rest.split('`').next()?.split(" --test ").nth(1)) {
             let test = test.split_whitespace().next().unwrap();

@@ -2,7 +2,7 @@
 
 use crate::extremes::Extremes;
 use crate::grid::Cell;
-use crate::warp::turns;
+use etalon_random::turns;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Debug;
 

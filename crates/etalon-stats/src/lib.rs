@@ -7,6 +7,7 @@
 //! [`assert_samples_follow_pdf`] is for tests; [`validate`] returns an [`Outcome`], [`decide`] judges many.
 //!
 #![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod assertion;
@@ -26,7 +27,6 @@ mod examine;
 mod extremes;
 mod fixed;
 mod grid;
-pub mod hash;
 pub mod kolmogorov;
 mod mass;
 pub mod multiple;
@@ -37,19 +37,18 @@ mod repeats;
 mod sampler;
 mod scales;
 mod serial;
-pub mod stream;
 mod structure;
 mod subdivision;
 pub mod sweep;
 mod tally;
 mod text;
-pub mod warp;
 pub mod welch;
 
 pub use assertion::{assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
 pub use density::{Atom, Density, DensityFn, Mass, SINGLE_PRECISION, density};
 pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};
 pub use error::{Error, Result};
+pub use etalon_random::{hash, stream};
 pub use examine::{Protocol, SampleCount, examine, validate};
 pub use extremes::Extremes;
 pub use grid::{Cell, Grid};

@@ -4,15 +4,15 @@ use super::options::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
 use crate::cli::values::choice;
-use crate::envmap::cut::{SideRule, Split};
-use crate::envmap::info::Info;
-use crate::error::Result;
-use crate::interrupt;
-use crate::output::{self, Written};
-use crate::study::median_cut::{self, Centroid};
-use crate::view::map::Display;
-use crate::view::text::counted;
 use clap::{ArgAction, Args};
+use etalon_bench::median_cut::{self, Centroid};
+use etalon_core::envmap::cut::{SideRule, Split};
+use etalon_core::envmap::info::Info;
+use etalon_core::error::Result;
+use etalon_core::interrupt;
+use etalon_figures::output::{self, Written};
+use etalon_figures::view::map::Display;
+use etalon_figures::view::text::counted;
 use serde::Serialize;
 
 /// Divide a map by median cut

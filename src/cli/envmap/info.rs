@@ -3,10 +3,10 @@
 use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
-use crate::envmap::info;
-use crate::error::Result;
-use crate::view::text::rounded;
 use clap::Args;
+use etalon_core::envmap::info;
+use etalon_core::error::Result;
+use etalon_figures::view::text::rounded;
 
 /// Print a map's size, range, flux and contrast
 #[derive(Args)]

@@ -2,12 +2,12 @@
 
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
-use crate::envmap::synthetic::Synthetic;
-use crate::error::{Error, Result};
-use crate::interrupt;
-use crate::output;
-use crate::raster::{self, Metadata, Precision, WriteOptions};
 use clap::Args;
+use etalon_core::envmap::synthetic::Synthetic;
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use etalon_core::raster::{self, Metadata, Precision, WriteOptions};
+use etalon_figures::output;
 use serde::Serialize;
 
 /// Write a built-in map

@@ -9,8 +9,8 @@ mod sample;
 
 use super::console::Console;
 use super::global::{Global, Verdict};
-use crate::error::Result;
 use clap::Subcommand;
+use etalon_core::error::Result;
 
 #[derive(Subcommand)]
 pub enum Envmap {

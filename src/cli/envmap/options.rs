@@ -4,10 +4,10 @@ use crate::cli::console::Console;
 use crate::cli::global::{OUTPUT, Verdict};
 use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::stops;
-use crate::envmap::NamedMap;
-use crate::error::{Error, Result};
-use crate::view::map::Look;
 use clap::Args;
+use etalon_core::envmap::NamedMap;
+use etalon_core::error::{Error, Result};
+use etalon_figures::view::map::Look;
 use serde::Serialize;
 use std::ffi::OsString;
 

@@ -3,12 +3,12 @@
 use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
-use crate::error::{Error, Result};
-use crate::output;
-use crate::study::proposal::{self, Along, Cost};
-use crate::view::proposal as view;
-use crate::view::text::{p_is, rounded};
 use clap::Args;
+use etalon_bench::proposal::{self, Along, Cost};
+use etalon_core::error::{Error, Result};
+use etalon_figures::output;
+use etalon_figures::view::proposal as view;
+use etalon_figures::view::text::{p_is, rounded};
 use etalon_stats::chi_square::ChiSquare;
 use serde::Serialize;
 

@@ -1,10 +1,10 @@
 //! The files of a render: images, and the state from which it can be continued.
 
-use crate::error::{Error, Result};
-use crate::files::{self, is_same_file};
-use crate::output::{self, Target, Written};
-use crate::raster::{self, Image, Metadata, ToneMap, WriteOptions};
-use crate::render::film::Part;
+use etalon_core::error::{Error, Result};
+use etalon_core::files::{self, is_same_file};
+use etalon_core::raster::{self, Image, Metadata, ToneMap, WriteOptions};
+use etalon_figures::output::{self, Target, Written};
+use etalon_render::film::Part;
 use std::path::{Path, PathBuf};
 
 pub struct Images {

@@ -11,17 +11,18 @@ use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
 use super::shard::Shard;
 use super::values::{choice, map_samplers, map_sampling, stops};
-use crate::envmap::samplers::MapSampling;
-use crate::errata::microfacet::MetalErrors;
-use crate::error::{Error, Result};
-use crate::output::Target;
-use crate::raster::{BUILD, BUILD_NAME, Metadata, ToneMap};
-use crate::render::film::{Film, Part, shard};
-use crate::render::{Job, Kernel, Sampling, Settings};
-use crate::sampling::stream::StreamKind;
-use crate::scene::{Request, Scene};
-use crate::view::text::counted;
 use clap::Args;
+use etalon_core::build::Build;
+use etalon_core::envmap::samplers::MapSampling;
+use etalon_core::errata::microfacet::MetalErrors;
+use etalon_core::error::{Error, Result};
+use etalon_core::raster::{BUILD_NAME, Metadata, ToneMap};
+use etalon_core::sampling::stream::StreamKind;
+use etalon_core::scene::{Request, Scene};
+use etalon_figures::output::Target;
+use etalon_figures::view::text::counted;
+use etalon_render::film::{Film, Part, shard};
+use etalon_render::{Job, Kernel, Sampling, Settings};
 use images::{Images, Look};
 use model::ModelArgs;
 use std::ops::Range;
@@ -262,7 +263,7 @@ impl Render {
     fn metadata(&self, scene: &Scene, request: &Request, settings: &Settings) -> Metadata {
         Metadata::default()
             .with("command", command_line())
-            .with(BUILD_NAME, BUILD)
+            .with(BUILD_NAME, Build::current().id())
             .with("scene", &scene.name)
             .with("seed", settings.seed)
             .with("spp", request.spp)

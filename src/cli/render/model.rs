@@ -1,11 +1,11 @@
 //! Flags for the scattering model: the correct formulas, approximations, the reports' errors.
 
-use crate::bsdf::{DielectricFresnel, NormalSampling};
 use crate::cli::values::choice;
-use crate::errata::microfacet::MetalErrors;
-use crate::error::{Error, Result};
-use crate::scene::ScatterModel;
 use clap::{ArgAction, Args};
+use etalon_core::bsdf::{DielectricFresnel, NormalSampling};
+use etalon_core::errata::microfacet::MetalErrors;
+use etalon_core::error::{Error, Result};
+use etalon_core::scene::ScatterModel;
 
 /// Which formulas to use.
 #[derive(Args)]

@@ -1,12 +1,12 @@
 //! The summary of a render as JSON and as text: mean, standard error, time, memory, path classes.
 
-use crate::memory;
-use crate::output::Written;
-use crate::raster::Image;
-use crate::render::Dropped;
-use crate::render::film::Part;
-use crate::scene::Request;
-use crate::view::text::counted;
+use etalon_core::memory;
+use etalon_core::raster::Image;
+use etalon_core::scene::Request;
+use etalon_figures::output::Written;
+use etalon_figures::view::text::counted;
+use etalon_render::Dropped;
+use etalon_render::film::Part;
 use glam::DVec3;
 use serde::Serialize;
 

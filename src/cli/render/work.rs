@@ -1,11 +1,11 @@
 //! A running render: what is continued from a file, the progress bar, periodic saves of the state, the end by Ctrl-C.
 
 use crate::cli::console::Console;
-use crate::error::{Error, Result};
-use crate::raster::Metadata;
-use crate::render::film::Part;
-use crate::render::{Control, Job};
-use crate::{files, interrupt};
+use etalon_core::error::{Error, Result};
+use etalon_core::raster::Metadata;
+use etalon_core::{files, interrupt};
+use etalon_render::film::Part;
+use etalon_render::{Control, Job};
 use indicatif::ProgressBar;
 use std::ops::Range;
 use std::path::Path;
@@ -117,16 +117,18 @@ fn differences(held: &Part, fresh: &Part) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{BUILD, BUILD_NAME};
-    use crate::render::film::Film;
+    use etalon_core::build::Build;
+    use etalon_core::raster::BUILD_NAME;
+    use etalon_render::film::Film;
 
     #[test]
     fn a_part_of_another_build_is_refused_with_both_builds() {
         let part = |build: &str, fingerprint: &str| {
             Part::new(Film::new(2, 2, None).unwrap(), 4, fingerprint, Metadata::default().with(BUILD_NAME, build))
         };
-        let (held, fresh) = (part("0.1.0+9", "f1"), part(BUILD, "f2"));
+        let build = Build::current().id();
+        let (held, fresh) = (part("0.1.0+9", "f1"), part(&build, "f2"));
         let error = continued(held, Path::new("state.exr"), &fresh).unwrap_err().to_string();
-        assert!(error.contains(&format!("build: 0.1.0+9 there, {BUILD} here")), "{error}");
+        assert!(error.contains(&format!("build: 0.1.0+9 there, {build} here")), "{error}");
     }
 }

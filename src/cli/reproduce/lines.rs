@@ -1,8 +1,8 @@
 //! The lines of figures: id, verdict, seconds and files when a figure is done, and its checks below.
 
-use crate::gallery::{Check, Reproduced, skipped};
-use crate::output::braced;
-use crate::view::text::{counted, wrapped};
+use etalon_figures::gallery::{Check, Reproduced, skipped};
+use etalon_figures::output::braced;
+use etalon_figures::view::text::{counted, wrapped};
 use std::path::{Path, PathBuf};
 
 /// Most columns of a line.
@@ -74,7 +74,7 @@ pub fn summary(figures: &[Reproduced], interrupted: bool, page: &Path, seconds: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gallery::registry;
+    use etalon_figures::gallery::registry;
 
     fn figure(id: &'static str, extensions: &[&str], checks: Vec<Check>) -> Reproduced {
         let files = extensions.iter().map(|extension| PathBuf::from(format!("a/b/{id}.{extension}"))).collect();

@@ -3,14 +3,14 @@
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::reports::Reports;
-use crate::error::Result;
-use crate::files;
-use crate::output::{self, Saving};
-use crate::study::validation::planted::{self, By, Finding, Findings, PlantedFault};
-use crate::view::checks::{Check, Checks};
-use crate::view::planted as view;
-use crate::view::text::{counted, wrapped};
-use crate::view::validation_text::{found, p_value};
+use etalon_bench::validation::planted::{self, By, Finding, Findings, PlantedFault};
+use etalon_core::error::Result;
+use etalon_core::files;
+use etalon_figures::output::{self, Saving};
+use etalon_figures::view::checks::{Check, Checks};
+use etalon_figures::view::planted as view;
+use etalon_figures::view::text::{counted, wrapped};
+use etalon_figures::view::validation_text::{found, p_value};
 use etalon_stats::Protocol;
 
 pub use planted::all;

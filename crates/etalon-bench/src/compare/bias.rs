@@ -1,0 +1,90 @@
+//! A difference in parts of the mean of B.
+
+use etalon_stats::Extremes;
+use etalon_stats::difference::Difference;
+use etalon_stats::welch::Mean;
+
+/// A difference in parts of the mean of B in its channel, with an interval. The intervals of a family hold together with
+/// the probability 1 − level/3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bias {
+    /// A − B.
+    pub value: f64,
+    /// Its lower end.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+}
+
+impl Bias {
+    /// A `difference` in parts of the mean of B, with an interval at `level`; nothing where that mean is not told from 0.
+    ///
+    /// Fieller's interval has all θ for which the difference D less θ times the mean M is no further from 0 than t standard
+    /// errors. Of whatever correlation, these are at most s + |θ| s_M, so that the ends of D's interval, each by the end of M's
+    /// that makes the interval wider, hold it. Source: Fieller, "Some Problems in Interval Estimation", Journal of the Royal
+    /// Statistical Society B 16, 1954.
+    pub(super) fn of(difference: Difference, of_b: Mean, level: f64) -> Option<Self> {
+        let mean = Difference::of(Mean { value: of_b.value.abs(), ..of_b }, Mean::exact(0.0), 0.0);
+        let dof = difference.dof.at_most(mean.dof);
+        let [half, half_of_mean] = [difference, mean].map(|of| Difference { dof, ..of }.half_width(level));
+        let [least, most] = [mean.value - half_of_mean, mean.value + half_of_mean];
+        let [low, high] = [difference.value - half, difference.value + half];
+        (least > 0.0).then(|| Self {
+            value: difference.value / mean.value,
+            low: low / if low < 0.0 { least } else { most },
+            high: high / if high > 0.0 { least } else { most },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Answer, Family, FamilyResult, Plan, Side, Tested, compare};
+    use etalon_core::math::Rgb;
+    use etalon_core::raster::Image;
+    use etalon_stats::stream::CounterRng;
+    use rand::RngExt;
+    use rayon::prelude::*;
+
+    /// 16 images of this expectation, 8 × 8 pixels, each the mean of `samples` exponential values.
+    fn side(rng: &mut CounterRng, expectation: f32, samples: usize) -> Side {
+        let mut value = || (0..samples).map(|_| -(1.0 - rng.random::<f32>()).ln()).sum::<f32>() / samples as f32;
+        let mut pixel = || Rgb::from_array([value(), value(), value()]) * expectation;
+        Side::replicates((0..16).map(|_| Image::from_fn(8, 8, |_, _| pixel())).collect())
+    }
+
+    #[test]
+    fn the_ratio_is_in_its_interval() {
+        const PAIRS: u64 = 200;
+        for factor in [0.5, 1.0, 1.5, 3.0] {
+            for samples_of_b in [1, 100] {
+                let is_inside = |pair: u64| {
+                    let rng = &mut CounterRng::new(17, pair);
+                    let [a, b] = [side(rng, factor, 400), side(rng, 1.0, samples_of_b)];
+                    let compared = compare(a, b, Plan { level: 0.01, detect: 0.01 }).unwrap();
+                    assert!(factor == 1.0 || compared.answer == Answer::Different);
+                    let holds = |family: &FamilyResult, test: &Tested| {
+                        // Of a uniform image, the modes have the expectation 0, and tiles that of the image.
+                        let truth = if family.family == Family::LowFrequency { 0.0 } else { f64::from(factor) - 1.0 };
+                        let bias = compared.bias(family, test).unwrap();
+                        bias.low <= truth && truth <= bias.high
+                    };
+                    let of_family = |family: &FamilyResult| family.tests.iter().all(|test| holds(family, test));
+                    [of_family(&compared.families[0]), compared.families.iter().all(of_family)]
+                };
+                let inside: Vec<[bool; 2]> = (0..PAIRS).into_par_iter().map(is_inside).collect();
+                let [of_mean, all] = [0, 1].map(|k| inside.iter().filter(|of| of[k]).count());
+                println!("A = {factor} B, {samples_of_b} samples of B: mean {of_mean}, all {all} of {PAIRS}");
+                // Fewer than 193 of 200 at 99 % have a probability of 0.1 %.
+                assert!(all >= 193, "{factor}, {samples_of_b}: {of_mean}, {all}");
+            }
+        }
+        // Where the mean of B is not told from 0, there is no ratio.
+        let rng = &mut CounterRng::new(18, 0);
+        let noise = (0..16).map(|_| Image::from_fn(8, 8, |_, _| Rgb::splat(rng.random::<f32>() - 0.5))).collect();
+        let compared =
+            compare(side(rng, 1.0, 400), Side::replicates(noise), Plan { level: 0.01, detect: 0.01 }).unwrap();
+        let family = &compared.families[0];
+        assert_eq!(compared.bias(family, &family.tests[0]), None);
+    }
+}

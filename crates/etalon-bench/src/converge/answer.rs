@@ -1,0 +1,135 @@
+//! The answer of a comparison: which contender without bias is best after equal time, and by how much; and whether any is better
+//! than the strategy by default.
+
+use super::curve::{Curve, CurveVerdict};
+use super::result::Convergence;
+use etalon_stats::estimate::Estimate;
+use serde::Serialize;
+
+/// The best contender without bias.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// Its name.
+    pub best: String,
+    /// Processor time after which efficiencies are compared.
+    pub cpu_seconds: f64,
+    /// Its efficiency over that of every other contender without bias, the next best first.
+    pub ratios: Vec<Ratio>,
+    /// The strategy by default beside its strongest rival; `None` if it is not among the contenders without bias, or alone.
+    pub default: Option<Rival>,
+}
+
+/// How many times as efficient the best one is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ratio {
+    /// As this contender.
+    pub over: String,
+    /// The ratio of efficiencies.
+    pub ratio: f64,
+    /// Lower end of its interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// Of all other contenders without bias, the one whose efficiency over that of the strategy by default has the largest lower
+/// end. Fixed lights are no rivals: they are biased, whether this is found or not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its name.
+    pub rival: String,
+    /// Its efficiency over that of the default.
+    pub ratio: f64,
+    /// Lower end of its interval: above 1 if the rival is better beyond chance.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Answer {
+    /// Compares efficiencies, 1/(MSE · processor time), after the processor time that all have had; `None` if no contender
+    /// without bias has one. A renderer whose start-up is not separated from its time has none.
+    ///
+    /// The interval of a ratio, at this confidence, is that of its logarithm, whose half width is √(h₁² + h₂²) with the half
+    /// widths h of the two logarithms by the jackknife over the replicates (Student's t).
+    pub fn of(result: &Convergence, confidence: f64) -> Option<Self> {
+        let cpu_seconds = result.common_seconds();
+        let unbiased = result.curves.iter().filter(|c| c.verdict != CurveVerdict::Biased && !c.includes_start_up());
+        let known = |curve: &'_ Curve| {
+            let estimate = curve.log_efficiency_at(cpu_seconds).at_confidence(confidence, curve.runs.len());
+            estimate.value.is_finite().then_some(estimate)
+        };
+        let mut ranked: Vec<(&Curve, Estimate)> = unbiased.filter_map(|curve| Some((curve, known(curve)?))).collect();
+        ranked.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
+        let ((best, top), others) = ranked.split_first()?;
+        let ratio = |(curve, other): &(&Curve, Estimate)| {
+            let [ratio, low, high] = quotient(top, other);
+            Ratio { over: curve.strategy.clone(), ratio, low, high }
+        };
+        let default = ranked.iter().find(|(curve, _)| curve.contender.is_default()).and_then(|(_, default)| {
+            let rivals = ranked.iter().filter(|(c, _)| !c.contender.is_default() && !c.contender.has_fixed_lights());
+            let against = |(curve, own): &(&Curve, Estimate)| {
+                let [ratio, low, high] = quotient(own, default);
+                Rival { rival: curve.strategy.clone(), ratio, low, high }
+            };
+            rivals.map(against).max_by(|a, b| a.low.total_cmp(&b.low))
+        });
+        Some(Self { best: best.strategy.clone(), cpu_seconds, ratios: others.iter().map(ratio).collect(), default })
+    }
+}
+
+/// A quotient of two efficiencies and its interval, from their logarithms.
+fn quotient(a: &Estimate, b: &Estimate) -> [f64; 3] {
+    let (log, half) = (a.value - b.value, a.half_width.hypot(b.half_width));
+    [log, log - half, log + half].map(f64::exp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::converge::contender::Contender;
+    use crate::converge::curve::{Measured, Run};
+    use crate::converge::doubling::Times;
+    use crate::converge::reference::Reference;
+    use crate::converge::strategy::Strategy;
+    use etalon_core::math::Rgb;
+    use etalon_core::raster::{Comparison, Image, compare};
+    use etalon_core::scene::Request;
+
+    /// Four replicates that take a second each, with squared errors of `mse` · (1 ± spread).
+    fn curve((name, mse, spread): (&str, f64, f64)) -> Curve {
+        let white = || Image::from_fn(2, 1, |_, _| Rgb::ONE);
+        let request = Request { width: 2, height: 1, spp: 1, light_samples: 1, max_depth: 1 };
+        let reference = Reference::given(white(), &request, "white".into()).unwrap();
+        let run = |sign: f64| {
+            let errors = Comparison { mse: mse * (1.0 + sign * spread), ..compare(&white(), &white()).unwrap() };
+            let times = Times { wall: 1.0, cpu: 1.0 };
+            let levels = vec![Measured { spp: 1, times, errors, shown: Some((None, white())) }];
+            Run { seed: 1, levels, last: None, preparation: 0.0 }
+        };
+        let contender = Contender::from(name.parse::<Strategy>().unwrap());
+        Curve::new(&contender, [-1.0, 1.0, -1.0, 1.0].map(run).into(), &reference).unwrap()
+    }
+
+    fn answer(curves: &[(&str, f64, f64)], confidence: f64) -> Answer {
+        let curves = curves.iter().copied().map(curve).collect();
+        Answer::of(&Convergence { curves, ..Convergence::default() }, confidence).unwrap()
+    }
+
+    #[test]
+    fn the_rival_of_the_default_is_better_for_certain_or_nothing_is() {
+        let default = ("default", 2.0, 0.01);
+        let noisy = ("mis", 0.9, 0.5);
+        let all = [noisy, ("light", 1.0, 0.01), ("median-cut-4", 0.1, 0.01), default];
+        let [narrow, wide] = [0.95, 0.99].map(|confidence| answer(&all, confidence).default.unwrap());
+        assert_eq!(narrow.rival, "light", "fixed lights do not count, nor does luck");
+        assert!((narrow.ratio - 2.0).abs() < 1e-3 && narrow.low > 1.9 && narrow.high < 2.1, "{narrow:?}");
+        assert!(1.9 < wide.low && wide.low < narrow.low && narrow.high < wide.high, "{wide:?}");
+        let chance = answer(&[noisy, default], 0.95);
+        assert!(chance.best == "mis" && chance.default.unwrap().low < 1.0);
+        let best = answer(&[("light", 3.0, 0.01), default], 0.95);
+        assert!(best.best == "default" && best.default.unwrap().high < 1.0);
+        assert_eq!(answer(&[default], 0.95).default, None);
+        assert_eq!(answer(&all[..2], 0.95).default, None);
+    }
+}

@@ -1,0 +1,351 @@
+//! The error of one strategy as its samples and its time grow: levels from replicates, the slope, and whether it is bias.
+
+use super::contender::Contender;
+use super::doubling::Times;
+use super::reference::Reference;
+use crate::fit;
+use etalon_core::error::Result;
+use etalon_core::raster::{Comparison, Image};
+use etalon_stats::Extremes;
+use etalon_stats::estimate::Estimate;
+use glam::DVec3;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// One replicate at one number of samples.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Of rendering them.
+    pub times: Times,
+    /// Against the reference.
+    pub errors: Comparison,
+    /// Mean HDR-FLIP and the image, in the first replicate.
+    pub shown: Option<(Option<f64>, Image)>,
+}
+
+/// All replicates at one number of samples. Errors carry 95 % intervals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Level {
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Mean times of a render, without its preparation.
+    pub cpu_seconds: f64,
+    /// See `cpu_seconds`.
+    pub wall_seconds: f64,
+    /// Mean squared error.
+    pub mse: Estimate,
+    /// Mean squared error over the squared reference.
+    pub rel_mse: Estimate,
+    /// Mean HDR-FLIP of the first replicate.
+    pub flip: Option<f64>,
+    /// 1 / (MSE · processor time).
+    pub efficiency: f64,
+}
+
+impl Level {
+    /// √MSE; NaN where the reference's noise hides it.
+    pub fn rmse(&self) -> f64 {
+        self.mse.value.sqrt()
+    }
+
+    /// The interval of [`Level::rmse`].
+    pub fn rmse_band(&self) -> [f64; 2] {
+        self.mse.positive().map(f64::sqrt)
+    }
+}
+
+/// The conclusion from a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CurveVerdict {
+    /// The error of the mean over all replicates is more than chance explains: the curve flattens.
+    Biased,
+    /// The slope's interval comes within [`SLOPE_MARGIN`] of −½.
+    MonteCarlo,
+    /// The slope's interval lies further below −½.
+    Faster,
+    /// The slope's interval lies further above −½.
+    Slower,
+    /// Too few replicates or levels.
+    Unknown,
+}
+
+/// What a renderer's process needs, by a fit of its time over the samples: start-up + time per sample · spp.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TimeFit {
+    /// Wall-clock seconds before the first sample.
+    pub startup_wall_seconds: Estimate,
+    /// Processor seconds before the first sample.
+    pub startup_cpu_seconds: Estimate,
+    /// Wall-clock seconds for each sample per pixel.
+    pub wall_seconds_per_spp: Estimate,
+    /// Processor seconds for each sample per pixel.
+    pub cpu_seconds_per_spp: Estimate,
+}
+
+impl TimeFit {
+    /// By weighted least squares (see [`fit::relative_line`]); `None` unless both times per sample are positive beyond
+    /// two standard errors.
+    fn new(runs: &[&Run]) -> Option<Self> {
+        let line = |time: fn(Times) -> f64| {
+            let points = runs.iter().flat_map(|run| run.levels.iter().map(|m| [f64::from(m.spp), time(m.times)]));
+            fit::relative_line(&points.collect::<Vec<_>>())
+        };
+        let ([startup_wall_seconds, wall], [startup_cpu_seconds, cpu]) = (line(|t| t.wall)?, line(|t| t.cpu)?);
+        let is_known = |slope: Estimate| slope.value > 2.0 * slope.standard_error;
+        let fit =
+            Self { startup_wall_seconds, startup_cpu_seconds, wall_seconds_per_spp: wall, cpu_seconds_per_spp: cpu };
+        (is_known(wall) && is_known(cpu)).then_some(fit)
+    }
+}
+
+/// One contender's errors.
+#[derive(Debug, Clone, Serialize)]
+pub struct Curve {
+    /// Whose errors they are.
+    pub strategy: String,
+    /// What was measured.
+    #[serde(skip)]
+    pub contender: Contender,
+    /// Renders with seeds of their own.
+    pub replicates: usize,
+    /// By samples per pixel, ascending.
+    pub levels: Vec<Level>,
+    /// p of RMSE ∝ sppᵖ from [`FIT_FROM`] samples per pixel on.
+    pub slope: Estimate,
+    /// Mean squared bias of the last level; its standard error has the reference's noise in it.
+    pub bias2: Estimate,
+    /// The conclusion from slope and bias.
+    pub verdict: CurveVerdict,
+    /// Mean over the image of the contender, relative to that of the reference, minus 1.
+    pub mean_bias: Estimate,
+    /// Mean wall-clock time of the preparation: tables, trees; of a renderer, its start-up.
+    pub preparation_seconds: f64,
+    /// Of a renderer: start-up and time per sample; `None` for ours, whose preparation is timed by itself, and where the
+    /// time does not grow measurably with the samples. Then the whole time counts.
+    pub times: Option<TimeFit>,
+    /// Each replicate's measurements, without its images.
+    #[serde(skip)]
+    pub runs: Vec<Run>,
+    /// The first replicate's image at each level.
+    #[serde(skip)]
+    pub images: Vec<Image>,
+}
+
+/// Levels with fewer samples per pixel are left out of the fit: so few Sobol' points are not stratified yet.
+pub const FIT_FROM: u32 = 4;
+/// Levels that a slope needs.
+pub const FIT_LEVELS: usize = 3;
+/// Slopes that differ by less are the same: over a thousand times the samples, errors differ by 15 %.
+pub const SLOPE_MARGIN: f64 = 0.02;
+/// Level of each of both t-tests for bias, of the pixels and of the image's mean.
+pub const BIAS_LEVEL: f64 = 5e-3;
+
+/// The result of one replicate.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Of its random numbers.
+    pub seed: u64,
+    /// By samples per pixel, ascending.
+    pub levels: Vec<Measured>,
+    /// The image at the last level, until its bias is known.
+    pub last: Option<Image>,
+    /// Wall-clock seconds before the first sample.
+    pub preparation: f64,
+}
+
+impl Curve {
+    /// Whether its times are those of whole processes, start-up included.
+    pub fn includes_start_up(&self) -> bool {
+        self.contender.is_timed_from_outside() && self.times.is_none()
+    }
+
+    /// From at least one replicate, all with the same levels.
+    pub fn new(contender: &Contender, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
+        let count = runs[0].levels.len();
+        let (flips, images): (Vec<_>, Vec<_>) =
+            runs[0].levels.iter_mut().filter_map(|level| level.shown.take()).unzip();
+        let everyone: Vec<&Run> = runs.iter().collect();
+        let times = TimeFit::new(&everyone).filter(|_| contender.is_timed_from_outside());
+        let means = mean_times(&everyone, times);
+        let level = |i: usize| {
+            let all = |f: &dyn Fn(&Measured) -> f64| runs.iter().map(|run| f(&run.levels[i])).collect::<Vec<_>>();
+            let mse = Estimate::mean(&all(&|m| m.errors.mse));
+            let Times { cpu: cpu_seconds, wall: wall_seconds } = means[i];
+            Level {
+                spp: runs[0].levels[i].spp,
+                cpu_seconds,
+                wall_seconds,
+                mse,
+                rel_mse: Estimate::mean(&all(&|m| m.errors.rel_mse)),
+                flip: flips[i],
+                efficiency: 1.0 / (mse.value * cpu_seconds),
+            }
+        };
+        let levels: Vec<Level> = (0..count).map(level).collect();
+        // Fit a slope for each replicate over the levels above the noise of the reference.
+        let least = reference.facts.rmse.powi(2);
+        let fitted: Vec<usize> =
+            (0..count).filter(|&i| levels[i].spp >= FIT_FROM && levels[i].mse.value > least).collect();
+        let slope_of = |run: &Run| {
+            let points = fitted.iter().map(|&i| [f64::from(levels[i].spp), run.levels[i].errors.mse.sqrt()]);
+            fit::log_log_slope(&points.collect::<Vec<_>>())
+        };
+        let slope = if fitted.len() < FIT_LEVELS {
+            Estimate::default()
+        } else {
+            Estimate::mean(&runs.iter().map(slope_of).collect::<Vec<_>>())
+        };
+        let bias2 = bias2(&runs, reference)?;
+        let mean_bias = mean_bias(&runs, reference);
+        let verdict = verdict(slope, [bias2, mean_bias], runs.len(), levels.last());
+        let measured = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
+        let preparation_seconds = times.map_or(measured, |fit| fit.startup_wall_seconds.value);
+        runs.iter_mut().for_each(|run| run.last = None);
+        Ok(Self {
+            strategy: contender.name().to_owned(),
+            contender: contender.clone(),
+            replicates: runs.len(),
+            levels,
+            slope,
+            bias2,
+            mean_bias,
+            verdict,
+            preparation_seconds,
+            times,
+            runs,
+            images,
+        })
+    }
+
+    /// The logarithm of the efficiency after `seconds` of processor time, 1/(MSE · seconds), its error by the jackknife over the
+    /// replicates. Between levels the MSE follows a power law; beyond them, the efficiency stays.
+    pub fn log_efficiency_at(&self, seconds: f64) -> Estimate {
+        Estimate::jackknife(&self.runs, |some| {
+            let fit = if self.times.is_some() { TimeFit::new(some) } else { None };
+            let mean = |i: usize| some.iter().map(|run| run.levels[i].errors.mse).sum::<f64>() / some.len() as f64;
+            let points: Vec<[f64; 2]> =
+                mean_times(some, fit).iter().enumerate().map(|(i, times)| [times.cpu, mean(i)]).collect();
+            let (Some(first), Some(last)) = (points.first(), points.last()) else { return f64::NAN };
+            let [time, mse] = match seconds {
+                early if early <= first[0] => *first,
+                late if late >= last[0] => *last,
+                _ => [seconds, fit::log_log_at(&points, seconds).unwrap_or(f64::NAN)],
+            };
+            -(mse * time).ln()
+        })
+    }
+
+    /// 1/(variance · processor time) at the last level, the variance being what is left of the MSE without the squared bias;
+    /// `None` where that is within two standard errors of nothing.
+    pub fn variance_efficiency(&self) -> Option<f64> {
+        let level = self.levels.last()?;
+        let variance = level.mse.value - self.bias2.value.at_least(0.0);
+        (variance > 2.0 * self.bias2.standard_error).then(|| 1.0 / (variance * level.cpu_seconds))
+    }
+
+    /// The level whose processor time is nearest to `seconds`, by their ratio.
+    pub fn nearest(&self, seconds: f64) -> Option<usize> {
+        let ratio = |level: &Level| (level.cpu_seconds / seconds).ln().abs();
+        (0..self.levels.len()).min_by(|&a, &b| ratio(&self.levels[a]).total_cmp(&ratio(&self.levels[b])))
+    }
+
+    /// Processor time until the RMSE is down to `rmse`, between levels as a power law; `None` if it never is.
+    pub fn time_to(&self, rmse: f64) -> Option<f64> {
+        let first = self.levels.first().filter(|level| level.rmse() <= rmse);
+        let points: Vec<[f64; 2]> = self.levels.iter().rev().map(|l| [l.rmse(), l.cpu_seconds]).collect();
+        first.map(|level| level.cpu_seconds).or_else(|| fit::log_log_at(&points, rmse))
+    }
+}
+
+/// The mean times of each level; by a fit, those of its samples alone.
+fn mean_times(runs: &[&Run], fit: Option<TimeFit>) -> Vec<Times> {
+    let level = |i: usize| {
+        let mean = |f: fn(Times) -> f64| runs.iter().map(|run| f(run.levels[i].times)).sum::<f64>() / runs.len() as f64;
+        let spp = f64::from(runs[0].levels[i].spp);
+        fit.map_or_else(
+            || Times { wall: mean(|t| t.wall), cpu: mean(|t| t.cpu) },
+            |fit| Times { wall: fit.wall_seconds_per_spp.value * spp, cpu: fit.cpu_seconds_per_spp.value * spp },
+        )
+    };
+    (0..runs[0].levels.len()).map(level).collect()
+}
+
+/// The mean of the last level's images over that of the reference, minus 1. The standard error has that of the reference in it;
+/// the pixels of a reference are independent.
+fn mean_bias(runs: &[Run], reference: &Reference) -> Estimate {
+    let errors = || runs.iter().filter_map(|run| Some(run.levels.last()?.errors));
+    let relative: Vec<f64> = errors().map(|e| e.mean_a / e.mean_b - 1.0).collect();
+    let estimate = Estimate::mean(&relative);
+    let of_reference = reference.mean_error() / reference.facts.mean;
+    let standard_error = estimate.standard_error.hypot(of_reference);
+    let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
+    Estimate { standard_error, half_width: standard_error * ratio, ..estimate }
+}
+
+/// The mean over all pixels of the squared bias of the last level, which replicates do not average away.
+///
+/// With x̄ the mean image of R replicates, MSE(x̄) = bias² + variance/R, while the mean MSE of one replicate is
+/// bias² + variance; so bias² = (R MSE(x̄) − mean MSE)/(R − 1). Without bias it comes out about 0, and may be below.
+/// Unknown from fewer than three replicates.
+fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
+    let images: Vec<(&Image, f64)> =
+        runs.iter().filter_map(|run| Some((run.last.as_ref()?, run.levels.last()?.errors.mse))).collect();
+    let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
+    reference.compare(first)?;
+    // The jackknife leaves one out, and the estimate needs two.
+    if images.len() < 3 {
+        return Ok(Estimate::default());
+    }
+    // bias² = (R MSE(x̄) − mean MSE)/(R − 1), its error by leaving out each replicate.
+    let estimate = Estimate::jackknife(&images, |some| {
+        let n = some.len() as f64;
+        let images: Vec<&Image> = some.iter().map(|(image, _)| *image).collect();
+        // Errors of mismatched sizes were returned above.
+        let of_mean = reference.compare(&mean(&images)).map_or(f64::NAN, |c| c.mse);
+        let mean_mse = some.iter().map(|(_, mse)| mse).sum::<f64>() / n;
+        (n * of_mean - mean_mse) / (n - 1.0)
+    });
+    // Add the noise of the reference, which the replicates have in common.
+    let widened = estimate.standard_error.hypot(reference.mse_resolution());
+    let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
+    Ok(Estimate { standard_error: widened, half_width: widened * ratio, ..estimate })
+}
+
+fn mean(images: &[&Image]) -> Image {
+    let mut sums = vec![DVec3::ZERO; images[0].pixels().len()];
+    for image in images {
+        sums.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+    }
+    let pixels = sums.into_iter().map(|sum| (sum / images.len() as f64).as_vec3()).collect();
+    Image::from_pixels(images[0].width(), images[0].height(), pixels)
+}
+
+/// Bias must be significant by a t-test of the replicates: that of the pixels, and then at least a hundredth of the last level's
+/// mean squared error, or that of the whole image.
+fn verdict(
+    slope: Estimate,
+    [bias2, mean_bias]: [Estimate; 2],
+    replicates: usize,
+    last: Option<&Level>,
+) -> CurveVerdict {
+    let last = last.map_or(f64::NAN, |level| level.mse.value);
+    let beyond = |estimate: Estimate, tail: f64| {
+        let t = StudentsT::new(0.0, 1.0, replicates as f64 - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - tail));
+        estimate.value.abs() > t * estimate.standard_error
+    };
+    let in_pixels = bias2.value > 0.01 * last && beyond(bias2, BIAS_LEVEL);
+    if in_pixels || beyond(mean_bias, 0.5 * BIAS_LEVEL) {
+        CurveVerdict::Biased
+    } else if !slope.half_width.is_finite() {
+        CurveVerdict::Unknown
+    } else if slope.high() < -0.5 - SLOPE_MARGIN {
+        CurveVerdict::Faster
+    } else if slope.low() > -0.5 + SLOPE_MARGIN {
+        CurveVerdict::Slower
+    } else {
+        CurveVerdict::MonteCarlo
+    }
+}

@@ -1,0 +1,206 @@
+//! The order of renders: replicate after replicate, in each all contenders alternating, within the budget.
+
+use super::contender::{Contender, Fault, Replicate, Step};
+use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, Run};
+use super::doubling::Deadline;
+use super::plan::{Plan, REPLICATES};
+use super::recorded;
+use super::reference::Reference;
+use super::result::Convergence;
+use etalon_core::error::Result;
+use etalon_core::raster::{Image, hdr_flip};
+use etalon_core::scene::{Request, Scene};
+use etalon_stats::Extremes;
+
+/// The share of the time that is reserved for evaluating errors.
+const RESERVE: f64 = 0.03;
+/// Replicates from which bias can be told from chance.
+const REPLICATES_FOR_VERDICT: usize = 3;
+/// Replicates that may fail before a renderer is given up.
+const FAILURES: usize = 2;
+
+/// A contender and what it has done.
+struct Entry<'a> {
+    contender: &'a Contender,
+    runs: Vec<Run>,
+    failures: usize,
+    given_up: bool,
+}
+
+/// A replicate that is being rendered.
+struct Growing<'a> {
+    replicate: Replicate<'a>,
+    levels: Vec<Measured>,
+    last: Option<Image>,
+    goes_on: bool,
+}
+
+/// What all steps have in common.
+struct Setting<'a> {
+    plan: &'a Plan,
+    truth: &'a Reference,
+    exact: Image,
+    all: &'a Deadline,
+}
+
+/// Renders replicate after replicate as long as the next one fits into the time that is left.
+pub fn run(
+    scene: &Scene,
+    request: &Request,
+    contenders: &[Contender],
+    plan: &Plan,
+    truth: &Reference,
+    all: &Deadline,
+    result: &mut Convergence,
+) -> Result<()> {
+    let request = Request { spp: plan.last_spp(), ..*request };
+    let setting = Setting { plan, truth, exact: truth.image(), all };
+    let new = |contender| Entry { contender, runs: Vec::new(), failures: 0, given_up: false };
+    let mut entries: Vec<Entry> = contenders.iter().map(new).collect();
+    let replicates = plan.replicates.unwrap_or(REPLICATES);
+    let mut longest = 0.0_f64;
+    for index in 0..replicates {
+        let left_out = || format!("{} of {replicates} replicates", replicates - index);
+        let before = all.left();
+        if before < longest * (1.0 + RESERVE) {
+            result.cut.extend(plan.replicates.map(|_| left_out()));
+            break;
+        }
+        // The time of one contender in one replicate.
+        let active = entries.iter().filter(|entry| !entry.given_up).count().max(1);
+        let share = before * (1.0 - RESERVE) / f64::from(replicates - index) / active as f64;
+        let seed = plan.seed.wrapping_add(u64::from(index));
+        let mut growing = Vec::new();
+        for entry in &entries {
+            let contender = Some(entry.contender).filter(|_| !entry.given_up);
+            let started = contender.map(|contender| contender.start(scene, &request, seed, index)).transpose()?;
+            let new = |replicate| Growing { replicate, levels: Vec::new(), last: None, goes_on: true };
+            growing.push(started.flatten().map(new));
+        }
+        // Take more samples by all contenders, alternating, until none of them has a next level.
+        while growing.iter().flatten().any(|one| one.goes_on) && !all.is_over() {
+            for (entry, one) in entries.iter_mut().zip(&mut growing) {
+                if let Some(one) = one.as_mut().filter(|one| one.goes_on) {
+                    let fault = setting.advance(entry, one, index, share)?;
+                    result.faults.extend(fault);
+                }
+            }
+        }
+        if all.is_over() {
+            result.cut.extend(plan.replicates.or(Some(replicates).filter(|_| index == 0)).map(|_| left_out()));
+            if index == 0 {
+                longest = time_of_replicate(&growing);
+            }
+            break;
+        }
+        for (entry, one) in entries.iter_mut().zip(growing) {
+            result.faults.extend(one.and_then(|one| entry.finish(one, index)));
+        }
+        longest = longest.at_least(before - all.left());
+    }
+    let has_verdicts = entries.iter().all(|entry| entry.given_up || entry.runs.len() >= REPLICATES_FOR_VERDICT);
+    if !has_verdicts && longest > 0.0 {
+        // The reference may take half of it.
+        result.sufficient_budget = Some(2.0 * f64::from(replicates) * longest * (1.0 + RESERVE));
+    }
+    for Entry { contender, runs, .. } in entries {
+        let name = contender.name();
+        let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
+        let asked =
+            plan.max_spp.filter(|asked| reached <= asked / if contender.is_timed_from_outside() { 4 } else { 2 });
+        result.cut.extend(asked.map(|asked| format!("{name}: {reached} of {asked} samples per pixel")));
+        if let Some(dir) = &plan.keep {
+            let of_run =
+                |run: &Run| run.levels.iter().map(|level| (run.seed, level.spp, level.times)).collect::<Vec<_>>();
+            recorded::keep_times(dir, name, runs.iter().flat_map(of_run))?;
+        }
+        if runs.is_empty() {
+            continue;
+        }
+        let curve = Curve::new(contender, runs, truth)?;
+        if curve.includes_start_up() {
+            let unknown = "its time does not grow measurably with the samples: its start-up counts, and the answer leaves it out; a \
+                           larger budget may separate the two";
+            result.notes.push(format!("{name}: {unknown}"));
+        }
+        result.curves.push(curve);
+    }
+    Ok(())
+}
+
+/// Seconds that the least levels of a whole replicate take, from those that it has; 0 if it has none.
+fn time_of_replicate(growing: &[Option<Growing<'_>>]) -> f64 {
+    let seconds = growing.iter().flatten().filter_map(|one| {
+        let last = one.levels.last()?;
+        let spp = FIT_FROM << (FIT_LEVELS - 1);
+        Some(last.times.wall * f64::from(spp) / f64::from(last.spp))
+    });
+    let known: Vec<f64> = seconds.collect();
+    let missing = growing.len() as f64 / known.len().max(1) as f64;
+    known.iter().sum::<f64>() * missing
+}
+
+impl Setting<'_> {
+    /// Takes the next level of a replicate, if there is one that fits.
+    fn advance(&self, entry: &mut Entry<'_>, one: &mut Growing<'_>, index: u32, share: f64) -> Result<Option<Fault>> {
+        let Growing { replicate, levels, last, goes_on } = one;
+        *goes_on = false;
+        let Some(spp) = replicate.next_spp().filter(|spp| *spp <= self.plan.last_spp()) else { return Ok(None) };
+        let fits = match entry.runs.first() {
+            // All replicates have the levels of the first one.
+            Some(first) => levels.len() < first.levels.len(),
+            // A curve without a slope would be of no use.
+            None => {
+                let fitted = levels.iter().filter(|level| level.spp >= FIT_FROM).count();
+                fitted < FIT_LEVELS && self.plan.max_spp.is_none() || replicate.total_with_next() <= share
+            }
+        };
+        if !fits {
+            return Ok(None);
+        }
+        let (image, times) = match replicate.advance(self.all) {
+            Step::Done(image, times) => (image, times),
+            Step::Stopped | Step::End => return Ok(None),
+            Step::Failed(failure) => {
+                levels.clear();
+                entry.failures += 1;
+                entry.given_up |= failure.is_final || entry.failures >= FAILURES;
+                return Ok(Some(entry.fault(replicate, index, spp, failure.message)));
+            }
+        };
+        let errors = self.truth.compare(&image)?;
+        if let Some(dir) = &self.plan.keep {
+            recorded::keep_image(dir, entry.contender.name(), [u64::from(spp), replicate.seed], &image)?;
+        }
+        let is_first = entry.runs.is_empty();
+        *last = Some(image.clone());
+        let shown = is_first.then(|| (hdr_flip(&image, &self.exact), image));
+        levels.push(Measured { spp, times, errors, shown });
+        *goes_on = true;
+        Ok(None)
+    }
+}
+
+impl Entry<'_> {
+    fn fault(&self, replicate: &Replicate<'_>, index: u32, spp: u32, message: String) -> Fault {
+        let strategy = self.contender.name().to_owned();
+        Fault { strategy, replicate: index + 1, seed: replicate.seed, spp, message }
+    }
+
+    /// Adds a replicate whose levels are those of the others; images that are the same in two replicates of a program are a fault.
+    fn finish(&mut self, one: Growing<'_>, index: u32) -> Option<Fault> {
+        let Growing { replicate, levels, last, .. } = one;
+        let spp_of = |levels: &[Measured]| levels.iter().map(|level| level.spp).collect::<Vec<_>>();
+        let is_complete = self.runs.first().is_none_or(|first| spp_of(&first.levels) == spp_of(&levels));
+        let end = levels.last().filter(|_| is_complete)?;
+        let same = self.runs.iter().find(|run| run.last == last && end.errors.mse != 0.0);
+        if let Some(same) = same.filter(|_| self.contender.is_timed_from_outside()) {
+            let message = format!("its image is that of seed {}, to the last bit: is {{seed}} used?", same.seed);
+            self.given_up = true;
+            self.runs.clear();
+            return Some(self.fault(&replicate, index, replicate.spp, message));
+        }
+        self.runs.push(Run { seed: replicate.seed, levels, last, preparation: replicate.preparation });
+        None
+    }
+}

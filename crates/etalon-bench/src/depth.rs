@@ -1,0 +1,370 @@
+//! What each further scattering adds to an image: one render, decomposed by path class (Heckbert 1990).
+//!
+//! An image of depth m has the light that was scattered at most m times. One deep render, decomposed by path class, therefore
+//! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
+
+use super::object_ids::{Kind, ObjectIdBuffer};
+use super::pixel_mean::inside;
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use etalon_core::math::{Rgb, mean_rgb};
+use etalon_core::raster::{Image, Metadata};
+use etalon_core::scene::{Object, Projection, Request, Scene, Shape};
+use etalon_render::film::{Film, Part, PathClasses};
+use etalon_render::{Dropped, Job, Sampling, Settings, Silent, render};
+use glam::DVec3;
+use serde::Serialize;
+
+/// The second report's depths.
+pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
+
+/// Scatterings up to which path classes have layers of their own.
+const CLASS_DEPTH: u32 = 5;
+/// Rows that are rendered together: enough for many threads.
+const ROWS: usize = 48;
+
+/// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct RadianceRow {
+    /// Scatterings of the longest path.
+    pub depth: u32,
+    /// Kind of object, or "all".
+    pub seen_on: &'static str,
+    /// Pixels that show it.
+    pub pixels: usize,
+    /// Mean radiance, red.
+    pub mean_r: f64,
+    /// Mean radiance, green.
+    pub mean_g: f64,
+    /// Mean radiance, blue.
+    pub mean_b: f64,
+    /// Of all light of the deepest image.
+    pub share_of_light: f64,
+}
+
+/// The light of one path class on one kind of object ("all" for the whole image), where there is any.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ClassRow {
+    /// The depth at which it appears.
+    pub depth: u32,
+    /// The path class, for example LDE.
+    pub class: String,
+    /// Kind of object, or "all".
+    pub seen_on: &'static str,
+    /// Of all that this depth adds to the image.
+    pub share_of_difference: f64,
+    /// Of all light of the deepest image.
+    pub share_of_light: f64,
+    /// Of the pixels that show this kind of object, those that the class lights.
+    pub lit_pixels: f64,
+    /// Where on the image, weighted by light.
+    pub centroid_x: f64,
+    /// The same, row.
+    pub centroid_y: f64,
+}
+
+/// The images of all depths, and their differences by path class.
+pub struct Depths {
+    /// In the order of [`DEPTHS`].
+    pub images: Vec<Image>,
+    /// Each image but the first, minus the one before it.
+    pub differences: Vec<Image>,
+    /// Radiance by depth and kind of object.
+    pub rows: Vec<RadianceRow>,
+    /// Light by path class and kind of object.
+    pub classes: Vec<ClassRow>,
+    /// The settings of the render.
+    pub request: Request,
+    /// The part of each difference, but the last, with at most one diffuse reflection: what has sharp outlines.
+    pub sharp: Vec<Image>,
+    /// Standard error of the pixels of the deepest image, and so, at most, of the others.
+    pub standard_error: Image,
+    /// Samples that were dropped.
+    pub dropped: Dropped,
+}
+
+impl Depths {
+    /// The image of one of [`DEPTHS`].
+    pub fn image(&self, depth: u32) -> &Image {
+        &self.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
+    }
+
+    /// The light of a class on what is "all" or a kind of object, if there is any.
+    pub fn class(&self, class: &str, seen_on: &str) -> Option<&ClassRow> {
+        self.classes.iter().find(|r| r.class == class && r.seen_on == seen_on)
+    }
+
+    /// The share of all light in the path classes that `of` selects.
+    pub fn share(&self, of: impl Fn(&ClassRow) -> bool) -> f64 {
+        self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
+    }
+
+    /// The mean light of the deepest image and, at most, its standard error.
+    pub fn mean_with_error(&self) -> [f64; 2] {
+        let squares = self.standard_error.pixels().iter().map(|error| mean_rgb(*error).powi(2));
+        [self.mean(DEPTHS[DEPTHS.len() - 1]), squares.sum::<f64>().sqrt() / self.standard_error.pixels().len() as f64]
+    }
+
+    /// Mean light of an image.
+    pub fn mean(&self, depth: u32) -> f64 {
+        let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
+        row.map_or(f64::NAN, |r| (r.mean_r + r.mean_g + r.mean_b) / 3.0)
+    }
+}
+
+/// The whole image, among the kinds of objects.
+pub const ALL: &str = "all";
+
+/// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
+pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
+    let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
+    let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
+    let Layers { layers, standard_error, dropped } = layers(scene, &request, &by_class)?;
+    // The pixels of the whole image and of each kind of object that it shows.
+    let objects = ObjectIdBuffer::new(scene, &request);
+    let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
+        .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
+        .filter(|(_, mask)| mask.contains(&true))
+        .collect();
+
+    // Each image is the one before it plus the layers that appear at its depth, summed in f64.
+    let mut images = Vec::new();
+    let mut differences = Vec::new();
+    let mut sharp = Vec::new();
+    let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
+    for depth in DEPTHS {
+        let mut added = vec![DVec3::ZERO; objects.pixels.len()];
+        let mut outlined = added.clone();
+        for (name, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
+            add(&mut added, layer);
+            if name.matches('D').count() <= 1 {
+                add(&mut outlined, layer);
+            }
+        }
+        so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
+        let image = |pixels: &[DVec3]| {
+            let pixels: Vec<Rgb> = pixels.iter().map(|p| p.as_vec3()).collect();
+            Image::from_pixels(request.width, request.height, pixels)
+        };
+        images.push(image(&so_far));
+        if depth > 0 {
+            differences.push(image(&added));
+        }
+        if (1..=CLASS_DEPTH).contains(&depth) {
+            sharp.push(image(&outlined));
+        }
+    }
+
+    let all_light = light(&images[images.len() - 1], &regions[0].1);
+    let rows = DEPTHS.iter().zip(&images).flat_map(|(&depth, image)| {
+        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
+    });
+    let rows = rows.collect();
+    // Each layer's share of the light, pixels that are not black, and centroid, by kind of object.
+    let mut classes = Vec::new();
+    for (name, layer) in &layers {
+        let depth = appears_at(name);
+        let place = DEPTHS.iter().position(|d| *d == depth).unwrap_or(0);
+        let added = if place == 0 { &images[0] } else { &differences[place - 1] };
+        let difference = light(added, &regions[0].1);
+        for (seen_on, mask) in &regions {
+            let here = light(layer, mask);
+            if here > 0.0 {
+                let [x, y] = centroid(layer, mask, here);
+                let lit = inside(layer.pixels(), mask).filter(|p| **p != Rgb::ZERO).count();
+                classes.push(ClassRow {
+                    depth,
+                    class: name.clone(),
+                    seen_on,
+                    share_of_difference: here / difference,
+                    share_of_light: here / all_light,
+                    lit_pixels: lit as f64 / mask.iter().filter(|m| **m).count() as f64,
+                    centroid_x: x,
+                    centroid_y: y,
+                });
+            }
+        }
+    }
+    Ok(Depths { images, differences, rows, classes, request, sharp, standard_error, dropped })
+}
+
+/// The light of every path class.
+struct Layers {
+    layers: Vec<(String, Image)>,
+    standard_error: Image,
+    dropped: Dropped,
+}
+
+/// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
+/// rendered some rows at a time, unless light paths contribute to any row.
+fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
+    let Request { width, height, spp, .. } = *request;
+    let job = Job::new(scene, request, settings)?;
+    let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
+    let mut errors = Vec::with_capacity(width * height);
+    let rows = if settings.sampling == Sampling::MisLt { height } else { ROWS.min(height) };
+    for top in (0..height).step_by(rows) {
+        let mut part = if rows == height {
+            job.part(Metadata::default())?
+        } else {
+            let film = Film::strip(width, top..height.min(top + rows), settings.paths.map(PathClasses::up_to))?;
+            Part::new(film, spp, job.fingerprint(), Metadata::default())
+        };
+        job.run(&mut part, 0..spp, &Silent);
+        interrupt::check()?;
+        dropped = dropped.merge(part.film.dropped());
+        errors.extend(part.film.standard_error().pixels());
+        let strips = part.film.path_layers();
+        if top == 0 {
+            layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
+        }
+        layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
+    }
+    let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
+    Ok(Layers { layers: images.collect(), standard_error: Image::from_pixels(width, height, errors), dropped })
+}
+
+/// The smallest depth with this path class: the number of its scatterings.
+fn appears_at(class: &str) -> u32 {
+    if class == "rest" { DEPTHS[DEPTHS.len() - 1] } else { class.len() as u32 - 2 }
+}
+
+fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_light: f64) -> RadianceRow {
+    let pixels: Vec<DVec3> = inside(image.pixels(), mask).map(|p| p.as_dvec3()).collect();
+    let sum: DVec3 = pixels.iter().sum();
+    let mean = sum / pixels.len() as f64;
+    RadianceRow {
+        depth,
+        seen_on,
+        pixels: pixels.len(),
+        mean_r: mean.x,
+        mean_g: mean.y,
+        mean_b: mean.z,
+        share_of_light: sum.element_sum() / 3.0 / all_light,
+    }
+}
+
+fn add(sum: &mut [DVec3], image: &Image) {
+    sum.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+}
+
+/// The sum of (R + G + B) / 3 over the pixels of `mask`.
+fn light(image: &Image, mask: &[bool]) -> f64 {
+    inside(image.pixels(), mask).map(|p| mean_rgb(*p)).sum()
+}
+
+fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for (i, p) in inside(image.pixels().iter().enumerate(), mask) {
+        let weight = mean_rgb(*p);
+        let at = [i % image.width(), i / image.width()];
+        (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));
+    }
+    sum.map(|s| s / light)
+}
+
+/// How a render that ends after `m` scatterings compares with a deep one of the same samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truncation {
+    /// Light of more than m scatterings in the one that ends there.
+    pub beyond: f64,
+    /// Largest difference of a channel between it and the classes of at most m scatterings in the deep one.
+    pub largest_difference: f64,
+}
+
+/// Renders a scene to depth `m` and deeper.
+pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
+    let settings = Settings { paths: Some(m + 1), ..*settings };
+    let to = |max_depth: u32| {
+        let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
+        Ok::<_, Error>((rendered.part.film.path_layers(), rendered.image))
+    };
+    let (deep, _) = to(m + 3)?;
+    let (layers, image) = to(m)?;
+    let everything = vec![true; image.pixels().len()];
+    let within = |name: &str| name != "rest" && appears_at(name) <= m;
+    let beyond = layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer, &everything)).sum();
+    let mut sum = vec![DVec3::ZERO; image.pixels().len()];
+    for (_, layer) in deep.iter().filter(|(name, _)| within(name)) {
+        add(&mut sum, layer);
+    }
+    let differences = sum.iter().zip(image.pixels()).map(|(s, p)| (*s - p.as_dvec3()).abs().max_element());
+    Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })
+}
+
+/// The mean radiance of an image that shows the area lights alone, exact where nothing hides them: radiance times the
+/// projected area of each, over the area of the image.
+pub fn visible_area_lights(scene: &Scene) -> f64 {
+    let camera = &scene.camera;
+    let Projection::Perspective { tan_half_width, tan_half_height } = camera.projection else { return f64::NAN };
+    let film = |p: DVec3| {
+        let d = p - camera.position;
+        let depth = d.dot(camera.forward);
+        [d.dot(camera.right) / (depth * tan_half_width), d.dot(camera.up) / (depth * tan_half_height)]
+    };
+    let light = |object: &Object| {
+        let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) else { return 0.0 };
+        let corners = rectangle.corners().map(|c| film(c.as_dvec3()));
+        // Twice the area of the projected quadrilateral (shoelace formula).
+        let twice: f64 = (0..4)
+            .map(|i| {
+                let (a, b) = (corners[i], corners[(i + 1) % 4]);
+                a[0] * b[1] - a[1] * b[0]
+            })
+            .sum();
+        let towards = (camera.position - rectangle.centre().as_dvec3()).dot(rectangle.normal().as_dvec3()) > 0.0;
+        let radiance = if towards || emission.two_sided { emission.radiance.as_dvec3() } else { DVec3::ZERO };
+        // The film's area is 4.
+        radiance.element_sum() / 3.0 * twice.abs() / 8.0
+    };
+    scene.objects.iter().map(light).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::scene::builtin;
+
+    fn small() -> (Scene, Request) {
+        let (scene, request) = builtin::cornell_spheres();
+        (scene, Request { width: 60, height: 45, spp: 8, ..request })
+    }
+
+    #[test]
+    fn a_shallow_render_is_the_beginning_of_a_deep_one() {
+        let (scene, request) = small();
+        for m in 0..4 {
+            let t = truncation(&scene, &request, &Settings::default(), m).unwrap();
+            assert_eq!(t.beyond, 0.0, "{m}");
+            assert!(t.largest_difference < 1e-5, "{m}: {t:?}");
+        }
+    }
+
+    #[test]
+    fn depths_add_up_and_nothing_is_counted_twice() {
+        let (scene, request) = small();
+        let d = depths(&scene, &request, &Settings::default()).unwrap();
+        assert!(DEPTHS.windows(2).all(|pair| d.mean(pair[0]) < d.mean(pair[1])));
+        let total: f64 = d.classes.iter().filter(|r| r.seen_on == ALL).map(|r| r.share_of_light).sum();
+        let by_kind: f64 = d.classes.iter().filter(|r| r.seen_on != ALL).map(|r| r.share_of_light).sum();
+        // The image is rounded to f32.
+        assert!((total - 1.0).abs() < f64::from(f32::EPSILON), "{total}");
+        assert!(by_kind < 1.0 && by_kind > 0.95, "pixels that show nothing at their centre: {by_kind}");
+        for depth in DEPTHS {
+            let shares = d.classes.iter().filter(|r| r.seen_on == ALL && r.depth == depth);
+            let sum: f64 = shares.map(|r| r.share_of_difference).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{depth}: {sum}");
+        }
+        let light = |on: &str| d.class("LDSSE", on).map_or(0.0, |r| r.share_of_light);
+        assert!(light("glass") > 30.0 * light("room"), "only rims show on walls what is visible through glass");
+    }
+
+    #[test]
+    fn the_area_light_covers_its_projection() {
+        let (scene, request) = small();
+        let request = Request { spp: 64, max_depth: 0, ..request };
+        let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
+        let mean = light(&image, &vec![true; image.pixels().len()]) / image.pixels().len() as f64;
+        assert!((mean / visible_area_lights(&scene) - 1.0).abs() < 5e-3, "{mean} {}", visible_area_lights(&scene));
+    }
+}

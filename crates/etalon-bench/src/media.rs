@@ -1,0 +1,232 @@
+//! Reflectance of several media over the angle of incidence, side by side, at one wavelength.
+
+use super::{fresnel, metal};
+use etalon_core::errata::Formulas;
+use etalon_core::error::{Error, Result};
+use etalon_core::optics::D_LINE_NM;
+use etalon_core::optics::media::{self, Medium};
+use serde::Serialize;
+
+/// What light meets: a complex index, with a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interface {
+    /// The medium's name, or the index itself.
+    pub name: String,
+    /// What stands for it in the name of a file.
+    pub short: String,
+    /// Index of refraction.
+    pub eta: f64,
+    /// Extinction coefficient; 0 for a dielectric.
+    pub k: f64,
+    /// The medium of the registry, if it is one.
+    pub medium: Option<Medium>,
+}
+
+impl Interface {
+    /// A dielectric without a name.
+    #[must_use]
+    pub fn dielectric(eta: f64) -> Self {
+        Self { name: format!("η = {eta}"), short: eta.to_string(), eta, k: 0.0, medium: None }
+    }
+
+    /// A medium of the registry at the d line.
+    #[must_use]
+    pub fn of(medium: Medium) -> Self {
+        let short = match medium {
+            Medium::Dielectric(dielectric) => dielectric.name,
+            Medium::Metal(metal) => metal.symbol,
+        };
+        let [eta, k] = medium.index_d();
+        Self { name: medium.name(), short: short.to_owned(), eta, k, medium: Some(medium) }
+    }
+
+    /// Reads the name of a medium, or an index of refraction.
+    ///
+    /// # Errors
+    /// Neither a known name nor an index from 1e-6 to 1e6.
+    pub fn named(text: &str) -> Result<Self> {
+        if let Ok(eta) = text.parse() {
+            fresnel::check_index("media", eta)?;
+            return Ok(Self::dielectric(eta));
+        }
+        media::by_name(text).map(Self::of).ok_or_else(|| {
+            let known: Vec<String> = media::all().map(|medium| Self::of(medium).short).collect();
+            Error::parameter("media", format!("\"{text}\" is not a known medium"))
+                .with_hint(format!("known media: {}; or give an index of refraction", known.join(", ")))
+        })
+    }
+}
+
+/// One angle of incidence for one medium. Field names are the CSV columns.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct MediumRow {
+    /// Name of the medium.
+    pub medium: String,
+    /// Angle of incidence in degrees.
+    pub theta_deg: f64,
+    /// Exact reflectance of parallel polarization.
+    pub r_parallel: f64,
+    /// Exact reflectance of perpendicular polarization.
+    pub r_perpendicular: f64,
+    /// Exact reflectance of unpolarized light.
+    pub r_unpolarized: f64,
+    /// 1 − R of unpolarized light: refracted by a dielectric, absorbed by a metal.
+    pub transmittance: f64,
+    /// Schlick's approximation.
+    pub r_schlick: f64,
+}
+
+/// The curves of one medium, and special angles and values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MediumCurves {
+    /// Name of the medium.
+    pub name: String,
+    /// Its index of refraction.
+    pub eta: f64,
+    /// Its extinction coefficient.
+    pub k: f64,
+    /// Where they were published, for a medium known by name.
+    pub source: Option<&'static str>,
+    /// Reflectance at normal incidence.
+    pub r_normal: f64,
+    /// Where the exact R∥ is smallest: Brewster's angle of a dielectric, the pseudo-Brewster angle of a metal; `None`
+    /// without an interface (equal indices).
+    pub brewster_deg: Option<f64>,
+    /// Angle beyond which all light is reflected, if there is one.
+    pub critical_deg: Option<f64>,
+    /// Largest |Schlick − exact| over 0–90°.
+    pub schlick_max_abs_error: f64,
+    /// Angle of that error.
+    pub schlick_max_abs_error_deg: f64,
+    /// A row for each angle.
+    #[serde(skip)]
+    pub rows: Vec<MediumRow>,
+}
+
+/// Several media, met by light from the same side.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MediaCurves {
+    /// Index of refraction on the side of the incident light.
+    pub eta_i: f64,
+    /// Wavelength in nanometres at which the media known by name have their indices.
+    pub wavelength_nm: f64,
+    /// In the order in which they were asked for.
+    pub media: Vec<MediumCurves>,
+}
+
+/// The largest number of media side by side: as many as have a colour of their own in a figure.
+pub const MAX_MEDIA: usize = 7;
+
+/// Computes the curves of each interface for light that comes from index `eta_i`.
+///
+/// # Errors
+/// [`Error::Parameter`] for no medium, more than [`MAX_MEDIA`], one given twice, impossible indices and numbers of points.
+pub fn curves(eta_i: f64, interfaces: &[Interface], points: usize, formulas: Formulas) -> Result<MediaCurves> {
+    if !(1..=MAX_MEDIA).contains(&interfaces.len()) {
+        return Err(Error::parameter("media", format!("{} media cannot be drawn in one figure", interfaces.len()))
+            .with_hint(format!("give 1 to {MAX_MEDIA}")));
+    }
+    check_distinct(interfaces)?;
+    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, formulas)).collect::<Result<_>>()?;
+    Ok(MediaCurves { eta_i, wavelength_nm: D_LINE_NM, media })
+}
+
+/// Refuses a medium that is given twice.
+pub(super) fn check_distinct(interfaces: &[Interface]) -> Result<()> {
+    for (i, interface) in interfaces.iter().enumerate() {
+        if interfaces[..i].iter().any(|other| other.name == interface.name) {
+            return Err(Error::parameter("media", format!("{} is given twice", interface.name)));
+        }
+    }
+    Ok(())
+}
+
+fn one(eta_i: f64, interface: &Interface, points: usize, formulas: Formulas) -> Result<MediumCurves> {
+    let Interface { name, eta, k, medium, .. } = interface.clone();
+    let source = medium.map(|medium| medium.source());
+    if k == 0.0 {
+        let curves = fresnel::curves(eta_i, eta, points, formulas)?;
+        let row = |r: &fresnel::DielectricRow| MediumRow {
+            medium: name.clone(),
+            theta_deg: r.theta_deg,
+            r_parallel: r.r_parallel,
+            r_perpendicular: r.r_perpendicular,
+            r_unpolarized: r.r_unpolarized,
+            transmittance: r.transmittance,
+            r_schlick: r.r_schlick,
+        };
+        return Ok(MediumCurves {
+            rows: curves.rows.iter().map(row).collect(),
+            eta,
+            k,
+            source,
+            r_normal: curves.r_normal,
+            brewster_deg: curves.brewster_deg,
+            critical_deg: curves.critical_deg,
+            schlick_max_abs_error: curves.schlick_max_abs_error,
+            schlick_max_abs_error_deg: curves.schlick_max_abs_error_deg,
+            name,
+        });
+    }
+    let curves = metal::by_index(eta_i, eta, k, points)?;
+    let channel = &curves.channels[0];
+    let row = |r: &metal::ConductorRow| MediumRow {
+        medium: name.clone(),
+        theta_deg: r.theta_deg,
+        r_parallel: r.r_parallel,
+        r_perpendicular: r.r_perpendicular,
+        r_unpolarized: r.r_unpolarized,
+        transmittance: 1.0 - r.r_unpolarized,
+        r_schlick: r.r_schlick,
+    };
+    Ok(MediumCurves {
+        rows: channel.rows.iter().map(row).collect(),
+        eta,
+        k,
+        source,
+        r_normal: channel.r_normal,
+        brewster_deg: Some(channel.pseudo_brewster_deg),
+        critical_deg: None,
+        schlick_max_abs_error: channel.schlick_max_abs_error,
+        schlick_max_abs_error_deg: channel.schlick_max_abs_error_deg,
+        name,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(names: &[&str]) -> Result<MediaCurves> {
+        let interfaces = names.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
+        curves(1.0, &interfaces, 91, Formulas::Exact)
+    }
+
+    #[test]
+    fn media_have_the_curves_of_their_indices() {
+        let all = of(&["water", "1.5", "au"]).unwrap();
+        let names: Vec<&str> = all.media.iter().map(|medium| medium.name.as_str()).collect();
+        assert_eq!(names, ["water", "η = 1.5", "gold (Au)"]);
+        for medium in &all.media {
+            assert_eq!(medium.rows.len(), 91);
+            let closed =
+                ((medium.eta - 1.0).powi(2) + medium.k * medium.k) / ((medium.eta + 1.0).powi(2) + medium.k * medium.k);
+            assert!((medium.r_normal - closed).abs() < 1e-14, "{}", medium.name);
+            assert!((medium.rows[0].r_unpolarized - closed).abs() < 1e-14, "{}", medium.name);
+            assert!((medium.rows[90].r_unpolarized - 1.0).abs() < 1e-12, "{}", medium.name);
+        }
+        assert!((all.media[1].brewster_deg.unwrap() - 56.309_932).abs() < 1e-6);
+        assert_eq!((all.media[1].source, all.media[2].source), (None, Some("Johnson & Christy 1972")));
+        // From inside of water: total reflection beyond 48.6°.
+        let inside = curves(1.3334, &[Interface::dielectric(1.0)], 2, Formulas::Exact).unwrap();
+        assert!((inside.media[0].critical_deg.unwrap() - 48.59).abs() < 0.01);
+    }
+
+    #[test]
+    fn bad_media_are_refused() {
+        let too_many = ["1.1", "1.2", "1.3", "1.4", "1.5", "1.6", "1.7", "1.8"];
+        for bad in [&["unobtainium"][..], &["-1"], &["nan"], &["inf"], &[], &["gold", "Au"], &too_many] {
+            assert!(of(bad).is_err(), "{bad:?}");
+        }
+    }
+}

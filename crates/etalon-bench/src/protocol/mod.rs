@@ -1,0 +1,5 @@
+//! Samplers, BSDFs and renderers of other programs: files of samples, protocols, commands.
+
+pub mod program;
+pub mod renderer;
+pub mod sampler;

@@ -1,0 +1,76 @@
+//! The greeting: a program describes what it has by keys with values, and lines below them.
+
+use super::connection::{Connection, protocol_error};
+use etalon_core::error::{Error, Result};
+use etalon_core::import::place::quote;
+
+const VERSION: &str = "1";
+/// Most lines below the first.
+const LINES: usize = 4096;
+
+/// Keys with values, in a line of a program's answer.
+#[derive(Debug, Default)]
+pub struct Greeting {
+    /// The program's name in messages.
+    pub program: String,
+    /// The line.
+    first: String,
+    /// Its keys and their values.
+    pub keys: Vec<(String, String)>,
+    /// The lines below.
+    pub lines: Vec<String>,
+}
+
+impl Greeting {
+    /// Sends the request and parses the response.
+    pub fn of(connection: &mut dyn Connection) -> Result<Self> {
+        let answer = connection.ask(format!("etalon {VERSION}\n"), 1 + LINES)?;
+        // Some programs begin whatever they write with a byte order mark.
+        let mut lines = answer.strip_prefix('\u{feff}').unwrap_or(&answer).lines();
+        let first = lines.next().unwrap_or_default();
+        let greeting = Self { program: connection.name().to_owned(), first: first.to_owned(), ..Self::default() };
+        let mut words = first.split_ascii_whitespace();
+        if [words.next(), words.next()] != [Some("etalon"), Some(VERSION)] {
+            return Err(greeting.wrong(&format!("does not begin with \"etalon {VERSION}\"")));
+        }
+        Self { lines: lines.map(str::to_owned).collect(), ..greeting }.with_keys(words)
+    }
+
+    /// The keys of `line`, an answer of the program to another request.
+    pub fn of_line(program: &str, line: &str) -> Result<Self> {
+        let greeting = Self { program: program.to_owned(), first: line.to_owned(), ..Self::default() };
+        greeting.with_keys(line.split_ascii_whitespace())
+    }
+
+    fn with_keys<'a>(mut self, words: impl Iterator<Item = &'a str>) -> Result<Self> {
+        for word in words {
+            let (key, value) =
+                word.split_once('=').ok_or_else(|| self.wrong(&format!("has {}, not KEY=VALUE", quote(word))))?;
+            if self.keys.iter().any(|(known, _)| known == key) {
+                return Err(self.wrong(&format!("has the key {} twice", quote(key))));
+            }
+            self.keys.push((key.to_owned(), value.to_owned()));
+        }
+        Ok(self)
+    }
+
+    /// The value of `key`, which is left out from then on.
+    pub fn take(&mut self, key: &str) -> Option<String> {
+        let at = self.keys.iter().position(|(known, _)| known == key)?;
+        Some(self.keys.remove(at).1)
+    }
+
+    /// An error about the line.
+    pub fn wrong(&self, message: &str) -> Error {
+        protocol_error(&self.program, format!("its greeting {} {message}", quote(&self.first)))
+    }
+
+    /// The error for a key, or a value of it, that does not exist.
+    pub fn meaningless(&self, key: &str, value: &str) -> Error {
+        let error = self.wrong(&format!("has {}, which has no meaning", quote(&format!("{key}={value}"))));
+        match key {
+            "numbers" => error.with_hint("write hexadecimal floats (C's %a, Python's float.hex): they are exact"),
+            _ => error,
+        }
+    }
+}

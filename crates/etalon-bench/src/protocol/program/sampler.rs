@@ -1,0 +1,289 @@
+//! A sampler and its pdf in another program.
+//!
+//! | request | response |
+//! |---|---|
+//! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
+//! | `sample N`, then N lines of uniform random numbers | N lines `coordinates [pdf]`, `atom coordinates` or `none` |
+//! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
+//! | `pdf N`, then N lines of coordinates | N lines with a pdf |
+//! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
+//!
+//! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
+//! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`;
+//! `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
+
+use super::connection::{self, Connection, protocol_error};
+use super::greeting::Greeting;
+use crate::protocol::sampler::{Coordinates, Space, write_numbers};
+use etalon_core::error::{Error, Result};
+use etalon_core::import::number::{number, real};
+use etalon_core::import::place::quote;
+use etalon_stats::{Atom, Density, Mass, SINGLE_PRECISION, Sample, Sampler};
+use std::sync::{Mutex, PoisonError};
+
+/// Most rows or columns of a table.
+pub const LONGEST: usize = 1 << 16;
+/// Most random numbers of one sample.
+pub const DIMENSIONS: usize = 64;
+
+/// A program's description of its sampler.
+#[derive(Debug, Clone, PartialEq)]
+struct Description {
+    name: String,
+    /// Random numbers that a sample takes; 0 if the program has random numbers of its own.
+    dimension: usize,
+    /// Integral of the pdf.
+    mass: Mass,
+    /// If the program names it.
+    domain: Option<Space>,
+    /// Rows and columns of the table in whose cells the pdf is constant.
+    table: Option<[usize; 2]>,
+    /// Whether it has the inverse of its sampler.
+    invert: bool,
+    /// Of the pdfs that samples carry.
+    precision: f64,
+}
+
+impl Description {
+    fn of(greeting: &Greeting) -> Result<Self> {
+        let mut found = Self {
+            name: "exec".to_owned(),
+            dimension: 2,
+            mass: Mass::Exactly(1.0),
+            domain: None,
+            table: None,
+            invert: false,
+            precision: 0.0,
+        };
+        for (key, value) in &greeting.keys {
+            let refused = || greeting.meaningless(key, value);
+            match key.as_str() {
+                "name" => found.name.clone_from(value),
+                "dimension" => {
+                    let dimension = value.parse().ok().filter(|n| *n <= DIMENSIONS);
+                    found.dimension =
+                        dimension.ok_or_else(|| greeting.wrong(&format!("has a dimension not 0 to {DIMENSIONS}")))?;
+                }
+                "mass" if value == "at-most-1" => found.mass = Mass::AtMostOne,
+                "mass" if value == "unknown" => found.mass = Mass::Unknown,
+                "table" => found.table = Some(table(value).ok_or_else(refused)?),
+                "mass" => {
+                    let mass = number(value).filter(|mass| (0.0..=1.0).contains(mass));
+                    let mass = mass.ok_or_else(|| greeting.wrong("has a mass that is not from 0 to 1"))?;
+                    found.mass = Mass::Exactly(mass);
+                }
+                "precision" => found.precision = precision(value).ok_or_else(refused)?,
+                "domain" => found.domain = Some(value.parse().map_err(|_| refused())?),
+                "invert" => {
+                    found.invert = match value.as_str() {
+                        "yes" => true,
+                        "no" => false,
+                        _ => return Err(refused()),
+                    }
+                }
+                _ => return Err(refused()),
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The precision of carried pdfs: `exact`, `single`, or a relative difference up to 1 %.
+fn precision(value: &str) -> Option<f64> {
+    match value {
+        "exact" => Some(0.0),
+        "single" => Some(SINGLE_PRECISION),
+        other => number(other).filter(|precision| (0.0..=0.01).contains(precision)),
+    }
+}
+
+/// The sides of a table, `ROWSxCOLUMNS`, each from 1 to [`LONGEST`].
+fn table(value: &str) -> Option<[usize; 2]> {
+    let (rows, columns) = value.split_once('x')?;
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=LONGEST).contains(n));
+    Some([side(rows)?, side(columns)?])
+}
+
+/// A program after the handshake; the type of its points is chosen by [`Client::over`].
+pub struct Client {
+    connection: Box<dyn Connection>,
+    description: Description,
+    atoms: Vec<String>,
+    space: Space,
+}
+
+impl Client {
+    pub(super) fn new(connection: impl Connection + 'static, greeting: Greeting, space: Option<Space>) -> Result<Self> {
+        let description = Description::of(&greeting)?;
+        let space = match (space, description.domain) {
+            (Some(asked), Some(own)) if asked != own => {
+                return Err(protocol_error(connection.name(), format!("its domain is {own}"))
+                    .with_hint(format!("use the domain {own}")));
+            }
+            (Some(space), _) | (None, Some(space)) => space,
+            (None, None) => {
+                return Err(Error::parameter("domain", "the program does not say what its domain is")
+                    .with_hint("domains: sphere, hemisphere, square, line, discrete:N"));
+            }
+        };
+        Ok(Self { connection: Box::new(connection), description, atoms: greeting.lines, space })
+    }
+
+    /// The name that the program gives its sampler.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// The domain.
+    #[must_use]
+    pub fn space(&self) -> Space {
+        self.space
+    }
+
+    /// The program as a sampler and pdf over `domain`, which is [`space`](Self::space).
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a malformed atom.
+    pub fn over<D: Coordinates>(self, domain: D) -> Result<Program<D>> {
+        let Self { connection, description, atoms, .. } = self;
+        let read = |line: &str| {
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            let (probability, point) = words.split_last()?;
+            let probability = real(probability).filter(|p| (0.0..=1.0).contains(p))?;
+            let point = domain.read(point).filter(|point| domain.to_chart(*point).is_some())?;
+            Some(Atom { point, probability })
+        };
+        let of_line = |line: &String| {
+            let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
+            read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
+        };
+        let atoms = atoms.iter().map(of_line).collect::<Result<_>>()?;
+        Ok(Program { domain, connection: Mutex::new(connection), description, atoms })
+    }
+}
+
+/// The words of a point, for messages.
+fn words<D: Coordinates>() -> String {
+    D::NAMES[0].join(" ")
+}
+
+/// A running program: the sampler and the pdf over a domain. One request is in flight at a time.
+pub struct Program<D: Coordinates> {
+    domain: D,
+    connection: Mutex<Box<dyn Connection>>,
+    description: Description,
+    atoms: Vec<Atom<D::Point>>,
+}
+
+impl<D: Coordinates> Program<D> {
+    /// Asks `verb` for `count` lines and reads the words of each by `read`.
+    fn ask<T>(
+        &self,
+        verb: &str,
+        count: usize,
+        request: String,
+        expected: &str,
+        read: impl Fn(&[&str]) -> Option<T>,
+    ) -> Result<Vec<T>> {
+        // A panic elsewhere leaves nothing half done that matters here.
+        let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
+        connection::ask(&mut **connection, [verb, expected], count, request, read)
+    }
+
+    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<D::Point>>>> {
+        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", words::<D>());
+        self.ask("sample", count, request, &expected, |words| match words {
+            ["none"] => Some(None),
+            ["atom", point @ ..] => Some(Some(Sample::atom(self.domain.read(point)?))),
+            [point @ .., pdf] if point.len() == D::NAMES[0].len() => {
+                Some(Some(Sample::with_pdf(self.domain.read(point)?, number(pdf)?)))
+            }
+            point => Some(Some(Sample::new(self.domain.read(point)?))),
+        })
+    }
+
+    /// The request for something at each of `points`.
+    fn at_points(&self, verb: &str, points: &[D::Point]) -> String {
+        let mut request = format!("{verb} {}\n", points.len());
+        for &point in points {
+            D::write(point, &mut request);
+            request.push('\n');
+        }
+        request
+    }
+}
+
+impl<D: Coordinates> Sampler<D::Point> for Program<D> {
+    fn dimension(&self) -> usize {
+        self.description.dimension
+    }
+
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
+        let samples = u.chunks_exact(self.description.dimension.max(1));
+        let count = samples.len();
+        let mut request = format!("sample {count}\n");
+        for sample in samples {
+            write_numbers(sample, &mut request);
+            request.push('\n');
+        }
+        out.extend(self.ask_samples(count, request)?);
+        Ok(())
+    }
+
+    fn sample_seeded(
+        &self,
+        count: usize,
+        seed: u32,
+        out: &mut Vec<Option<Sample<D::Point>>>,
+    ) -> etalon_stats::Result<()> {
+        out.extend(self.ask_samples(count, format!("sample {count} {seed}\n"))?);
+        Ok(())
+    }
+
+    fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
+        if !self.description.invert {
+            return Ok(None);
+        }
+        let dimension = self.description.dimension;
+        let read = |words: &[&str]| match words {
+            ["none"] => Some(None),
+            _ if words.len() != dimension => None,
+            _ => words.iter().map(|word| number(word)).collect::<Option<Vec<f64>>>().map(Some),
+        };
+        let expected = format!("{dimension} numbers or \"none\"");
+        let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
+        Ok(answer.pop().flatten())
+    }
+}
+
+impl<D: Coordinates> Density<D::Point> for Program<D> {
+    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
+        if points.is_empty() {
+            return Ok(());
+        }
+        let request = self.at_points("pdf", points);
+        let read_pdf = |words: &[&str]| match words {
+            [pdf] => number(pdf),
+            _ => None,
+        };
+        out.extend(self.ask("pdf", points.len(), request, "a pdf", read_pdf)?);
+        Ok(())
+    }
+
+    fn mass(&self) -> Mass {
+        self.description.mass
+    }
+
+    fn precision(&self) -> f64 {
+        self.description.precision
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        self.description.table.map(|sides| self.domain.steps(sides))
+    }
+
+    fn atoms(&self) -> Vec<Atom<D::Point>> {
+        self.atoms.clone()
+    }
+}

@@ -1,0 +1,171 @@
+//! Numerical stability: the code that renders, in f32 and f64, against exact results, over stiff and extreme inputs.
+//!
+//! A [`Family`] is a quantity with a defining formula. That formula, evaluated with 256 bits at the very input that the
+//! code gets, is the reference. Beside every error stands the condition number: how much rounding of the input alone
+//! would change the result. An [`Experiment`] is a computation that no formula describes (sums, tables, paths): its exact
+//! result comes from integers or by construction. Each has [`Bound`]s on its errors.
+
+mod case;
+mod conductor;
+mod cuts;
+mod dielectric;
+mod experiment;
+mod family;
+mod geometry;
+mod inputs;
+mod microfacet;
+mod normals;
+mod number;
+mod offsets;
+mod paths;
+mod precise;
+mod registry;
+mod replay;
+mod rough_dielectric;
+mod row;
+mod special;
+mod sums;
+mod sweep;
+mod tables;
+
+pub use case::Case;
+pub use experiment::{Experiment, Workload};
+pub use family::{Family, Scale, Section, Variant};
+pub use number::Precision;
+pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
+pub use replay::{Replay, Replayed, replay};
+pub use row::{Bound, ErrorRow, REPORT, STABLE, TEXTBOOK};
+pub use sweep::Sweep;
+
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use serde::Serialize;
+
+/// The results of a run.
+pub struct Stability {
+    /// A row for each family or experiment, variant and precision.
+    pub rows: Vec<ErrorRow>,
+    /// Whether the bounds on errors hold.
+    pub bounds: Vec<BoundCheck>,
+    /// All cases of the families, for maps of their errors.
+    pub sweeps: Vec<Sweep>,
+    /// Whether the process was asked to stop before all of them had been run.
+    pub interrupted: bool,
+}
+
+/// Runs the families and experiments of those names (all when empty); `before` is called with each name before it is
+/// run. If the process is asked to stop, the families and experiments so far are the result.
+///
+/// # Errors
+/// [`Error::Parameter`] for an unknown name.
+pub fn run<S: AsRef<str>>(
+    only: &[S],
+    workload: &Workload,
+    seed: u64,
+    before: &mut dyn FnMut(&'static str),
+) -> Result<Stability> {
+    if let Some(unknown) = only.iter().map(S::as_ref).find(|name| names().all(|known| known != *name)) {
+        return Err(Error::parameter("families", format!("there is no family \"{unknown}\""))
+            .with_hint(format!("families: {}", names().collect::<Vec<_>>().join(", "))));
+    }
+    let wanted = |name: &str| only.is_empty() || only.iter().any(|o| o.as_ref() == name);
+    let (mut sweeps, mut rows, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
+    let mut interrupted = false;
+    for entry in REGISTRY.iter().filter(|entry| wanted(entry.name())) {
+        interrupted |= interrupt::requested();
+        if interrupted {
+            break;
+        }
+        before(entry.name());
+        match entry {
+            Entry::Formula(family) => {
+                let sweep = Sweep::new(family, workload.side);
+                rows.extend(sweep.rows());
+                bounds.extend(BoundCheck::of_sweep(&sweep));
+                sweeps.push(sweep);
+            }
+            Entry::Experiment(experiment) => match (experiment.run)(workload, seed) {
+                Err(Error::Interrupted) => interrupted = true,
+                found => {
+                    let found = found?;
+                    bounds.extend(BoundCheck::of_rows(experiment, &found));
+                    rows.extend(found);
+                }
+            },
+        }
+    }
+    bounds.insert(0, BoundCheck::finite(&rows));
+    Ok(Stability { bounds, rows, sweeps, interrupted })
+}
+
+/// Runs a family on random inputs such as `fresnel:eta=0.999..1.001,cos=0.1..1`: numbers or ranges for all of its inputs.
+///
+/// # Errors
+/// [`Error::Parameter`] for anything else.
+pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
+    let sweep = replay::at_random(inputs, seed)?;
+    let (rows, mut bounds) = (sweep.rows(), BoundCheck::of_sweep(&sweep));
+    bounds.insert(0, BoundCheck::finite(&rows));
+    Ok(Stability { rows, bounds, sweeps: Vec::new(), interrupted: false })
+}
+
+/// A bound, and the largest error that was found.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct BoundCheck {
+    /// Family or experiment, and which error.
+    pub name: String,
+    /// The largest error.
+    pub got: f64,
+    /// The largest error that is allowed.
+    pub limit: f64,
+    /// Whether the error is within the limit.
+    pub holds: bool,
+    /// The input of the largest error, as `--replay` takes it.
+    pub worst: String,
+}
+
+impl BoundCheck {
+    /// The largest of some errors, each with its input. NaN violates every bound.
+    fn new(name: String, limit: f64, errors: impl Iterator<Item = (f64, String)>) -> Self {
+        let worse = |worst: (f64, String), found: (f64, String)| {
+            if found.0 > worst.0 || found.0.is_nan() { found } else { worst }
+        };
+        let (got, worst) = errors.fold((0.0, String::new()), worse);
+        Self { name, got, limit, holds: got <= limit, worst }
+    }
+
+    /// The bounds of a formula, over the cases of the variant that renders. Cases where rounding alone decides whether
+    /// there is a value are left out.
+    pub fn of_sweep(sweep: &Sweep) -> Vec<Self> {
+        let Family { name, bounds, .. } = sweep.family;
+        let check = |bound: &Bound<Case>| {
+            let cases = sweep.cases.iter().filter(|case| case.condition.is_finite());
+            let errors = cases.filter_map(|case| Some(((bound.error)(case)?, case)));
+            let errors = errors.filter(|(error, _)| *error > 0.0 || error.is_nan());
+            let errors = errors.map(|(error, case)| (error, sweep.family.text(case)));
+            Self::new(format!("{name}: {}", bound.name), bound.limit, errors)
+        };
+        bounds.iter().map(check).collect()
+    }
+
+    /// The bounds of an experiment, over its rows of the code that renders.
+    pub fn of_rows(experiment: &Experiment, rows: &[ErrorRow]) -> Vec<Self> {
+        let check = |bound: &Bound<ErrorRow>| {
+            let rendered = rows.iter().filter(|row| row.is_rendered());
+            let errors = rendered.filter_map(|row| Some(((bound.error)(row)?, row.worst.clone())));
+            Self::new(format!("{}: {}", experiment.name, bound.name), bound.limit, errors)
+        };
+        experiment.bounds.iter().map(check).collect()
+    }
+
+    /// Whether all results of the code that renders are finite.
+    pub fn finite(rows: &[ErrorRow]) -> Self {
+        let lost: Vec<&ErrorRow> = rows.iter().filter(|row| row.is_rendered() && row.non_finite > 0).collect();
+        let count: u64 = lost.iter().map(|row| row.non_finite).sum();
+        let worst = lost.last().map_or(String::new(), |row| row.worst.clone());
+        Self::new("results that are not finite".into(), 0.0, std::iter::once((count as f64, worst)))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,300 @@
+//! Parts of a sweep as files: a line of JSON that says of which sweep, then CSV with a row for each configuration.
+
+use super::plan::{Description, Plan, Shard};
+use csv::StringRecord;
+use etalon_core::error::{Error, Result};
+use etalon_core::files;
+use etalon_core::memory;
+use etalon_stats::bsdf::ALL;
+use etalon_stats::sweep::{Finding, State};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The first line of a file, after `# `.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Header {
+    /// The version of the format.
+    sweep: u32,
+    shard: Shard,
+    #[serde(flatten)]
+    description: Description,
+}
+
+const FORMAT: u32 = 1;
+/// Most configurations of a part.
+pub const MOST: u64 = 2_000_000;
+/// Most bytes of a part: twice those of so many configurations.
+const LARGEST: u64 = 600 << 20;
+/// Memory of a row besides its text and the ends of its fields.
+const ROW_BYTES: usize = 128;
+/// Columns before those of the checks.
+const FIRST: [&str; 6] = ["number", "family", "parameters", "theta_deg", "phi_deg", "seed"];
+
+/// Some of the configurations of a sweep, with what the checks say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    shard: Shard,
+    description: Description,
+    rows: BTreeMap<u64, StringRecord>,
+}
+
+/// What a row says of one check.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// The index of the check.
+    pub check: usize,
+    /// What it says.
+    pub state: State,
+    /// The p-value of a statistical check.
+    pub p: Option<f64>,
+    /// The error that it would have found.
+    pub detectable: Option<f64>,
+}
+
+/// States as words.
+const STATES: [(&str, State); 4] = [
+    ("ok", State::Holds),
+    ("inconclusive", State::Inconclusive),
+    ("suspicious", State::Suspicious),
+    ("violated", State::Violated),
+];
+
+impl Part {
+    /// A part without configurations yet.
+    #[must_use]
+    pub fn new(plan: &Plan, shard: Shard) -> Self {
+        Self { shard, description: plan.description.clone(), rows: BTreeMap::new() }
+    }
+
+    /// Of which sweep it is.
+    #[must_use]
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Which share of the sweep it is.
+    #[must_use]
+    pub fn shard(&self) -> Shard {
+        self.shard
+    }
+
+    /// Whether a configuration is there.
+    #[must_use]
+    pub fn has(&self, number: u64) -> bool {
+        self.rows.contains_key(&number)
+    }
+
+    /// The number of configurations.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Adds what the checks found of a configuration.
+    pub fn add(&mut self, plan: &Plan, number: u64, findings: &[Finding]) {
+        let (index, configuration) = plan.get(number);
+        let family = plan.family(index);
+        let values = family.parameters().into_iter().zip(&configuration.values);
+        let values: Vec<String> = values.map(|(parameter, value)| format!("{}={value}", parameter.name)).collect();
+        let [theta, phi] = configuration.wo.map(|angle| angle.to_string());
+        let mut fields = vec![
+            number.to_string(),
+            family.name().into(),
+            values.join(" "),
+            theta,
+            phi,
+            configuration.seed.to_string(),
+        ];
+        for (index, check) in ALL.iter().enumerate() {
+            let found = findings.iter().find(|finding| finding.check == index);
+            let state = found.and_then(|found| STATES.iter().find(|(_, state)| *state == found.state));
+            fields.push(state.map_or(String::new(), |(word, _)| (*word).to_owned()));
+            if check.is_statistical {
+                let [p, detectable] = [found.and_then(|f| f.p), found.and_then(|f| f.detectable)];
+                fields.push(p.map_or(String::new(), |p| format!("{p:.3e}")));
+                fields.push(detectable.map_or(String::new(), |detectable| format!("{detectable:.3e}")));
+            }
+        }
+        // The message of the gravest finding.
+        let gravest = findings.iter().filter(|finding| finding.state != State::Holds).max_by_key(|finding| {
+            let rank = STATES.iter().position(|(_, state)| *state == finding.state);
+            (rank, std::cmp::Reverse(finding.check))
+        });
+        let message = |finding: &Finding| {
+            Some(format!("{}: {}", ALL[finding.check].name, finding.message.as_deref().unwrap_or("small p-value")))
+        };
+        fields.push(gravest.and_then(message).unwrap_or_default());
+        self.rows.insert(number, StringRecord::from(fields));
+    }
+
+    /// The rows: numbers, what each check says, and the message.
+    pub fn rows(&self) -> impl Iterator<Item = (u64, Vec<Cell>, &str)> {
+        self.rows.iter().map(|(&number, record)| {
+            let mut fields = record.iter().skip(FIRST.len());
+            let mut cells = Vec::new();
+            for (check, known) in ALL.iter().enumerate() {
+                let state = fields.next().unwrap_or_default();
+                let mut number = || fields.next().filter(|_| known.is_statistical).and_then(|text| text.parse().ok());
+                let [p, detectable] = if known.is_statistical { [number(), number()] } else { [None; 2] };
+                let state = STATES.iter().find(|(word, _)| *word == state);
+                cells.extend(state.map(|(_, state)| Cell { check, state: *state, p, detectable }));
+            }
+            (number, cells, fields.next().unwrap_or_default())
+        })
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let header = Header { sweep: FORMAT, shard: self.shard, description: self.description.clone() };
+        files::write_atomic(path, |out| {
+            let io = |e: std::io::Error| Error::io(path, e);
+            let line = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
+            writeln!(out, "# {line}").map_err(io)?;
+            let mut table = csv::Writer::from_writer(out);
+            let rows = std::iter::once(&StringRecord::from(columns()))
+                .chain(self.rows.values())
+                .try_for_each(|row| table.write_record(row));
+            rows.map_err(|e| io(e.into()))?;
+            table.flush().map_err(io)
+        })
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a file that is no part of a sweep, of another version, or damaged; [`Error::Io`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = files::read_bounded(path, LARGEST)?;
+        let refuse = |message: &str| Error::input(path, message).with_hint("parts are written by `etalon sweep`");
+        let (first, rest) = text.split_at(text.iter().position(|b| *b == b'\n').unwrap_or(text.len()));
+        let Some(json) = first.strip_prefix(b"# ") else { return Err(refuse("this is no part of a sweep")) };
+        let header: Header = serde_json::from_slice(json).map_err(|_| refuse("this is no part of a sweep"))?;
+        if header.sweep != FORMAT {
+            return Err(refuse("this part of a sweep is of another version"));
+        }
+        let Shard { index, count } = header.shard;
+        if !(1..=count).contains(&index) {
+            return Err(refuse("the share of the sweep makes no sense"));
+        }
+        let mut reader = csv::Reader::from_reader(rest);
+        let damaged = |what: String| refuse(&format!("the table is damaged: {what}"));
+        let titles = reader.headers().map_err(|e| damaged(e.to_string()))?;
+        if titles.iter().ne(columns()) {
+            return Err(damaged("its columns are not those of a sweep".into()));
+        }
+        let mut rows = BTreeMap::new();
+        for record in reader.into_records() {
+            let record = record.map_err(|e| damaged(e.to_string()))?;
+            let number = record.get(0).and_then(|number| number.parse::<u64>().ok());
+            let Some(number) = number.filter(|number| number % u64::from(count) == u64::from(index) - 1) else {
+                return Err(damaged(format!("{:?} is no number of a configuration of this part", record.get(0))));
+            };
+            let bytes = ROW_BYTES + record.as_slice().len() + record.len() * size_of::<usize>();
+            memory::grow(bytes, || path.display().to_string())?;
+            if rows.insert(number, record).is_some() {
+                return Err(damaged(format!("configuration {number} is there twice")));
+            }
+        }
+        Ok(Self { shard: header.shard, description: header.description, rows })
+    }
+
+    /// Whether a file claims to be a part of a sweep.
+    #[must_use]
+    pub fn is_at(path: &Path) -> bool {
+        use std::io::Read;
+        let mut start = [0; 10];
+        let opened = std::fs::metadata(path).is_ok_and(|there| there.is_file()).then(|| std::fs::File::open(path).ok());
+        opened.flatten().is_some_and(|mut file| file.read_exact(&mut start).is_ok() && start == *b"# {\"sweep\"")
+    }
+}
+
+/// The titles of the table.
+fn columns() -> Vec<String> {
+    let of_check = |check: &etalon_stats::bsdf::Check| {
+        let more = ["p", "detects"].map(|what| format!("{}_{what}", check.name));
+        std::iter::once(check.name.to_owned())
+            .chain(more.into_iter().filter(|_| check.is_statistical))
+            .collect::<Vec<_>>()
+    };
+    let first = FIRST.map(str::to_owned).into_iter();
+    first.chain(ALL.iter().flat_map(of_check)).chain(["message".to_owned()]).collect()
+}
+
+/// Reads the parts of a sweep one after the other and gives each to `each`. Their order does not matter. `plan` makes the sweep from
+/// its description.
+///
+/// # Errors
+/// [`Error::Input`], naming the files, when a part is of another sweep, is there twice, or is not finished, and when parts are
+/// missing; [`Error::Parameter`] without any file. Those of [`Part::read`], `plan` and `each`.
+pub fn merge(
+    paths: &[PathBuf],
+    plan: impl FnOnce(&Description) -> Result<Plan>,
+    mut each: impl FnMut(&Plan, &Part),
+) -> Result<Plan> {
+    let Some((first, others)) = paths.split_first() else {
+        return Err(Error::parameter("parts", "there is nothing to merge"));
+    };
+    let one = Part::read(first)?;
+    let plan = plan(one.description()).map_err(|e| e.in_file(first))?;
+    let count = one.shard.count;
+    let mut held: BTreeMap<u32, PathBuf> = BTreeMap::new();
+    let mut take = |path: &PathBuf, part: &Part| -> Result<()> {
+        let Shard { index, count: of } = part.shard;
+        if let Some(difference) = plan.description.difference(&part.description) {
+            let message = format!("not of the same sweep as {} ({difference})", first.display());
+            return Err(Error::input(path, message).with_hint("make all parts with the same arguments and version"));
+        }
+        if u64::from(of) > plan.len() {
+            return Err(Error::input(path, format!("one of {of} parts of {} configurations", plan.len())));
+        }
+        if of != count {
+            return Err(Error::input(path, format!("part {index} of {of}, but {} is one of {count}", first.display()))
+                .with_hint("make all parts with the same number of shards"));
+        }
+        if let Some(other) = held.get(&index) {
+            return Err(Error::input(path, format!("part {index} of {of}, as {}", other.display()))
+                .with_hint("give each part once"));
+        }
+        let all = part.shard.numbers(plan.len());
+        let (mut missing, mut expected) = (0u64, 0);
+        all.for_each(|number| {
+            expected += 1;
+            missing += u64::from(!part.has(number));
+        });
+        if missing > 0 {
+            return Err(Error::input(path, format!("{missing} of {expected} configurations are missing"))
+                .with_hint("the sweep was interrupted: run its command again, with `resume` and this file"));
+        }
+        if part.len() as u64 != expected {
+            return Err(Error::input(path, "there are configurations that the sweep does not have"));
+        }
+        held.insert(index, path.clone());
+        each(&plan, part);
+        Ok(())
+    };
+    take(first, &one)?;
+    drop(one);
+    for path in others {
+        etalon_core::interrupt::check()?;
+        take(path, &Part::read(path)?)?;
+    }
+    let mut missing = (1..=count).filter(|index| !held.contains_key(index)).map(|index| format!("{index}/{count}"));
+    let some: Vec<String> = missing.by_ref().take(20).collect();
+    if !some.is_empty() {
+        let dots = if missing.next().is_some() { ", …" } else { "" };
+        let some = some.join(", ");
+        return Err(Error::input(first, format!("of its sweep the parts {some}{dots} are missing"))
+            .with_hint("run the missing parts, by `shard`, and merge all of them"));
+    }
+    Ok(plan)
+}

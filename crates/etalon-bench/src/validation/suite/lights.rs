@@ -1,0 +1,239 @@
+//! Test cases: lights. Rectangles sampled uniformly by solid angle; rectangles, triangles, spheres and the constant
+//! sky as the kernel samples directions towards them, in lanes.
+
+use super::super::case::Case;
+use super::in_lanes::in_lanes;
+use super::inputs::short;
+use etalon_core::math::circular::Circular;
+use etalon_core::math::{Real, Rgb};
+use etalon_core::sampling::rectangle::{SphericalRectangle, solid_angle};
+use etalon_core::scene::{
+    Emission, EmitterVisibility, Light, Material, Mesh, Object, Rectangle, Scene, Shape, Sphere, builtin,
+};
+use etalon_render::Settings;
+use etalon_render::probe::light_lanes::{sample_each, sample_many};
+use etalon_render::probe::{LANES, LightSample, LightSampleLanes, SampleLight, Sampled, at};
+use etalon_stats::{Directions, Domain, Pole, Sample, Sampler, Square, density, sampler};
+use glam::{DVec3, Vec3};
+use pulp::Arch;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
+
+/// Spheres: distance of the centre and radius. From inside all directions lead to them.
+const SPHERES: [(&str, f32, f32); 5] =
+    [("touching", 1.001, 1.0), ("near", 1.5, 1.0), ("middle", 4.0, 1.0), ("far", 300.0, 1.0), ("inside", 0.5, 1.0)];
+
+/// Rectangles: centre relative to the point, and half sides.
+const RECTANGLES: [(&str, Vec3, Vec3, Vec3); 3] = [
+    ("ceiling", Vec3::new(0.1, 1.5, -0.2), Vec3::new(0.35, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)),
+    ("tilted", Vec3::new(1.0, 0.5, 0.8), Vec3::new(0.3, -0.3, 0.0), Vec3::new(0.2, 0.2, 0.1)),
+    ("edge-on", Vec3::new(2.0, 0.02, 0.0), Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.5)),
+];
+
+/// Triangles: corners relative to the point.
+pub const TRIANGLES: [(&str, [Vec3; 3]); 5] = [
+    ("near", [Vec3::new(-0.5, 0.02, -0.25), Vec3::new(0.5, 0.02, -0.5), Vec3::new(0.25, 0.02, 0.75)]),
+    ("middle", [Vec3::new(-0.5, 1.0, -0.25), Vec3::new(0.5, 1.25, -0.5), Vec3::new(0.25, 1.0, 0.75)]),
+    ("far", [Vec3::new(100.0, 0.0, 0.0), Vec3::new(100.0, 1.0, 0.0), Vec3::new(99.5, 0.0, 1.0)]),
+    ("grazing", [Vec3::new(2.0, 0.02, -0.5), Vec3::new(3.0, 0.02, 0.5), Vec3::new(2.0, 0.02, 0.5)]),
+    ("sliver", [Vec3::new(-0.5, 1.0, 0.0), Vec3::new(0.5, 1.0, 0.0), Vec3::new(0.5, 1.0, 0.01)]),
+];
+
+/// Rectangles as viewed from the origin: sides in x and y, and distance of their plane.
+const VIEWED: [(&str, [f64; 2], [f64; 2], f64); 7] = [
+    ("facing", [-0.35, 0.35], [-0.25, 0.25], 1.5),
+    ("aside", [0.5, 1.2], [-1.0, -0.4], 0.7),
+    ("touching", [-0.35, 0.35], [-0.25, 0.25], 0.005),
+    ("overhead", [-5.0, 4.0], [-3.0, 3.0], 0.01),
+    ("small", [1.0, 1.01], [2.0, 2.01], 3.0),
+    ("grazing", [10.0, 10.7], [0.0, 0.5], 0.1),
+    ("strip", [-100.0, 100.0], [-0.01, 0.01], 1.0),
+];
+
+/// The cases.
+pub fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (name, xs, ys, depth) in VIEWED {
+        cases.push(viewed::<f64>(format!("light/rectangle/{name}"), xs, ys, depth, |u| u));
+        cases.push(viewed::<f32>(format!("light/rectangle-f32/{name}"), xs, ys, depth, |u| f64::from(short(u))));
+    }
+    cases.extend(SPHERES.map(|(name, distance, radius)| sphere(name, distance, radius)));
+    cases.extend(RECTANGLES.map(|(name, centre, x, y)| rectangle(name, centre, x, y)));
+    let by_solid_angle = |pdf, _area| pdf;
+    cases.extend(TRIANGLES.map(|(name, corners)| triangle(format!("light/triangle/{name}"), corners, by_solid_angle)));
+    cases.push(sky());
+    cases
+}
+
+/// A position along a side, from 0 to 1: in f32 the sides themselves are rounded.
+fn onto_side(x: f64) -> f64 {
+    if (x - x.clamp(0.0, 1.0)).abs() < 1e-6 { x.clamp(0.0, 1.0) } else { x }
+}
+
+/// The point on the rectangle, of pdf ∝ cos θ / r² with respect to area.
+fn viewed<T: Circular + Send + Sync + 'static>(
+    name: String,
+    xs: [f64; 2],
+    ys: [f64; 2],
+    depth: f64,
+    random: fn(f64) -> f64,
+) -> Case {
+    Case::of(name, Square, move || {
+        let [x0, x1] = xs;
+        let [y0, y1] = ys;
+        let rectangle = SphericalRectangle::new(xs.map(T::from_f64), ys.map(T::from_f64), T::from_f64(depth));
+        let draw = move |u: &[f64]| {
+            let [x, y] = rectangle.sample([T::from_f64(random(u[0])), T::from_f64(random(u[1]))]).map(Real::to_f64);
+            // Position on the rectangle, from 0 to 1 along each side.
+            let place = [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
+            Some(Sample::new(place.map(onto_side)))
+        };
+        // Uniform by solid angle: per area, the pdf is cos θ / r² over the solid angle.
+        let scale = (x1 - x0) * (y1 - y0) * depth / solid_angle(xs, ys, depth);
+        let pdf = move |[x, y]: [f64; 2]| {
+            let (x, y) = (x0 + x * (x1 - x0), y0 + y * (y1 - y0));
+            scale / (x * x + y * y + depth * depth).powf(1.5)
+        };
+        (sampler(2, draw), density(pdf))
+    })
+}
+
+/// The only light of a scene, as the renderer has it.
+fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
+    let (scene, _) = builtin::furnace();
+    let lights = light.into_iter().collect();
+    let scene = Scene { objects: object.into_iter().collect(), lights, environment: None, ..scene };
+    Sampled::all(&scene, &Settings::default(), &[]).pop()
+}
+
+fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
+    let emission = Emission { radiance: Rgb::ONE, two_sided, visibility: EmitterVisibility::Sampled };
+    light_of(
+        Some(Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }),
+        None,
+    )
+}
+
+/// Samples towards a light, as the kernel takes them of one light and of lights chosen for each hit, mapped to points of a
+/// domain by `place`. A sample that the two loops do not agree on, or with another weight than radiance 1 over the pdf, is
+/// missing.
+fn samples_towards<P>(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample<P> + Sync) -> impl Sampler<P> {
+    let positions = POINT.to_array().map(|x| [x; LANES]);
+    in_lanes(move |[u], count| {
+        let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
+        if let Some(light) = &light {
+            sample_many(Arch::new(), light, &positions, count, u, &mut out);
+            sample_each(Arch::new(), &[*light], &[0; LANES][..count], &positions, u, &mut each);
+        }
+        let of_lane = |i| {
+            let of = |lanes: &LightSampleLanes| {
+                let (wi, weight) = (at(&lanes.wi, i), at(&lanes.weight, i));
+                LightSample { wi, distance: lanes.distance[i], weight, pdf: lanes.pdf[i] }
+            };
+            let sample = of(&out);
+            let is_radiance_one = (sample.pdf * sample.weight - Rgb::ONE).abs().max_element() < 1e-6;
+            (is_radiance_one && sample == of(&each)).then(|| place(sample))
+        };
+        (0..count).map(of_lane).collect()
+    })
+}
+
+/// Directions in the frame of the sphere, whose cone is a rectangle of the chart: the pdf is constant inside it.
+fn sphere(name: &str, distance: f32, radius: f32) -> Case {
+    let directions = Directions::sphere(Pole::Z);
+    Case::of(format!("light/ball/{name}"), directions, move || {
+        let centre = POINT + distance * Vec3::new(0.36, 0.48, 0.8);
+        let light = emitting(Shape::Sphere(Sphere { centre, radius }), distance < radius);
+        let to = (centre - POINT).as_dvec3();
+        // Sine of half the angle of the cone, squared.
+        let sin2 = f64::from(radius).powi(2) / to.length_squared();
+        // (1 − cos)/2 of the cone, all of the sphere from inside, and what rounding of directions adds to it.
+        let edge = if sin2 < 1.0 { 0.5 * sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 1.0 };
+        let rim = edge * (1.0 + 1e-6 / sin2.sqrt());
+        let axis = to.normalize();
+        // Frame of the sphere: directions in it are tested.
+        let (x, y) = axis.any_orthonormal_pair();
+        let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
+        let place = move |sample: LightSample| {
+            let wi = sample.wi.as_dvec3();
+            let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
+            let local = local.to_array();
+            // Directions that rounding moves across the edge of the cone count as inside.
+            let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
+            let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
+            Sample::with_pdf(point, f64::from(sample.pdf))
+        };
+        let inside = move |w: [f64; 3]| directions.to_chart(w).is_some_and(|chart| chart[0] <= edge);
+        let uniform = density(move |w| if inside(w) { pdf } else { 0.0 });
+        let steps = if edge < 1.0 { vec![edge] } else { Vec::new() };
+        (samples_towards(light, place), uniform.with_steps([steps, Vec::new()]))
+    })
+}
+
+/// Points on the rectangle: the pdf per solid angle is constant, that per area is cos θ / r² times it.
+fn rectangle(name: &str, centre: Vec3, x: Vec3, y: Vec3) -> Case {
+    Case::of(format!("light/panel/{name}"), Square, move || {
+        // The side that faces the point emits.
+        let (x, y) = if x.cross(y).dot(centre) < 0.0 { (x, y) } else { (y, x) };
+        let rectangle = Rectangle::new(POINT + centre, x, y);
+        let light = rectangle.and_then(|rectangle| emitting(Shape::Rectangle(rectangle), false));
+        let [centre, x, y] = [centre, x, y].map(|v| v.as_dvec3());
+        let pdf = light.as_ref().map_or(f64::NAN, |light| f64::from(light.pdf(POINT)));
+        let place = move |sample: LightSample| {
+            let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - centre;
+            // Position on the rectangle, from 0 to 1 along each side.
+            let chart = [x, y].map(|side| 0.5 + 0.5 * offset.dot(side) / side.length_squared());
+            Sample::new(chart.map(onto_side))
+        };
+        // cos θ / r² of the point of the chart, times the area.
+        let front = 4.0 * x.cross(y);
+        let at = move |[u, v]: [f64; 2]| {
+            let to = centre + (2.0 * u - 1.0) * x + (2.0 * v - 1.0) * y;
+            pdf * front.dot(to).abs() / to.length().powi(3)
+        };
+        (samples_towards(light, place), density(at))
+    })
+}
+
+/// Points on a triangle, which two random numbers u and v would be mapped to uniformly by area. `claim` makes of the
+/// pdf per solid angle, and of the area, the pdf that is tested.
+pub fn triangle(name: String, [a, b, c]: [Vec3; 3], claim: fn(f64, f64) -> f64) -> Case {
+    Case::of(name, Square, move || {
+        // The front faces the point.
+        let corners = if (b - a).cross(c - a).dot(a) < 0.0 { [a, b, c] } else { [a, c, b] };
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+        let mesh = Mesh::new(corners.map(|corner| POINT + corner).into(), Vec::new(), vec![[0, 1, 2]]);
+        let light = mesh.ok().and_then(|mesh| emitting(Shape::Mesh(Arc::new(mesh)), false));
+        let normal = (b - a).cross(c - a);
+        let area = 0.5 * normal.length();
+        let pdf = light.as_ref().map_or(f64::NAN, |light| claim(f64::from(light.pdf(POINT)), area));
+        let place = move |sample: LightSample| {
+            let offset = sample.wi.as_dvec3() * f64::from(sample.distance) - a;
+            // Barycentric coordinates of b and c, then the random numbers. Rounding moves a point across an edge.
+            let weight = |side: DVec3, other: DVec3| {
+                let across = other.cross(normal);
+                (offset.dot(across) / side.dot(across)).max(0.0)
+            };
+            let [b, c] = [weight(b - a, c - a), weight(c - a, b - a)];
+            let r = b + c;
+            Sample::new([(r * r).min(1.0), if r > 0.0 { c / r } else { 0.0 }])
+        };
+        // cos θ / r² of the point, times the area.
+        let at = move |[u, v]: [f64; 2]| {
+            let r = u.sqrt();
+            let to = a + r * (1.0 - v) * (b - a) + r * v * (c - a);
+            pdf * 0.5 * normal.dot(to).abs() / to.length().powi(3)
+        };
+        (samples_towards(light, place), density(at))
+    })
+}
+
+fn sky() -> Case {
+    Case::of("light/sky", Directions::hemisphere(Pole::Y), || {
+        let light = light_of(None, Some(Light::Hemisphere { radiance: Rgb::ONE }));
+        let place = |sample: LightSample| Sample::new(sample.wi.as_dvec3().to_array());
+        (samples_towards(light, place), density(|_: [f64; 3]| 1.0 / TAU))
+    })
+}

@@ -1,0 +1,31 @@
+//! Float images: the buffer, the file formats, tone mapping, metrics.
+//!
+//! [`read`] takes OpenEXR, Radiance HDR and PFM files (and clipped 8- or 16-bit images if asked to), detected by
+//! their content; [`write`](write()) picks the format by the extension; [`ExrFile`] has all layers of an OpenEXR file.
+//! Values are linear RGB and are returned as they stand in the file: negative and non-finite ones included.
+
+mod decoded;
+mod exr;
+mod image;
+mod ldr;
+mod metadata;
+mod metrics;
+mod pfm;
+mod primaries;
+mod read;
+mod resize;
+mod rgbe;
+mod tone;
+mod write;
+
+pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
+pub use self::image::Image;
+pub use self::metadata::{BUILD_NAME, Metadata};
+pub use self::metrics::{Comparison, compare, compare_with_halves, hdr_flip};
+
+pub use self::read::decode_exr;
+pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};
+pub use self::tone::linear_from_srgb;
+pub use self::tone::srgb_from_linear;
+pub use self::tone::{ToneMap, auto_exposure, to_rgb8};
+pub use self::write::{WriteOptions, write, write_with};

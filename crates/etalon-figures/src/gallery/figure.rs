@@ -1,0 +1,208 @@
+//! What a figure is: an entry of the registry, and the content that it makes.
+
+use super::check::Check;
+use super::inputs::{Inputs, Shown};
+use super::studies::Studies;
+use crate::figure::Drawing;
+use crate::output;
+use etalon_core::error::Result;
+use etalon_core::raster::{Image, ToneMap};
+use serde::{Deserialize, Serialize};
+
+/// Formats of figures' files, in the order of the links to them.
+pub const FORMATS: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"];
+
+/// Where a figure's counterpart was published.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Report {
+    /// Of 2020, about Fresnel reflectance and environment maps.
+    First,
+    /// Of 2022, about path tracing and microfacets.
+    Second,
+    Both,
+    Neither,
+}
+
+impl Report {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::First => "first report",
+            Self::Second => "second report",
+            Self::Both => "both reports",
+            Self::Neither => "beyond the reports",
+        }
+    }
+
+    /// What it is, in full.
+    pub fn citations(self) -> &'static [&'static str] {
+        const CITATIONS: [&str; 2] = [
+            "First report: Advanced Computer Graphics coursework report, Imperial College London, Department of Computing, \
+             February 2020.",
+            "Second report: CS 184 HW3.2 report, University of California, Berkeley, spring 2022 (the course calls it \
+             project 3-2).",
+        ];
+        match self {
+            Self::First => &CITATIONS[..1],
+            Self::Second => &CITATIONS[1..],
+            Self::Both => &CITATIONS,
+            Self::Neither => &[],
+        }
+    }
+
+    /// What it is, in brief.
+    fn source(self) -> &'static str {
+        match self {
+            Self::First => "Imperial College London, 2020",
+            Self::Second => "CS 184, UC Berkeley, 2022",
+            Self::Both => "Imperial College London, 2020; CS 184, UC Berkeley, 2022",
+            Self::Neither => "",
+        }
+    }
+}
+
+/// Makes a figure's content from the inputs and from studies that other figures may share.
+pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
+
+/// A figure: its texts, and how it is made.
+pub struct Figure {
+    /// The name of its files, and of `--only`.
+    pub id: &'static str,
+    pub title: &'static str,
+    /// The report with its counterpart.
+    pub report: Report,
+    /// The counterpart in that report, with the number of the figure where it has one.
+    pub reproduces: &'static str,
+    /// The part of the gallery that it belongs to; the registry says.
+    pub section: &'static str,
+    /// The input that it shows, which its caption names; the registry says.
+    pub input: Shown,
+    /// The caption: what is seen.
+    pub shows: &'static str,
+    /// Why that matters, in a sentence.
+    pub matters: &'static str,
+    /// Papers and books for its formulas.
+    pub papers: &'static [&'static str],
+    /// The figure to compare it with.
+    pub beside: Option<&'static str>,
+    /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
+    pub command: Option<String>,
+    pub make: Make,
+}
+
+impl Figure {
+    /// A figure without texts yet, for the last line of a literal.
+    pub fn by(make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync + 'static) -> Self {
+        Self {
+            id: "",
+            title: "",
+            report: Report::Neither,
+            reproduces: "",
+            section: "",
+            input: Shown::Nothing,
+            shows: "",
+            matters: "",
+            papers: &[],
+            beside: None,
+            command: None,
+            make: Box::new(make),
+        }
+    }
+
+    /// "first report (Imperial College London, 2020): Figure 3, …".
+    pub fn counterpart(&self) -> String {
+        match self.report {
+            Report::Neither => self.reproduces.to_owned(),
+            report => format!("{} ({}): {}", report.name(), report.source(), self.reproduces),
+        }
+    }
+}
+
+pub struct Content {
+    pub drawing: Drawing,
+    /// The numbers of the drawing as CSV text.
+    pub table: Vec<u8>,
+    /// A render, written as EXR, PFM and PPM beside the drawing, and how the PPM shows it.
+    pub image: Option<(Image, ToneMap)>,
+    pub checks: Vec<Check>,
+    /// Errors of the reports that it demonstrates.
+    pub errata: Vec<Erratum>,
+    /// Claims of the reports that it answers.
+    pub claims: Vec<Claim>,
+    /// Numbers that a report prints.
+    pub printed: Vec<Printed>,
+}
+
+impl Content {
+    /// A drawing, the rows of its table, and its checks.
+    pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
+        Ok(Self {
+            drawing,
+            table: output::table(rows)?,
+            image: None,
+            checks,
+            errata: Vec::new(),
+            claims: Vec::new(),
+            printed: Vec::new(),
+        })
+    }
+
+    /// Adds numbers that a report prints.
+    pub fn with_printed(self, printed: Vec<Printed>) -> Self {
+        Self { printed, ..self }
+    }
+
+    /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
+    pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
+        Self { image: Some((image.clone(), tone)), ..self }
+    }
+}
+
+/// A number that a report prints beside the one that is computed here.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Printed {
+    pub quantity: String,
+    /// As the report prints it.
+    pub report: String,
+    /// To the digits of the report.
+    pub ours: String,
+}
+
+/// An error of a report with the evidence for it: a row of "errors in the reports".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Erratum {
+    /// What the report prints.
+    pub printed: String,
+    pub right: String,
+    /// The test that detects the error.
+    pub test: String,
+    /// The p-value of that test for what is printed; `None` where an exact check rejects it.
+    pub p_value: Option<f64>,
+    /// The error of an image, and its measure.
+    pub picture_error: String,
+    /// Where the figure shows it; unknown in records of earlier versions.
+    #[serde(default)]
+    pub place: Option<Place>,
+}
+
+/// A panel of a figure: its letter, and its left, top, width and height as shares of the figure's size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    pub panel: char,
+    pub share: [f64; 4],
+}
+
+/// A claim of a report with the answer: a row of "what the reports claim".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    pub report: String,
+    /// The figure or table of the report, or its text.
+    pub place: String,
+    pub claim: String,
+    /// The number that the report prints, if it prints one.
+    pub number: String,
+    /// The numbers that are measured, each with what the claim demands of it.
+    pub measured: Vec<String>,
+    pub verdict: String,
+    /// Figures that show it.
+    pub evidence: Vec<String>,
+}

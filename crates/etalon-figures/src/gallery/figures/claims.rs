@@ -1,0 +1,169 @@
+//! What the reports claim, and what is measured: `claims-first`, `claims-second`, `claims-places`.
+
+use super::{depth, proposal, roughness, sampling, sphere};
+use crate::gallery::figure;
+use crate::gallery::prelude::*;
+use crate::view::claims as view;
+use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, Effort, MapInputs, StatueInputs};
+use etalon_bench::depth::DEPTHS;
+use etalon_bench::metal::{self, MetalTable};
+
+/// Standard errors by which two ways to measure a number may differ.
+const SIGMAS: f64 = 4.0;
+/// Roughness of the report's statues of gold.
+const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
+/// Directions sampled to check the shares of the map.
+const DIRECTIONS: usize = 1 << 14;
+
+/// A table of the first report's claims.
+pub fn first() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-first",
+        title: "What the first report claims, and what is measured",
+        report: Report::First,
+        reproduces: "all claims of its text and figures",
+        shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
+                    it. The verdict follows from these numbers; numbers that were measured on another map than the report's have none.",
+        matters: "A sentence about an image becomes a statement that can fail once it names a number and a bound.",
+        ..Figure::by(first_content)
+    }]
+}
+
+/// A table of the second report's claims, each group on a scene of its own, which the table names.
+pub fn second() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-second",
+        title: "What the second report claims, and what is measured",
+        report: Report::Second,
+        reproduces: "all claims of its text and figures",
+        shows: "Each claim of the second report with its number and the measured one. A path class is written from the light L to the eye E: D diffuse reflection; Sₘ \
+                    mirror; Sᵣ, Sₜ, Sᵢ reflection by the outside of glass, transmission, reflection inside it (Heckbert's S, with its kind). A share of 2 % is what an observer just sees. Numbers from other scenes than the report's have no verdict.",
+        matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
+        papers: &[papers::HECKBERT],
+        beside: Some("claims-places"),
+        ..Figure::by(second_content)
+    }]
+}
+
+/// Pictures of the places that the second report speaks of.
+pub fn places() -> Vec<Figure> {
+    vec![Figure {
+        id: "claims-places",
+        title: "The places that the second report speaks of, and the light that makes them",
+        report: Report::Second,
+        reproduces: "Figure 1, what appears at each depth",
+        shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone, with its share of \
+                    the light and the standard error. Classes: L light, E eye, D diffuse reflection, Sₘ mirror, Sᵣ reflection by the \
+                    outside of glass, Sₜ transmission. The frame \
+                    was found with one half of the samples, its light measured with the other half and that of all other paths with more.",
+        matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
+        papers: &[papers::HECKBERT],
+        beside: Some("claims-second"),
+        ..Figure::by(places_content)
+    }]
+}
+
+fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
+    studies.get("claims", || metal::table(2))
+}
+
+fn first_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let exact = sphere::small(inputs, studies)?;
+    let series = sphere::series(inputs, studies)?;
+    let tested = proposal::tested(inputs, studies)?;
+    let map = &inputs.map.map;
+    let mut claims = claims::glass_claims(&*metals(studies)?);
+    let renders =
+        series.last().ok_or_else(|| etalon_core::error::Error::parameter("figure", "no strategy was rendered"))?;
+    let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
+    let other_map = inputs.other_map().map(|_| inputs.map.file_name());
+    claims.extend(claims::map_claims(&of_map)?.into_iter().map(|claim| claim.measured_on(other_map)));
+    let mut checks = vec![undecided(&claims, inputs)];
+    checks.extend(claims::sampled_shares(map, DIRECTIONS, inputs.seed)?.iter().map(agrees));
+    content(Report::First, &claims, checks)
+}
+
+fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> {
+    let depths = depth::series(inputs, studies)?;
+    let (scene, _) = inputs.spheres();
+    let effort =
+        Effort { to_diffuse: 8, to_specular: 32, from_walls: 2, from_light: inputs.effort.of(1 << 19, 1 << 16) };
+    studies.get("claims", || claims::depth_claims(&scene, &depths, effort, inputs.seed))
+}
+
+fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let of_depths = of_depths(inputs, studies)?;
+    let statues: Vec<_> =
+        ALPHAS.iter().map(|&alpha| roughness::statue(inputs, studies, "Au", alpha)).collect::<Result<_>>()?;
+    let statues: Vec<_> = statues.iter().map(Rc::as_ref).collect();
+    let (scene, request) = inputs.statue("Au", ALPHAS[0])?;
+    let (sampling, metals) = (sampling::both(inputs, studies)?, metals(studies)?);
+    let statues = StatueInputs { scene: &scene, request: &request, statues: &statues };
+    // Each group of claims, and the scene that it is measured on in place of the report's
+    let unless = |name: &str, scene: String| (!inputs.is_original(name)).then_some(scene);
+    let dragon = if inputs.originals.is_some() { "another dragon" } else { &scene.name };
+    let groups = [
+        (of_depths.claims.clone(), unless("CBspheres.dae", inputs.spheres().0.name)),
+        (claims::metal_claims(&metals), None),
+        // Nobody has published the report's own dragon
+        (claims::statue_claims(&statues), Some(dragon.to_owned())),
+        (claims::sampling_claims(&sampling), unless("CBbunny_microfacet_cu.dae", inputs.copper()?.0.name)),
+    ];
+    let claims: Vec<Claim> = groups
+        .into_iter()
+        .flat_map(|(claims, elsewhere)| claims.into_iter().map(move |claim| claim.measured_on(elsewhere.as_deref())))
+        .collect();
+    let mut checks = vec![undecided(&claims, inputs)];
+    checks.extend(of_depths.agreement.iter().map(agrees));
+    if of_depths.agreement.is_empty() {
+        let check = Check::within("light event by event minus the renderer's (standard errors)", 0.0, f64::NAN, SIGMAS);
+        checks.push(check.unless(Some("the scene has no rectangle that emits light")));
+    }
+    content(Report::Second, &claims, checks)
+}
+
+fn places_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let (of_depths, depths) = (of_depths(inputs, studies)?, depth::series(inputs, studies)?);
+    let image = |depth: u32| DEPTHS.iter().position(|d| *d == depth).map(|i| depths.images[i].clone());
+    let drawing = view::places(&of_depths.pictures, image);
+    let name =
+        |title: &str| format!("light in the frame, event by event minus the renderer, {title} (standard errors)");
+    let seen = of_depths.pictures.iter().map(|picture| Check::within(name(picture.title), 0.0, picture.z, SIGMAS));
+    let unseen = of_depths.unseen.iter().map(|title| {
+        let check = Check::within(name(title), 0.0, f64::NAN, SIGMAS);
+        check.unless(Some("no light of this class was found"))
+    });
+    Content::new(drawing, &view::place_rows(&of_depths.pictures), seen.chain(unseen).collect())
+}
+
+fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Content> {
+    let content = Content::new(view::table(claims), &view::rows(claims), checks)?;
+    let row = |claim: &Claim| figure::Claim {
+        report: report.name().to_owned(),
+        place: claim.place.to_owned(),
+        claim: claim.claim.to_owned(),
+        number: claim.number.to_owned(),
+        measured: claim
+            .findings
+            .iter()
+            .map(view::sentence)
+            .chain([claim.remark.to_owned()])
+            .filter(|text| !text.is_empty())
+            .collect(),
+        verdict: claim.answer(),
+        evidence: claim.evidence.iter().map(|id| (*id).to_owned()).collect(),
+    };
+    Ok(Content { claims: claims.iter().map(row).collect(), ..content })
+}
+
+/// Numbers of which chance may decide on which side of their bound they are. A quick run has too few samples for some.
+fn undecided(claims: &[Claim], inputs: &Inputs) -> Check {
+    let findings = || claims.iter().filter(|claim| claim.is_judged()).flat_map(|claim| &claim.findings);
+    let share = findings().filter(|finding| finding.holds().is_none()).count() as f64 / findings().count() as f64;
+    let name = "share of the numbers within 3 standard errors of what the claim demands";
+    Check::at_most(name, share, inputs.effort.of(0.0, 0.1))
+}
+
+fn agrees(agreement: &Agreement) -> Check {
+    Check::within(format!("{} (standard errors)", agreement.name), 0.0, agreement.z, SIGMAS)
+}

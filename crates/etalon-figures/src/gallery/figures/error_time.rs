@@ -1,0 +1,172 @@
+//! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`.
+
+use crate::gallery::prelude::*;
+use crate::view::converge as view;
+use crate::view::converge::sheet;
+use etalon_bench::converge::answer::Answer;
+use etalon_bench::converge::contender::Contender;
+use etalon_bench::converge::curve::Curve;
+use etalon_bench::converge::strategy::Strategy;
+use etalon_bench::converge::{Convergence, Plan, measure};
+use etalon_core::scene::{Environment, Request, Scene, builtin};
+
+/// Standard errors beyond which a bias is seen.
+const SIGMAS: f64 = 3.0;
+
+/// Seconds after which a figure is cut short; on a machine of two cores none comes near.
+pub const LIMIT: f64 = 120.0;
+/// Strategies whose Sobol' points must converge faster than independent random numbers.
+const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-cosine-compensated", "light-cosine"];
+
+/// A plan of so many samples per pixel and replicates.
+pub fn plan(inputs: &Inputs, max_spp: u32, replicates: u32) -> Plan {
+    Plan { budget: LIMIT, max_spp: Some(max_spp), replicates: Some(replicates), seed: inputs.seed, keep: None }
+}
+
+/// The sphere under the map with one light sample, at the size of these figures.
+pub fn sphere_scene(inputs: &Inputs) -> (Scene, Request) {
+    let map = &inputs.map;
+    let environment = Environment::upright(map.map.clone(), map.name.clone(), builtin::SPHERE_ENV_SCALE);
+    let (scene, request) = builtin::sphere_env(environment);
+    let side = inputs.effort.of(144, 48);
+    (scene, Request { width: side, height: side, light_samples: 1, ..request })
+}
+
+/// A Cornell box in an image small enough to be rendered many times, with one light sample.
+pub fn small(inputs: &Inputs, scene: (Scene, Request)) -> (Scene, Request) {
+    of_size(scene, inputs.effort.of([96, 72], [48, 36]))
+}
+
+fn of_size((scene, request): (Scene, Request), size: [usize; 2]) -> (Scene, Request) {
+    let (scene, request) = scene.resized(request, size);
+    (scene, Request { light_samples: 1, ..request })
+}
+
+pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
+    let (scene, request) = sphere_scene(inputs);
+    let plan = plan(inputs, 32, 5);
+    studies.get("sphere", || measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None))
+}
+
+/// The curves of the sphere.
+pub fn sphere() -> Vec<Figure> {
+    vec![Figure {
+        id: "error-time-sphere",
+        title: "Error of the sphere against run time, by strategy",
+        report: Report::First,
+        reproduces: "Figures 12 to 15, at equal time",
+        shows: "Error over processor time and over samples per pixel; efficiency at equal time and slope of each strategy, \
+                with 95 % intervals and biased methods apart; images at equal time above their relative errors. The default is here \
+                light sampling in proportion to radiance times cosine, adaptive, so that the curves of both are one.",
+        matters: "Error at equal time is the measure that counts when strategies cost differently; biased methods look best first and stop improving.",
+        papers: &[papers::VEACH, papers::KARLIK],
+        ..Figure::by(sphere_content)
+    }]
+}
+
+/// The curves of the Cornell box.
+pub fn cornell() -> Vec<Figure> {
+    vec![Figure {
+        id: "error-time-cornell",
+        title: "Error of the Cornell box against run time, by strategy",
+        report: Report::Second,
+        reproduces: "Figure 1, at equal time",
+        shows: "Error over processor time and over samples for a mirror and a glass sphere in a Cornell box, lit by an area light, with \
+                images at equal time and their relative errors.",
+        matters: "No strategy alone is good at both a diffuse wall and a caustic: multiple importance sampling is close to the better one everywhere.",
+        papers: &[papers::VEACH, papers::GEORGIEV],
+        ..Figure::by(cornell_content)
+    }]
+}
+
+fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = sphere_curves(inputs, studies)?;
+    let mut checks = vec![stopped(&result), default_against_best(&result)];
+    for curve in &result.curves {
+        let name = curve.strategy.as_str();
+        if curve.contender.has_fixed_lights() {
+            checks.push(biased(curve));
+            // The error of the last level is bias and hardly anything else.
+            let share = curve.levels.last().map_or(f64::NAN, |level| curve.bias2.value / level.mse.value);
+            checks.push(Check::within(format!("share of bias in the squared error, {name}"), 1.0, share, 0.1));
+            continue;
+        }
+        checks.push(unbiased(curve));
+        // With uniform directions the error under a map of high contrast depends on few samples: its replicates do not
+        // give an interval.
+        if curve.contender.is_independent() && !name.starts_with("hemisphere") {
+            checks.push(as_monte_carlo(curve));
+        } else if FASTER_ON_SPHERE.contains(&name) {
+            checks.push(faster(curve));
+        }
+    }
+    Content::new(sheet(&result), &view::rows(&result), checks)
+}
+
+/// The curves of mirror and glass in the box, in images large enough to recognize in print what each strategy renders.
+pub fn cornell_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Convergence>> {
+    let (scene, request) = of_size(inputs.spheres(), inputs.effort.of([112, 84], [48, 36]));
+    let plan = plan(inputs, inputs.effort.of(32, 16), inputs.effort.of(5, 4));
+    studies.get("cornell", || measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None))
+}
+
+fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let result = cornell_curves(inputs, studies)?;
+    let mut checks = vec![stopped(&result), default_against_best(&result)];
+    for curve in &result.curves {
+        checks.push(unbiased(curve));
+        checks.push(if curve.contender.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
+    }
+    let last = |name: &str| result.curve(name).and_then(|c| c.levels.last()).map_or(f64::NAN, |level| level.mse.value);
+    let best = last("light").min(last("bsdf"));
+    checks.push(Check::at_most("squared error, mis over the better of light and bsdf", last("mis") / best, 1.1));
+    let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
+    let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
+    checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
+    Content::new(sheet(&result), &view::rows(&result), checks)
+}
+
+/// Nothing was left out for lack of time.
+pub fn stopped(result: &Convergence) -> Check {
+    Check::equal("strategies stopped by the time limit", 0.0, result.cut.len() as f64)
+}
+
+/// The default is at most so many times less efficient than the best strategy without bias.
+const WORSE: f64 = 1.15;
+
+/// What renders by default is as efficient as the best strategy, but for [`WORSE`] and chance.
+pub fn default_against_best(result: &Convergence) -> Check {
+    let default = Answer::of(result, 0.99).and_then(|answer| answer.default);
+    let upper = default.map_or(f64::NAN, |rival| 1.0 / rival.low);
+    Check::at_least(
+        "efficiency of the default over the best other strategy's, upper end of the 99 % interval",
+        upper,
+        1.0 / WORSE,
+    )
+}
+
+/// The squared bias in units of its standard error.
+fn bias(curve: &Curve) -> f64 {
+    curve.bias2.value / curve.bias2.standard_error
+}
+
+/// The mean of all replicates is biased beyond chance.
+pub fn biased(curve: &Curve) -> Check {
+    Check::at_least(format!("squared bias (standard errors), {}", curve.strategy), bias(curve), SIGMAS)
+}
+
+/// The bias is within what chance explains.
+fn unbiased(curve: &Curve) -> Check {
+    Check::at_most(format!("squared bias (standard errors), {}", curve.strategy), bias(curve), 2.0 * SIGMAS)
+}
+
+/// Independent random numbers: the slope is −1/2, up to 3 of its own standard errors.
+fn as_monte_carlo(curve: &Curve) -> Check {
+    let name = format!("slope (−1/2 + 3 standard errors), {}", curve.strategy);
+    Check::at_most(name, curve.slope.value, -0.5 + 3.0 * curve.slope.standard_error)
+}
+
+/// Sobol' points: the slope's interval is below −1/2.
+fn faster(curve: &Curve) -> Check {
+    Check::at_most(format!("slope, upper end of its 95 % interval, {}", curve.strategy), curve.slope.high(), -0.5)
+}

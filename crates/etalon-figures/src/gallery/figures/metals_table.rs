@@ -1,0 +1,103 @@
+//! Indices, special angles and albedo of the metals: `metals-table`. Below their reflectance, and the error of the second report's
+//! approximation, stands the table.
+
+use super::roughness::{iron_of_the_report, printed_iron};
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
+use crate::gallery::prelude::*;
+use crate::view::text::capitalized;
+use etalon_bench::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
+
+const POINTS: usize = 181;
+
+pub fn figures() -> Vec<Figure> {
+    vec![Figure {
+        id: "metals-table",
+        title: "Metals: indices, special angles, albedo, error of the approximation",
+        report: Report::Second,
+        reproduces: "Table 1, η and k of iron at 614, 549 and 466 nm: 2.8851 + 3.0449i, 2.9500 + 2.9300i, 2.6500 + 2.8095i",
+        shows: "Reflectance of each metal in red, green and blue over the angle of incidence, and how far the report's \
+                approximation (without sin²θ beside η² + k²) lies above it. The sources of η and k stand in the CSV file.",
+        matters: "The colour of a metal is its reflectance, so that an error of these curves is an error of colour in every image of it.",
+        papers: &[papers::JOHNSON_CHRISTY, papers::PBRT],
+        ..Figure::by(|_, _| content())
+    }]
+}
+
+fn content() -> Result<Content> {
+    let table = metal::table(POINTS)?;
+    let mut checks = iron_of_the_report();
+    checks.extend([
+        Check::at_most("error of R(0°) against ((η−1)²+k²)/((η+1)²+k²)", table.normal_error(), 1e-14),
+        Check::at_most(
+            "error of the approximation's albedo against its closed form",
+            table.approximate_albedo_error(),
+            1e-9,
+        ),
+        Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
+        Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
+    ]);
+    Ok(Content::new(drawing(&table), &table.rows, checks)?.with_printed(printed_iron()))
+}
+
+/// One column for each metal: reflectance above, error of the approximation below, each row on one scale; then the table.
+fn drawing(metals: &MetalTable) -> Drawing {
+    let curves = &metals.curves;
+    let exact = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "reflectance")).range(0.4, 1.0).every(0.2);
+        panel(metal, y, "", |r| r.r_unpolarized).title(capitalized(&metal.metal))
+    });
+    let errors = curves.iter().enumerate().map(|(i, metal)| {
+        let y = Axis::linear(of_first(i, "approximation − exact")).range(0.0, 0.008).every(0.002);
+        panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
+    });
+    let rows = [exact.collect(), errors.collect()];
+    let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
+    Drawing::stacked(vec![plot, numbers(metals)], 0.5, 2.0)
+}
+
+/// The first column names the axes.
+fn of_first(place: usize, text: &'static str) -> &'static str {
+    if place == 0 { text } else { "" }
+}
+
+fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> f64) -> Panel {
+    let angle = Axis::linear(x).range(0.0, 90.0).every(30.0);
+    metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
+        let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
+        panel.line(channel.name.as_str(), Stroke::solid(colour, theme::LINE), points)
+    })
+}
+
+/// One line for each metal and channel.
+fn numbers(metals: &MetalTable) -> Drawing {
+    let header = [
+        "metal",
+        "wavelength (nm)",
+        "η",
+        "k",
+        "R at 0°",
+        "pseudo-Brewster angle",
+        "albedo",
+        "by the approximation",
+        "its largest error",
+        "at",
+    ];
+    let mut last = "";
+    let row = |r: &MetalRow| {
+        let metal = if r.metal == last { String::new() } else { format!("{} ({})", r.metal, r.symbol) };
+        last = r.metal;
+        vec![
+            metal,
+            format!("{:.0}", r.wavelength_nm),
+            format!("{:.4}", r.eta),
+            format!("{:.4}", r.k),
+            format!("{:.4}", r.r_normal),
+            format!("{:.2}°", r.pseudo_brewster_deg),
+            format!("{:.4}", r.albedo),
+            format!("{:.4}", r.albedo_approximate),
+            format!("{:.4}", r.approximate_max_abs_error),
+            format!("{:.1}°", r.approximate_max_abs_error_deg),
+        ]
+    };
+    table(&header, &metals.rows.iter().map(row).collect::<Vec<_>>())
+}

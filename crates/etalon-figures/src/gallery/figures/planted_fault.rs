@@ -1,0 +1,65 @@
+//! A sampler and a BSDF with planted faults, as a test sees them: `test-chi-square`, `bsdf-fault`.
+
+use crate::gallery::prelude::*;
+use crate::view::validation_cells::{drawing, rows};
+use etalon_bench::validation::planted::{all, run_pair};
+use etalon_core::error::Error;
+use etalon_stats::Verdict;
+
+/// Points of the disc at the radius u in place of √u, lifted to the hemisphere.
+const SAMPLER: &str = "warp/hemisphere/disc-without-root";
+
+/// A mixture of lobes that takes the random number of its choice again for the direction: values, weights and pdfs are right, and
+/// samples alone are not.
+const BSDF: &str = "whole/mixture/random-number-reused";
+
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "test-chi-square",
+            title: "A cosine-weighted sampler with a forgotten square root",
+            report: Report::Neither,
+            reproduces: "a mistake in sampling the hemisphere, found",
+            shows: "Directions counted in cells of equal solid angle, what the pdf cos θ/π expects there, and the residuals in standard \
+                    deviations. The sampler takes the radius u for √u on the disc, so that too many directions lie near the normal. \
+                    The test rejects it and says where; the same test accepts the sampler with the root.",
+            matters: "The rendered image of such a sampler looks plausible: it is only brighter or darker than it should be, by an amount that depends on the light.",
+            papers: &[papers::SUBR_ARVO, papers::PBRT],
+            command: Some(format!("etalon validate --planted {SAMPLER}")),
+            ..Figure::by(|inputs, _| content(inputs, SAMPLER))
+        },
+        Figure {
+            id: "bsdf-fault",
+            title: "A BSDF with a planted fault",
+            report: Report::Neither,
+            reproduces: "a mistake in sampling a mixture of lobes, found",
+            shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. The random number that chooses \
+                    the lobe is used again for the direction: residuals have one sign over large regions, and the test says where. \
+                    The same test accepts the right BSDF.",
+            matters: "A test is worth what it finds: this error leaves every single value right, and only the joint distribution of samples shows it.",
+            papers: &[papers::SUBR_ARVO],
+            command: Some(format!("etalon validate --planted {BSDF}")),
+            ..Figure::by(|inputs, _| content(inputs, BSDF))
+        },
+    ]
+}
+
+fn content(inputs: &Inputs, name: &str) -> Result<Content> {
+    let unknown = || Error::parameter("names", format!("there is no planted fault {name}"));
+    let fault = all().into_iter().find(|fault| fault.name == name).ok_or_else(unknown)?;
+    let found = run_pair(fault, &inputs.protocol())?;
+    let [faulty, right] = &found.tests[..] else { return Err(unknown()) };
+    let is = |verdict| move |found: Verdict| f64::from(u8::from(found == verdict));
+    let uncounted = || Error::parameter("names", format!("the test of {name} has no counts"));
+    let counts = faulty.outcome.counts.as_ref().map(rows).ok_or_else(uncounted)?;
+    let largest = counts.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
+    let said = faulty.outcome.diagnosis.as_deref().unwrap_or_default();
+    let checks = vec![
+        Check::equal("the fault is rejected", 1.0, is(Verdict::Reject)(faulty.outcome.verdict)),
+        Check::equal("the same without the fault is accepted", 1.0, is(Verdict::Accept)(right.outcome.verdict)),
+        // One of 1.7 million cells of a right sampler is that far off.
+        Check::at_least("largest residual with the fault", largest, 5.0),
+        Check::at_least("regions that the test names", said.matches(" % too ").count() as f64, 1.0),
+    ];
+    Content::new(drawing(faulty), &counts, checks)
+}

@@ -1,0 +1,87 @@
+//! Inversion with uniform and with Gaussian random numbers: `proposal`; what proposal distributions cost: `proposal-cost`.
+
+use crate::gallery::prelude::*;
+use crate::view::proposal as view;
+use etalon_bench::metal::worst;
+use etalon_bench::proposal::{self, Cost, Proposal, RowBin, Shape};
+
+/// Rows that are sampled.
+const SAMPLES: usize = 100_000;
+/// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
+const LEVEL: f64 = 1e-3;
+
+pub fn figures() -> Vec<Figure> {
+    vec![
+        Figure {
+            id: "proposal",
+            title: "Inversion needs uniform random numbers",
+            report: Report::First,
+            reproduces: "text, proposal distributions",
+            shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
+                ones do not.",
+            matters: "Inversion turns uniform random numbers into any distribution, and only these: other random numbers change the pdf without any error message.",
+            papers: &[papers::PBRT],
+            command: Some("etalon envmap proposal {map}".into()),
+            ..Figure::by(content)
+        },
+        Figure {
+            id: "proposal-cost",
+            title: "What a proposal distribution costs",
+            report: Report::First,
+            reproduces: "text, proposal distributions \"like Gaussian\" and uniform, for rows and for columns",
+            shows: "Rows and columns of the map sampled by seven distributions, each sample weighted by one over its probability: no \
+                proposal is wrong then, and a bad one needs more samples. Above are the distributions, below the samples until \
+                the relative standard error is 1 %, from exact sums over all texels.",
+            matters: "A proposal must be large wherever the integrand is: a narrow one misses light, and a few samples of huge weight make up for it, which is what fireflies are.",
+            papers: &[papers::PBRT],
+            beside: Some("proposal"),
+            command: Some("etalon envmap proposal {map}".into()),
+            ..Figure::by(|inputs, _| cost(inputs))
+        },
+    ]
+}
+
+/// Both histograms, if the map has light in enough rows.
+pub fn tested(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Option<Proposal>>> {
+    studies.get("proposal", || proposal::compare(&inputs.map.map, SAMPLES, inputs.seed))
+}
+
+fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let tested = tested(inputs, studies)?;
+    let Some(result) = tested.as_ref() else {
+        let check = Check::is_true("sampled rows against the map's distribution", false);
+        let check = check.unless(Some("the map has light in too few rows for a test"));
+        return Content::new(view::nothing_to_test(), &[] as &[RowBin], vec![check]);
+    };
+    let checks = vec![
+        Check::at_least("p-value with uniform random numbers", result.uniform.p, LEVEL),
+        Check::at_most("p-value with uniform random numbers (no suspiciously good fit)", result.uniform.p, 1.0 - LEVEL),
+        Check::at_most("p-value with Gaussian random numbers", result.gaussian.p, 1e-6),
+    ];
+    Content::new(view::drawing(result), &result.bins, checks)
+}
+
+/// Samples of each proposal that check the sums.
+const CHECKED: u32 = 1 << 16;
+
+fn cost(inputs: &Inputs) -> Result<Content> {
+    let map = &inputs.map.map;
+    let Some(costs) = proposal::costs(map, CHECKED, inputs.seed) else {
+        let check = Check::is_true("the map has light above the horizon", false);
+        return Content::new(view::nothing_to_test(), &[] as &[Cost], vec![check]);
+    };
+    let by_map = costs.costs.iter().filter(|cost| cost.proposal == Shape::Map.name());
+    let checks = vec![
+        Check::at_most(
+            "mean of 65536 samples of irradiance against the exact one, by the worst proposal (exact standard errors)",
+            costs.largest_z,
+            4.5,
+        ),
+        Check::at_most("variance of the flux by the map", worst(by_map.map(|cost| cost.flux_variance)), 1e-12),
+        Check::is_true(
+            "all proposals have a finite variance",
+            costs.costs.iter().all(|cost| cost.irradiance_variance.is_finite() && cost.flux_variance.is_finite()),
+        ),
+    ];
+    Content::new(view::costs(&costs), &costs.costs, checks)
+}

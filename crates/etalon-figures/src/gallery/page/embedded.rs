@@ -1,0 +1,191 @@
+//! A figure's image inside the page: charts as SVG, pictures as PNG or JPEG, and a thumbnail of either.
+
+use crate::figure::with_dark_colours;
+use base64::prelude::{BASE64_STANDARD, Engine};
+use etalon_core::error::{Error, Result};
+use etalon_core::files;
+use image::DynamicImage;
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::FilterType;
+use std::path::Path;
+
+/// Larger PNG files may be noisy; as JPEG these take fewer bytes.
+const LARGEST_PNG: usize = 30_000;
+/// Wider images are reduced to this width in pixels.
+const WIDEST: u32 = 1200;
+/// Of JPEG: differs from the PNG by less than the noise of the images.
+const QUALITY: u8 = 76;
+/// Width and height of a thumbnail in pixels.
+const THUMBNAIL: [u32; 2] = [256, 192];
+const LIMIT: u64 = 256 << 20;
+/// How the drawings' own images start.
+const PNG: &str = "href=\"data:image/png;base64,";
+
+pub struct EmbeddedImage {
+    /// A `data:` address.
+    pub source: String,
+    pub width: u32,
+    pub height: u32,
+    /// Whether it is a chart: it has text, stays sharp at any size, and follows a dark page.
+    pub chart: bool,
+    /// A small one, as a `data:` address.
+    pub thumbnail: String,
+}
+
+impl EmbeddedImage {
+    /// The image of the figure `id` in `folder`.
+    ///
+    /// # Errors
+    /// When a file of it is missing or damaged.
+    pub fn read(folder: &Path, id: &str) -> Result<Self> {
+        let [path, png_path] = ["svg", "png"].map(|extension| folder.join(format!("{id}.{extension}")));
+        let svg = String::from_utf8(files::read_own(&path, LIMIT)?)
+            .map_err(|_| Error::input(&path, "no drawing: it is not UTF-8"))?;
+        let png = files::read_own(&png_path, LIMIT)?;
+        let full = decoded(&png, &png_path)?;
+        let chart = svg.contains("<text");
+        let thumbnail = address("jpeg", &jpeg(thumbnail(&full, chart), &png_path)?);
+        if chart {
+            let [width, height] = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
+            let source = vector_address(&with_dark_colours(&with_small_images(&svg, &path)?));
+            return Ok(Self { source, width, height, chart, thumbnail });
+        }
+        let (source, [width, height]) = picture(&png, full, &png_path)?;
+        Ok(Self { source, width, height, chart, thumbnail })
+    }
+}
+
+/// What is in the middle of a picture; of a chart, its first panel.
+fn thumbnail(full: &DynamicImage, chart: bool) -> DynamicImage {
+    let [small_width, small_height] = THUMBNAIL;
+    if !chart {
+        return full.resize_to_fill(small_width, small_height, FilterType::CatmullRom);
+    }
+    let width = full.width().min(full.height() * small_width / small_height).max(1);
+    let height = full.height().min(full.width() * small_height / small_width).max(1);
+    full.crop_imm(0, 0, width, height).resize_exact(small_width, small_height, FilterType::CatmullRom)
+}
+
+/// A PNG as it is, or if that takes fewer bytes, as a JPEG of limited width; and its size.
+fn picture(png: &[u8], mut full: DynamicImage, path: &Path) -> Result<(String, [u32; 2])> {
+    if png.len() <= LARGEST_PNG {
+        return Ok((address("png", png), [full.width(), full.height()]));
+    }
+    if full.width() > WIDEST {
+        full = full.resize(WIDEST, u32::MAX, FilterType::CatmullRom);
+    }
+    let (size, jpeg) = ([full.width(), full.height()], jpeg(full, path)?);
+    Ok((if jpeg.len() < png.len() { address("jpeg", &jpeg) } else { address("png", png) }, size))
+}
+
+/// A drawing whose large images are reduced.
+fn with_small_images(svg: &str, path: &Path) -> Result<String> {
+    let mut parts = svg.split(PNG);
+    let mut small = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (data, rest) = part.split_once('"').ok_or_else(|| Error::input(path, "an image without an end"))?;
+        let png = BASE64_STANDARD.decode(data).map_err(|e| Error::input(path, format!("an image: {e}")))?;
+        let (source, _) = picture(&png, decoded(&png, path)?, path)?;
+        small += &format!("href=\"{source}\"{rest}");
+    }
+    Ok(small)
+}
+
+fn decoded(png: &[u8], path: &Path) -> Result<DynamicImage> {
+    image::load_from_memory_with_format(png, image::ImageFormat::Png).map_err(|e| Error::input(path, e.to_string()))
+}
+
+fn jpeg(image: DynamicImage, path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let encoded = JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&image.into_rgb8());
+    encoded.map_err(|e| Error::input(path, e.to_string()))?;
+    Ok(bytes)
+}
+
+fn address(kind: &str, bytes: &[u8]) -> String {
+    format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes))
+}
+
+/// A drawing as an address. Its images are base64 already: what has a meaning in addresses or in HTML is escaped, and the rest
+/// is left as it is.
+fn vector_address(svg: &str) -> String {
+    let mut address = "data:image/svg+xml;charset=utf-8,".to_owned();
+    for c in svg.chars() {
+        match c {
+            '%' | '#' | '"' | '<' | '>' | '&' | '\n' | '\r' | '\t' => address += &format!("%{:02X}", u32::from(c)),
+            c => address.push(c),
+        }
+    }
+    address
+}
+
+/// Width and height that a drawing's first tag gives, rounded up.
+fn size(svg: &str) -> Option<[u32; 2]> {
+    let tag = svg.split_once("<svg")?.1.split_once('>')?.0;
+    let attribute = |name: &str| {
+        let value: f64 = tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok()?;
+        (value > 0.0 && value < 1e6).then(|| value.ceil() as u32)
+    };
+    Some([attribute("width")?, attribute("height")?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Drawing, Rect, Rgb8, Text};
+
+    /// Noise, which compresses badly as PNG.
+    fn noise() -> Rgb8 {
+        Rgb8::from_fn(300, 200, |x, y| {
+            let mut n = (300 * y + x + 1) as u64;
+            for _ in 0..3 {
+                n = (n ^ (n >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            }
+            [(n >> 40) as u8, (n >> 48) as u8, (n >> 56) as u8]
+        })
+    }
+
+    fn written(name: &str, change: impl Fn(&mut Drawing)) -> (tempfile::TempDir, Result<EmbeddedImage>) {
+        let dir = tempfile::tempdir().unwrap();
+        let mut drawing = Drawing::new(300.5, 200.0, 1.0);
+        change(&mut drawing);
+        drawing.write(&dir.path().join(name)).unwrap();
+        let image = EmbeddedImage::read(dir.path(), name);
+        (dir, image)
+    }
+
+    #[test]
+    fn charts_stay_vectors_and_noise_becomes_small() {
+        let place = Rect::new(0.0, 0.0, 300.0, 200.0);
+        let label = || Text::new([10.0, 10.0], 12.0, "η");
+        let (_dir, chart) = written("a", |drawing| drawing.text(label()));
+        let chart = chart.unwrap();
+        assert!(chart.chart && chart.source.starts_with("data:image/svg+xml;charset=utf-8,%3Csvg "));
+        assert!(!chart.source.contains(['"', '<', '\n', '#']) && chart.source.contains("η"));
+        assert_eq!([chart.width, chart.height], [301, 200]);
+        let (_dir, mixed) = written("b", |drawing| {
+            drawing.text(label());
+            drawing.image(place, noise());
+        });
+        let mixed = mixed.unwrap();
+        assert!(mixed.chart && mixed.source.contains("image/jpeg") && !mixed.source.contains("image/png"));
+        let (dir, picture) = written("c", |drawing| drawing.image(place, noise()));
+        let picture = picture.unwrap();
+        assert!(!picture.chart && picture.source.starts_with("data:image/jpeg;base64,"));
+        for name in ["c.png", "c.svg"] {
+            std::fs::write(dir.path().join(name), vec![200; LARGEST_PNG + 1]).unwrap();
+            assert!(matches!(EmbeddedImage::read(dir.path(), "c"), Err(Error::Input { .. })), "{name}");
+        }
+    }
+
+    #[test]
+    fn damaged_images_of_a_drawing_name_the_file() {
+        let (dir, _) = written("a", |_| ());
+        let svg = dir.path().join("a.svg");
+        for damage in ["\"/><text/></svg>", "!!\"/><text/></svg>", "<text/>"] {
+            std::fs::write(&svg, format!("<svg width=\"1\" height=\"1\"><image {PNG}{damage}")).unwrap();
+            let error = EmbeddedImage::read(dir.path(), "a").err().unwrap().to_string();
+            assert!(error.contains("a.svg"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! What tests of the gallery start from: the smallest inputs, and a record with a failed check.
+
+use super::check::Check;
+use super::inputs::{Effort, Inputs};
+use super::page::{Record, Setup};
+use etalon_core::envmap::synthetic::Synthetic;
+use etalon_core::envmap::{EnvMap, NamedMap};
+use std::sync::Arc;
+
+/// The smallest inputs.
+pub fn inputs() -> Inputs {
+    let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
+    Inputs { map, originals: None, seed: 1, effort: Effort::Quick, scale: 1 }
+}
+
+/// A record with one good and one bad check.
+pub fn record() -> Record {
+    Record {
+        seconds: 0.25,
+        input: "the map onehot".into(),
+        checks: vec![Check::equal("good", 1.0, 1.0), Check::within("a <bad> one", 1.0, f64::NAN, 0.5)],
+        errata: Vec::new(),
+        claims: Vec::new(),
+        printed: Vec::new(),
+        setup: Setup::of(&inputs(), "--quick"),
+    }
+}

@@ -1,0 +1,361 @@
+//! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
+
+use super::text::{counted, p_is, p_value, power_of_ten, rounded, wrapped};
+use crate::figure::{
+    Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
+};
+use etalon_bench::compare::{Answer, Bias, Compared, FamilyResult, Functional, Needed, Related, Tested};
+use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use serde::Serialize;
+use std::cmp::Ordering;
+
+/// Longest side of the drawing of the difference, in pixels.
+const LONGEST_SIDE: usize = 2048;
+/// Tiles that are marked and enlarged.
+const ENLARGED: usize = 3;
+/// Keeps dark pixels from outweighing all others in the relative difference, as in the relative metrics.
+const EPSILON: f64 = 0.01;
+
+/// Difference of (R + G + B)/3 in diverging colours around 0; relative to |B| + 0.01 if asked for.
+pub fn difference(a: &Image, b: &Image, relative: bool) -> Drawing {
+    let (width, height) = (a.width() as f64, a.height() as f64);
+    let longer = 480.0 / width.max(height);
+    let panel = difference_panel(a, b, relative);
+    Plot::new([panel]).frame_size(width * longer, height * longer).draw()
+}
+
+fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
+    let (width, height) = (a.width(), a.height());
+    // Large images are averaged over squares of pixels.
+    let side = width.max(height).div_ceil(LONGEST_SIDE);
+    let grey = |image: &Image, x: usize, y: usize| image.get(x, y).as_dvec3().element_sum() / 3.0;
+    let at = |x: usize, y: usize| {
+        let (a, b) = (grey(a, x, y), grey(b, x, y));
+        (a - b) / if relative { b.abs() + EPSILON } else { 1.0 }
+    };
+    let square = |x: usize, y: usize| {
+        let (columns, rows) = (x..width.min(x + side), y..height.min(y + side));
+        let count = (columns.len() * rows.len()) as f64;
+        rows.flat_map(|y| columns.clone().map(move |x| at(x, y))).sum::<f64>() / count
+    };
+    let rows = (0..height).step_by(side);
+    let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
+    let limit = robust_limit(&values);
+    let label = if relative {
+        "difference of (R + G + B)/3 by |B| + 0.01 (1 % exceed the scale)"
+    } else {
+        "difference of (R + G + B)/3 (1 % exceed the scale)"
+    };
+    let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
+    pixels_panel(width, height).title("A − B: blue where A is darker, red where it is brighter").heatmap(map)
+}
+
+fn pixels_panel(width: usize, height: usize) -> Panel {
+    Panel::new(Axis::linear("column").range(0.0, width as f64), Axis::linear("row").range(height as f64, 0.0))
+}
+
+/// A scale that holds 99 % of the values: a single bright pixel does not hide the others.
+fn robust_limit(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let limit = sizes.get(sizes.len() * 99 / 100).copied().filter(|v| *v > 0.0);
+    limit.or(sizes.last().copied()).unwrap_or(0.0)
+}
+
+/// A line of the table of tests. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Row {
+    family: &'static str,
+    functional: String,
+    channel: &'static str,
+    mean_a: f64,
+    mean_b: f64,
+    standard_error: f64,
+    dof: f64,
+    t: f64,
+    /// The normal deviate that is as unlikely as t.
+    z: f64,
+    p: f64,
+    /// p times the number of tests of the family and of families.
+    adjusted_p: f64,
+    dominated: bool,
+    /// The difference that would have been found with 90 % probability.
+    detectable: f64,
+}
+
+pub fn rows(compared: &Compared) -> Vec<Row> {
+    let family = |family: &etalon_bench::compare::FamilyResult| {
+        let level = family.level(compared.plan);
+        let row = |test: &Tested| Row {
+            family: family.family.name(),
+            functional: test.functional.to_string(),
+            channel: compared.channels[test.channel],
+            mean_a: test.means[0],
+            mean_b: test.means[1],
+            standard_error: test.difference.standard_error,
+            dof: test.difference.dof,
+            t: test.difference.t(),
+            z: test.difference.z(),
+            p: test.difference.p(),
+            adjusted_p: family.adjusted(test),
+            dominated: test.dominated,
+            detectable: test.difference.detectable(level),
+        };
+        family.tests.iter().map(row).collect::<Vec<_>>()
+    };
+    compared.families.iter().flat_map(family).collect()
+}
+
+/// A tile with its channel that differs most.
+struct Tile {
+    place: [usize; 4],
+    worst: Option<Tested>,
+}
+
+fn tiles(compared: &Compared) -> Vec<Tile> {
+    let tests = compared.families.iter().flat_map(|family| family.tests.chunks(3));
+    let tile = |tests: &[Tested]| {
+        let Functional::Tile(place) = tests[0].functional else { return None };
+        let usable = tests.iter().filter(|test| !test.dominated).copied();
+        let worst = usable.min_by(Tested::by_p);
+        Some(Tile { place, worst })
+    };
+    tests.filter_map(tile).collect()
+}
+
+/// The map of z by tiles with the worst marked, the p-values of all tests, and the worst tiles enlarged.
+pub fn drawing(compared: &Compared) -> Drawing {
+    let [width, height] = compared.size;
+    let mut tiles = tiles(compared);
+    let map = if tiles.is_empty() {
+        let [a, b] = &compared.means;
+        difference_panel(a, b, false)
+    } else {
+        z_map(compared, &tiles)
+    };
+    tiles.retain(|tile| tile.worst.is_some());
+    tiles.sort_by(|a, b| a.worst.iter().zip(&b.worst).map(|(a, b)| a.by_p(b)).next().unwrap_or(Ordering::Equal));
+    tiles.truncate(ENLARGED);
+    let map = tiles.iter().enumerate().fold(map, |panel, (i, tile)| {
+        let [x, y, w, h] = tile.place.map(|v| v as f64);
+        let corners = [[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]];
+        let frame = Stroke::solid(theme::MARKER_SHADE, 1.4);
+        panel.line("", frame, corners).note([x + w, y], format!("{}", i + 1), Colour::BLACK)
+    });
+    let longer = 400.0 / width.max(height) as f64;
+    let frame = [width as f64 * longer, (height as f64 * longer).max(120.0)];
+    let plots = Plot::new([map, p_values(compared)]).frame_size(frame[0].max(160.0), frame[1]).draw();
+    if tiles.is_empty() {
+        return plots;
+    }
+    Drawing::stacked(vec![plots, crops(compared, &tiles)], 0.5, 2.0)
+}
+
+fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
+    let [width, height] = compared.size;
+    let columns = width.div_ceil(compared.tile_side);
+    let rows = height.div_ceil(compared.tile_side);
+    let mut values = vec![f64::NAN; columns * rows];
+    for tile in tiles {
+        let [x, y, ..] = tile.place.map(|v| v / compared.tile_side);
+        values[y * columns + x] = tile.worst.map_or(f64::NAN, |worst| worst.difference.z());
+    }
+    let largest = values.iter().filter(|z| z.is_finite()).fold(5.0_f64, |m, z| m.max(z.abs())).min(10.0);
+    // The last tiles of a row or column may reach beyond the image.
+    let (width, height) = (columns * compared.tile_side, rows * compared.tile_side);
+    let label = "z of the channel that differs most; grey: not tested";
+    let map = Heatmap::new(columns, values, Shading::Diverging, label).range(-largest, largest);
+    pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
+}
+
+fn p_values(compared: &Compared) -> Panel {
+    // Smaller p-values are at the foot of the axis.
+    const LEAST: f64 = 1e-12;
+    let colours = [theme::CORRECTED, theme::INCONCLUSIVE, theme::OBSERVED];
+    let (mut first, mut foot) = (1.0_f64, 1e-3_f64);
+    let mut series: Vec<(String, Colour, Vec<Point>)> = Vec::new();
+    for (family, colour) in compared.families.iter().zip(colours) {
+        let usable = family.tests.iter().filter(|test| !test.dominated);
+        let mut p: Vec<f64> = usable.map(|test| test.difference.p().max(LEAST)).collect();
+        p.sort_unstable_by(f64::total_cmp);
+        let n = p.len() as f64 + 1.0;
+        let points: Vec<Point> = p.iter().enumerate().map(|(i, p)| [(i + 1) as f64 / n, *p]).collect();
+        if let Some(point) = points.first() {
+            let limit = family.level(compared.plan);
+            first = first.min(point[0]);
+            foot = foot.min(point[1]).min(limit);
+            let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { rounded(limit, 2) };
+            series.push((format!("{}: different below {below}", family.family.name()), colour, points));
+        }
+    }
+    let foot = 10f64.powf(foot.log10().floor() - 0.5);
+    let panel = Panel::new(
+        Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
+        Axis::log("/{p}-value, not corrected (least: 10^{−12})").range(foot, 1.0),
+    )
+    .title(match compared.answer {
+        Answer::Different => "Different",
+        Answer::NoDifferenceFound => "No difference found",
+        Answer::CannotTell => "Cannot tell",
+        Answer::NotIndependent => "Not independent",
+    })
+    .line(
+        "uniform: one expectation",
+        Stroke::solid(theme::EXPECTED, theme::THIN),
+        [[first * 0.8, first * 0.8], [1.0, 1.0]],
+    );
+    series.into_iter().fold(panel, |panel, (label, colour, points)| panel.markers(label, colour, Marker::Disc, points))
+}
+
+/// The worst tiles with their surroundings: A, B and their difference.
+fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
+    let [a, b] = &compared.means;
+    let stops = auto_exposure(b);
+    let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops }));
+    let mut cells = Vec::new();
+    for (i, Tile { place: [x, y, w, h], worst }) in tiles.iter().enumerate() {
+        // As much around the tile as it is wide.
+        let margin = compared.tile_side;
+        let (left, top) = (x.saturating_sub(margin), y.saturating_sub(margin));
+        let (right, bottom) = ((x + w + margin).min(a.width()), (y + h + margin).min(a.height()));
+        let crop = |image: &Image| Image::from_fn(right - left, bottom - top, |i, j| image.get(left + i, top + j));
+        let (a, b) = (crop(a), crop(b));
+        let grey = a.pixels().iter().zip(b.pixels()).map(|(a, b)| (a - b).as_dvec3().element_sum() / 3.0);
+        let values: Vec<f64> = grey.collect();
+        let limit = robust_limit(&values);
+        let map = Heatmap::new(a.width(), values, Shading::Diverging, "").range(-limit, limit);
+        let Some(worst) = worst else { continue };
+        let [mean_a, mean_b] = worst.means.map(|mean| format!("{mean:.4}"));
+        let channel = compared.channels[worst.channel];
+        cells.push((format!("{}: image A, {channel} = {mean_a}", i + 1), shown(&a)));
+        cells.push((format!("image B, {channel} = {mean_b}"), shown(&b)));
+        let p = compared.families[2].adjusted(worst);
+        cells.push((format!("A − B, ±{limit:.2e}; corrected {}", p_value(p)), map.image()));
+    }
+    contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// A difference as a share of B's image, with its interval; by itself where that is not told from black.
+fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
+    let Some(Bias { value, low, high }) = compared.bias(family, test) else {
+        return format!("{:+.2e}, B is not told from black", test.difference.value);
+    };
+    let percent = |share: f64| format!("{:+.2}", 100.0 * share);
+    format!("{} % ({} to {} %)", percent(value), percent(low), percent(high))
+}
+
+/// The verdict in words.
+pub fn sentence(compared: &Compared) -> String {
+    let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
+    match (compared.answer, compared.uniform_bias) {
+        (Answer::NotIndependent, _) => {
+            let of_side = |(related, side): (&Option<Related>, &str)| {
+                let Related { images: [k, l], correlation, p } = (*related)?;
+                Some(format!(
+                    "images {} and {} of {side} (correlation {correlation:+.3}, {})",
+                    k + 1,
+                    l + 1,
+                    p_is(p)
+                ))
+            };
+            let pairs: Vec<String> = compared.related.iter().zip(["A", "B"]).filter_map(of_side).collect();
+            format!(
+                "not independent: {}; they share random numbers, or the images of that side differ in their expectations (several renderers, an exposure of their own)",
+                pairs.join("; ")
+            )
+        }
+        (Answer::Different, _) => {
+            let worst = compared.families.iter().filter_map(|family| Some((family, family.adjusted_p?, family.worst?)));
+            worst.min_by(|a, b| a.1.total_cmp(&b.1)).map_or("different".into(), |(family, _, test)| {
+                let (at, channel) = (test.functional, compared.channels[test.channel]);
+                let of = if compared.bias(family, &test).is_some() { " of the mean of image B" } else { "" };
+                format!("different: most at {at}, {channel}: A − B is {}{of}", bias(compared, family, &test))
+            })
+        }
+        _ if compared.noise_hides_difference => {
+            "cannot tell: the image that is declared exact seems to have noise, or differs in fine detail; if it has none, the images differ".into()
+        }
+        (Answer::NoDifferenceFound, Some(bias)) => {
+            let bias = percent(bias);
+            format!("no difference found; a uniform bias of {bias} would have been found with 90 % probability")
+        }
+        (_, Some(bias)) => {
+            let [bias, wanted] = [bias, compared.plan.detect].map(percent);
+            format!(
+                "cannot tell: the smallest uniform bias found with 90 % probability is {bias}, not {wanted}{needed}"
+            )
+        }
+        (_, None) if compared.families.iter().any(|family| family.dominated > 0) => "cannot tell: a few samples dominate the mean of the image".into(),
+        (_, None) => {
+            format!(
+                "cannot tell: too few replicates to know which bias would have been found, or the image is black{needed}"
+            )
+        }
+    }
+}
+
+/// What it takes, in words.
+fn would_do(needed: &Needed) -> String {
+    let of_side = |k: usize| match needed.replicates[k] {
+        Some(n) => Some(format!("{n} images of {}", ["A", "B"][k])),
+        None => needed.noisy[k].then(|| format!("{:.1} times the samples of {}", needed.times, ["A", "B"][k])),
+    };
+    let sides: Vec<String> = [0, 1].into_iter().filter_map(of_side).collect();
+    format!("{} would do", sides.join(" and "))
+}
+
+/// The verdict, a line for each family of tests, and the biases that would have been found.
+pub fn text(compared: &Compared) -> String {
+    let mut text = wrapped(&sentence(compared), "", 100);
+    if compared.non_finite > 0 {
+        text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
+    }
+    for family in &compared.families {
+        text += &format!("{:<14} ", family.family.name());
+        text += &match (family.untested, family.adjusted_p.zip(family.worst)) {
+            (Some(reason), _) => format!("not tested: {reason}"),
+            (None, Some((p, worst))) => {
+                let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
+                let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
+                let bias = bias(compared, family, &worst);
+                format!("{p:<12} of {tests}; most at {}, {channel}: A {a}, B {b}, {bias}", worst.functional)
+            }
+            (None, None) => "nothing that can be tested".into(),
+        };
+        if family.dominated > 0 {
+            text += &format!("\n{:<15}{} inconclusive: a few samples dominate", "", family.dominated);
+        }
+        text.push('\n');
+    }
+    let found =
+        |what: &str, bias: f64| format!("{what} {} would have been found with 90 % probability\n", percent(bias));
+    if let Some(ratio) = compared.noise_of_exact {
+        text += &wrapped(
+            &format!(
+                "the image that is declared exact seems to have noise, or differs in fine detail: {} times the variance of the other \
+                 side's mean, which the tests allow for; give replicates, or an image with a layer of standard errors",
+                rounded(ratio, 2)
+            ),
+            "",
+            100,
+        );
+    }
+    if let (Answer::Different, Some(bias)) = (compared.answer, compared.uniform_bias) {
+        text += &found("a uniform bias of", bias);
+    }
+    if let Some(bias) = compared.tile_bias {
+        text += &found("in one tile (median of all), a bias in parts of the image's mean of", bias);
+    }
+    let level = percent(1.0 - compared.plan.level).replace(".00", "");
+    text + &wrapped(
+        &format!(
+            "p is corrected for the number of tests; A − B is in percent of the mean of image B, with {level} intervals"
+        ),
+        "",
+        100,
+    )
+}

@@ -1,0 +1,569 @@
+//! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words; and images after equal
+//! time: of every contender the regions where contenders differ most, enlarged, above their errors.
+
+use super::text::rounded;
+use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
+use etalon_bench::converge::Convergence;
+use etalon_bench::converge::answer::{Answer, Ratio, Rival};
+use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
+use etalon_bench::converge::strategy::DEFAULT;
+use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
+use serde::Serialize;
+use std::rc::Rc;
+
+/// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Row {
+    strategy: String,
+    spp: u32,
+    replicates: usize,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    preparation_seconds: f64,
+    rmse: f64,
+    rmse_low: f64,
+    rmse_high: f64,
+    rel_mse: f64,
+    rel_mse_half_width: f64,
+    /// Mean HDR-FLIP of the first replicate.
+    flip: Option<f64>,
+    /// 1 / (MSE · processor seconds).
+    efficiency_per_second: f64,
+    /// p of RMSE ∝ sppᵖ.
+    slope: f64,
+    slope_half_width: f64,
+    /// Of the last level.
+    mean_squared_bias: f64,
+    mean_squared_bias_error: f64,
+    verdict: &'static str,
+    /// Time to unit variance, MSE · processor seconds: the inverse of the efficiency.
+    ttuv_seconds: f64,
+    /// Mean of the last level's images over that of the reference, minus 1.
+    mean_bias: f64,
+    mean_bias_half_width: f64,
+    /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
+    seconds_to_common_rmse: Option<f64>,
+}
+
+pub fn rows(result: &Convergence) -> Vec<Row> {
+    let target = result.common_rmse();
+    let of_curve = |curve: &Curve| {
+        let Curve { strategy, replicates, slope, bias2, mean_bias, verdict, preparation_seconds, .. } = curve.clone();
+        let seconds_to_common_rmse = curve.time_to(target);
+        let row = move |level: &Level| {
+            let [rmse_low, rmse_high] = level.rmse_band();
+            Row {
+                strategy: strategy.clone(),
+                spp: level.spp,
+                replicates,
+                cpu_seconds: level.cpu_seconds,
+                wall_seconds: level.wall_seconds,
+                preparation_seconds,
+                rmse: level.rmse(),
+                rmse_low,
+                rmse_high,
+                rel_mse: level.rel_mse.value,
+                rel_mse_half_width: level.rel_mse.half_width,
+                flip: level.flip,
+                efficiency_per_second: level.efficiency,
+                slope: slope.value,
+                slope_half_width: slope.half_width,
+                mean_squared_bias: bias2.value,
+                mean_squared_bias_error: bias2.standard_error,
+                verdict: word(verdict),
+                ttuv_seconds: 1.0 / level.efficiency,
+                mean_bias: mean_bias.value,
+                mean_bias_half_width: mean_bias.half_width,
+                seconds_to_common_rmse,
+            }
+        };
+        curve.levels.iter().map(row).collect::<Vec<_>>()
+    };
+    result.curves.iter().flat_map(of_curve).collect()
+}
+
+/// One image of one replicate. Field names are the CSV columns; times of renderers in other programs are those of the whole
+/// process.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ReplicateRow {
+    strategy: String,
+    /// From 1.
+    replicate: usize,
+    seed: u64,
+    spp: u32,
+    wall_seconds: f64,
+    cpu_seconds: f64,
+    mse: f64,
+    /// Without the worst 0.1 % of channel values.
+    mse_trimmed: f64,
+    rel_mse: f64,
+    /// Of the channel values of the image.
+    mean: f64,
+}
+
+pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
+    let of_curve = |curve: &Curve| {
+        let of_run = |(i, run): (usize, &Run)| {
+            let row = |level: &Measured| ReplicateRow {
+                strategy: curve.strategy.clone(),
+                replicate: i + 1,
+                seed: run.seed,
+                spp: level.spp,
+                wall_seconds: level.times.wall,
+                cpu_seconds: level.times.cpu,
+                mse: level.errors.mse,
+                mse_trimmed: level.errors.mse_trimmed,
+                rel_mse: level.errors.rel_mse,
+                mean: level.errors.mean_a,
+            };
+            run.levels.iter().map(row).collect::<Vec<_>>()
+        };
+        curve.runs.iter().enumerate().flat_map(of_run).collect::<Vec<_>>()
+    };
+    result.curves.iter().flat_map(of_curve).collect()
+}
+
+/// The answer in words: a line on the strategy by default, if it is compared; then the best and the others.
+pub fn sentences(answer: Option<&Answer>) -> String {
+    let Some(answer) = answer else { return "no answer: no method without bias has a known efficiency\n".to_owned() };
+    let default = answer.default.as_ref().map(|rival| of_default(&answer.best, rival)).unwrap_or_default();
+    default + &of_best(answer)
+}
+
+/// "light-cosine is 1.21 times (95 %: 1.12 to 1.31) as efficient as the default", "the default is the best", or that nothing
+/// is known to be better.
+fn of_default(best: &str, rival: &Rival) -> String {
+    let Rival { rival, ratio, low, high } = rival;
+    if *low > 1.0 {
+        let [ratio, low, high] = [ratio, low, high].map(|value| rounded(*value, 3));
+        format!("{rival} is {ratio} times (95 %: {low} to {high}) as efficient as the default\n")
+    } else if best == DEFAULT && *high < 1.0 {
+        "the default is the best\n".to_owned()
+    } else {
+        "nothing is better than the default beyond chance\n".to_owned()
+    }
+}
+
+/// "best at 0.20 s: mis, 1.3 times the efficiency of light (95 %: 1.2 to 1.5), 22 times that of bsdf (18 to 27)".
+fn of_best(answer: &Answer) -> String {
+    let [next, others @ ..] = answer.ratios.as_slice() else {
+        return format!("{} alone has no known bias\n", answer.best);
+    };
+    let times = |ratio: &Ratio| format!("{} times", short(ratio.ratio));
+    let ends = |ratio: &Ratio| match ratio.high.is_finite() {
+        true => format!("{} to {}", short(ratio.low), short(ratio.high)),
+        false => "unknown".to_owned(),
+    };
+    let doubt = if next.low > 1.0 { "" } else { ", not beyond chance" };
+    let mut text = format!(
+        "best at {}{doubt}: {}, {} the efficiency of {} (95 %: {})",
+        duration(answer.cpu_seconds),
+        answer.best,
+        times(next),
+        next.over,
+        ends(next)
+    );
+    if let Some(last) = others.last() {
+        text += &format!(", {} that of {} ({})", times(last), last.over, ends(last));
+    }
+    text + "\n"
+}
+
+pub fn word(verdict: CurveVerdict) -> &'static str {
+    match verdict {
+        CurveVerdict::Biased => "biased",
+        CurveVerdict::MonteCarlo => "as 1/√N",
+        CurveVerdict::Faster => "steeper",
+        CurveVerdict::Slower => "flatter",
+        CurveVerdict::Unknown => "unknown",
+    }
+}
+
+/// Two digits that count: "0.0020", "0.31".
+pub fn short(value: f64) -> String {
+    let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// A strategy's name in words, for legends: "mis-cosine+lt" is "MIS, map × cosine, light paths". Others keep their names.
+pub fn label(strategy: &str) -> String {
+    let mut parts = strategy.split('+');
+    let base = parts.next().unwrap_or_default();
+    let (method, map) =
+        base.split_once('-').filter(|(method, _)| ["light", "mis"].contains(method)).unwrap_or((base, ""));
+    let of_map = match map {
+        "" => String::new(),
+        "cosine" => ", map × cosine".into(),
+        "cosine-compensated" => ", compensated map × cosine".into(),
+        other => format!(", {other}"),
+    };
+    let lights = base.strip_prefix("median-cut-").filter(|count| count.parse::<u32>().is_ok());
+    let method = match method {
+        "mis" => "MIS".into(),
+        "bsdf" => "BSDF".into(),
+        "hemisphere" => "uniform directions".into(),
+        _ => lights.map_or_else(|| method.to_owned(), |count| format!("{count} fixed lights")),
+    };
+    let added = parts.map(|suffix| match suffix {
+        "lt" => ", light paths".to_owned(),
+        "independent" => ", independent".into(),
+        other => format!(", {}", other.replace('-', " ")),
+    });
+    format!("{method}{of_map}{}", added.collect::<String>())
+}
+
+/// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
+fn strokes(result: &Convergence) -> Vec<Stroke> {
+    let names: Vec<String> = result.curves.iter().map(|c| c.strategy.replace("+independent", "")).collect();
+    let mut distinct: Vec<&str> = names.iter().map(String::as_str).collect();
+    distinct.sort_unstable();
+    distinct.dedup();
+    let colours = theme::strategies(&distinct);
+    let stroke = |(curve, name): (&Curve, &String)| {
+        let place = distinct.binary_search(&name.as_str()).unwrap_or(0);
+        let colour = colours[place];
+        // A second strategy of a colour has another pattern.
+        let is_second = colours[..place].contains(&colour);
+        let dash = match (curve.contender.is_independent(), is_second) {
+            (true, false) => theme::DASHED,
+            (true, true) => theme::DOTTED,
+            (false, false) => theme::SOLID,
+            (false, true) => theme::DASH_DOT,
+        };
+        Stroke { dash, ..Stroke::solid(colour, theme::LINE) }
+    };
+    result.curves.iter().zip(&names).map(stroke).collect()
+}
+
+/// Error against processor time and against samples; below, efficiency at equal time and the slopes, a row for each strategy.
+pub fn curves(result: &Convergence) -> Drawing {
+    let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
+        let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
+        for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
+            let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
+            panel = panel.banded_line(label(&curve.strategy), stroke, &points);
+        }
+        panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
+        match &result.reference {
+            Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
+            _ => panel,
+        }
+    };
+    let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
+    let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
+    let rows = [vec![time, samples], vec![efficiency(result), slopes(result)]];
+    Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(FRAME[0], FRAME[1]).draw()
+}
+
+/// Size of the frames of [`curves`].
+const FRAME: [f64; 2] = [350.0, 250.0];
+const GUIDE: &str = "slope −1/2: independent samples";
+
+/// A level at `x`, with the interval of its error.
+pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
+    let [low, high] = level.rmse_band();
+    [x, low, level.rmse(), high]
+}
+
+/// Two points on a line of slope −1/2 above all curves.
+fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
+    let levels = || result.curves.iter().flat_map(|curve| &curve.levels).filter(|level| level.rmse() > 0.0);
+    let scale = levels().map(|l| l.rmse() * at(l).sqrt()).fold(0.0, f64::max) * 1.4;
+    let (first, last) = levels().fold((f64::INFINITY, 0.0_f64), |(lo, hi), l| (lo.min(at(l)), hi.max(at(l))));
+    vec![[first, scale / first.sqrt()], [last, scale / last.sqrt()]]
+}
+
+/// The efficiency of a curve at the level nearest to a time, in its interval.
+fn efficiency_after(curve: &Curve, seconds: f64) -> Option<[f64; 3]> {
+    let level = &curve.levels[curve.nearest(seconds)?];
+    let [a, b] = level.mse.positive().map(|mse| 1.0 / (mse * level.cpu_seconds));
+    Some([a.min(b), level.efficiency, a.max(b)])
+}
+
+/// 1 / (MSE · time) of each strategy, at the level nearest to the time that all have had.
+fn efficiency(result: &Convergence) -> Panel {
+    let seconds = result.common_seconds();
+    let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
+    let title = format!("Efficiency after about {}", duration(seconds));
+    let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time);
+    with_legend(panel.title(title), result)
+}
+
+/// The exponent of the error over the samples, of strategies without bias.
+fn slopes(result: &Convergence) -> Panel {
+    let slope = |curve: &Curve| {
+        let known = curve.verdict != CurveVerdict::Biased && curve.slope.value.is_finite();
+        known.then_some([curve.slope.low(), curve.slope.value, curve.slope.high()])
+    };
+    let count = result.curves.len() as f64;
+    let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
+    let panel = by_strategy(result, axis, false, &slope).title("Slope of the error");
+    with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
+}
+
+/// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
+fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve) -> Option<[f64; 3]>) -> Panel {
+    let is_biased = |(curve, _): &(&Curve, Stroke)| curve.verdict == CurveVerdict::Biased;
+    let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
+    let border = unbiased.len() as f64;
+    let rows = || unbiased.iter().chain(&biased);
+    let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy {
+        _ if !names => String::new(),
+        name if is_biased(&(curve, *stroke)) => format!("{}: biased", label(name)),
+        name => label(name),
+    };
+    let mut panel = Panel::new(x, Axis::named("", rows().map(name).collect::<Vec<_>>()));
+    for (i, (curve, stroke)) in rows().enumerate() {
+        let Some([low, value, high]) = value(curve) else { continue };
+        let (y, biased) = (i as f64 + 0.5, is_biased(&(curve, *stroke)));
+        let marker = if biased { Marker::Open } else { Marker::Disc };
+        let interval = Stroke::solid(stroke.colour, theme::LINE);
+        panel = panel.line("", interval, [[low, y], [high, y]]).markers("", stroke.colour, marker, [[value, y]]);
+    }
+    if !biased.is_empty() {
+        panel = panel.horizontal(border, "");
+    }
+    panel
+}
+
+/// A panel with the legend of the curves.
+fn with_legend(mut panel: Panel, result: &Convergence) -> Panel {
+    for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
+        panel = panel.line(label(&curve.strategy), stroke, Vec::new());
+    }
+    panel.line(GUIDE, theme::GUIDE, Vec::new())
+}
+
+/// The cost of a strategy on a scene. Field names are the CSV columns.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct CostRow {
+    scene: String,
+    strategy: String,
+    /// Time × MSE over that of the default, and its interval of 95 % (of the strategy alone).
+    cost: f64,
+    cost_low: f64,
+    cost_high: f64,
+}
+
+/// The cost of a strategy over that of the default, at the level nearest to the time that all have had: low, value, high.
+fn cost(result: &Convergence, curve: &Curve) -> Option<[f64; 3]> {
+    let seconds = result.common_seconds();
+    let [_, default, _] = efficiency_after(result.curve(DEFAULT)?, seconds)?;
+    let [low, value, high] = efficiency_after(curve, seconds)?;
+    Some([high, value, low].map(|efficiency| default / efficiency))
+}
+
+/// The costs of all strategies without bias, scene by scene.
+pub fn cost_rows(scenes: &[(&str, Rc<Convergence>)]) -> Vec<CostRow> {
+    let of_scene = |(scene, result): &(&str, Rc<Convergence>)| {
+        let row = |curve: &Curve| {
+            let [cost_low, cost, cost_high] = cost(result, curve)?;
+            Some(CostRow { scene: (*scene).to_owned(), strategy: curve.strategy.clone(), cost, cost_low, cost_high })
+        };
+        let unbiased = result.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
+        unbiased.filter_map(row).collect::<Vec<_>>()
+    };
+    scenes.iter().flat_map(of_scene).collect()
+}
+
+/// [`cost_rows`] as a panel for each scene.
+pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
+    let panel = |(title, result): &(&str, Rc<Convergence>)| {
+        let value = |curve: &Curve| cost(result, curve).filter(|_| curve.verdict != CurveVerdict::Biased);
+        let panel = by_strategy(result, Axis::log("time × MSE over that of the default"), true, &value).title(*title);
+        panel.line("", theme::GUIDE, [[1.0, 0.0], [1.0, result.curves.len() as f64]])
+    };
+    let panels: Vec<Panel> = scenes.iter().map(panel).collect();
+    let rows = panels.chunks(2).map(|row| (String::new(), row.to_vec()));
+    Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw()
+}
+
+/// "0.52 s", "0.095 s", "3.1 ms".
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s >= 10.0 => format!("{s:.0}\u{a0}s"),
+        s if s >= 1.0 => format!("{s:.1}\u{a0}s"),
+        s if s >= 0.1 => format!("{s:.2}\u{a0}s"),
+        s if s >= 0.01 => format!("{s:.3}\u{a0}s"),
+        s => format!("{:.1}\u{a0}ms", 1e3 * s),
+    }
+}
+
+/// The next of 1, 2, 5 times a power of ten.
+pub fn round(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 1.0;
+    }
+    let power = 10.0_f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
+}
+
+/// Curves above images at equal time.
+pub fn sheet(result: &Convergence) -> Drawing {
+    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
+}
+
+/// The label of the colour bar of relative errors.
+pub const ERROR_LABEL: &str = "relative error (%): blue is too dark, red too bright, grey not compared";
+/// Largest side of a region in pixels, and its share of the image's shorter side.
+const LARGEST: usize = 128;
+const SHARE: f64 = 0.4;
+/// Regions of each image.
+const REGIONS: usize = 2;
+/// Pixels that the row of a cell's regions has at least after enlargement by a whole factor.
+const WIDTH: usize = 360;
+const COLUMNS: usize = 5;
+
+/// Every contender's image after equal time, with its relative error below.
+pub fn images(result: &Convergence) -> Drawing {
+    let seconds = result.common_seconds();
+    let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
+    let truth = truth.image();
+    let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    // Each contender at the level nearest to the common time
+    let shown: Vec<(&Curve, &Level, &Image)> = result
+        .curves
+        .iter()
+        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
+        .collect();
+    // One scale of errors for all: the median RMSE, rounded up
+    let mut sizes: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
+    sizes.sort_by(f64::total_cmp);
+    let limit = round(sizes.get(sizes.len() / 2).copied().unwrap_or(0.05));
+    let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
+    let scale = |width: usize, values: Vec<f64>| {
+        Heatmap::new(width, values, Shading::Diverging, ERROR_LABEL).range(-100.0 * limit, 100.0 * limit)
+    };
+    // Relative to at least 3 % of the mean
+    let relative = |image: &Image| -> Vec<f64> {
+        let pairs = image.pixels().iter().zip(truth.pixels());
+        let error = |(p, q): (&etalon_core::math::Rgb, &etalon_core::math::Rgb)| {
+            let (got, expected) = (f64::from(p.element_sum()), f64::from(q.element_sum()));
+            100.0 * (got - expected) / expected.max(0.03 * mean)
+        };
+        pairs.map(error).collect()
+    };
+    let errors: Vec<Vec<f64>> = shown.iter().map(|(.., image)| relative(image)).collect();
+    let regions = regions([truth.width(), truth.height()], &errors);
+    let tones = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
+    let mut cells = vec![("reference, and the regions shown".to_owned(), framed(&tones(&truth), &regions))];
+    for ((curve, level, image), errors) in shown.iter().zip(errors) {
+        let caption = format!(
+            "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
+            label(&curve.strategy),
+            level.spp,
+            duration(level.cpu_seconds),
+            short(level.rmse())
+        );
+        cells.push((caption, cropped([&tones(image), &scale(image.width(), errors).image()], &regions)));
+    }
+    let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
+    let sheet = contact_sheet(&title, COLUMNS, &cells);
+    let bar = scale(1, Vec::new()).bar(420.0);
+    Drawing::stacked(vec![sheet, bar], 0.5, 2.0)
+}
+
+/// A square region of an image: its left upper corner and its side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Region {
+    x: usize,
+    y: usize,
+    side: usize,
+}
+
+impl Region {
+    fn overlaps(self, other: Self) -> bool {
+        let apart = |a: usize, b: usize| a + self.side <= b || b + other.side <= a;
+        !(apart(self.x, other.x) || apart(self.y, other.y))
+    }
+}
+
+/// The regions, without overlap, in which the mean absolute errors of the contenders vary most.
+fn regions([width, height]: [usize; 2], errors: &[Vec<f64>]) -> Vec<Region> {
+    let side = ((width.min(height) as f64 * SHARE).ceil() as usize).clamp(1, LARGEST);
+    let step = (side / 4).max(1);
+    let starts = |length: usize| (0..=length - side).step_by(step);
+    let spread = |region: Region| {
+        let of = |errors: &Vec<f64>| {
+            let rows = (region.y..region.y + side).flat_map(|y| &errors[y * width + region.x..][..side]);
+            rows.filter(|e| e.is_finite()).map(|e| e.abs()).sum::<f64>()
+        };
+        let sums: Vec<f64> = errors.iter().map(of).collect();
+        sums.iter().copied().fold(0.0, f64::max) - sums.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let mut all: Vec<(f64, Region)> = starts(height)
+        .flat_map(|y| starts(width).map(move |x| Region { x, y, side }))
+        .map(|region| (spread(region), region))
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut chosen: Vec<Region> = Vec::new();
+    for (_, region) in all {
+        if chosen.len() < REGIONS && !chosen.iter().any(|other| other.overlaps(region)) {
+            chosen.push(region);
+        }
+    }
+    chosen.sort_by_key(|region| (region.x, region.y));
+    chosen
+}
+
+/// Regions side by side, of each image in a row of its own, every pixel enlarged to a square.
+fn cropped(images: [&Rgb8; 2], regions: &[Region]) -> Rgb8 {
+    let Some(Region { side, .. }) = regions.first() else { return images[0].clone() };
+    let zoom = WIDTH.div_ceil(side * regions.len());
+    let (cell, line) = (side * zoom, 4);
+    let size = |count: usize| count * (cell + line) - line;
+    Rgb8::from_fn(size(regions.len()), size(images.len()), |x, y| {
+        let ([column, x], [row, y]) = [x, y].map(|at| [at / (cell + line), at % (cell + line)]).into();
+        if x >= cell || y >= cell {
+            return [255; 3];
+        }
+        let region = regions[column];
+        images[row].pixel(region.x + x / zoom, region.y + y / zoom)
+    })
+}
+
+/// The whole image, enlarged, with frames around the regions.
+fn framed(image: &Rgb8, regions: &[Region]) -> Rgb8 {
+    let zoom = (WIDTH / image.width()).max(1);
+    let frame = [theme::MARKER.r, theme::MARKER.g, theme::MARKER.b];
+    Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
+        let on_frame = |region: &Region| {
+            let [left, top, side] = [region.x, region.y, region.side].map(|at| at * zoom);
+            let (dx, dy) = (x.wrapping_sub(left), y.wrapping_sub(top));
+            let inside = dx < side && dy < side;
+            inside && (dx.min(dy) < 2 || dx.max(dy) + 2 >= side)
+        };
+        if regions.iter().any(on_frame) { frame } else { image.pixel(x / zoom, y / zoom) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_bench::converge::strategy::methods;
+
+    #[test]
+    fn every_strategy_has_a_colour_of_its_own() {
+        let names: Vec<String> = methods().into_iter().map(|(name, _)| name).collect();
+        let mut colours = Vec::new();
+        for name in names.iter().map(String::as_str).chain(["mis+lt"]) {
+            // Beside another that has none, and takes the first that is free.
+            let [own, beside] = [vec![name], vec!["unknown", name]].map(|names| theme::strategies(&names));
+            assert_eq!(own[0], beside[1], "{name} has no colour of its own");
+            assert!(!colours.contains(&own[0]), "{name} shares its colour");
+            colours.push(own[0]);
+        }
+    }
+
+    #[test]
+    fn regions_are_where_contenders_differ() {
+        let (width, height) = (50, 40);
+        let noise = |from: usize| -> Vec<f64> {
+            (0..width * height).map(|i| if i % width >= from && i % width < from + 8 { 5.0 } else { 1.0 }).collect()
+        };
+        let found = regions([width, height], &[noise(40), noise(0), vec![1.0; width * height]]);
+        assert_eq!(found.len(), 2);
+        assert!(found[0].x <= 4 && found[1].x >= 30 && !found[0].overlaps(found[1]), "{found:?}");
+        assert_eq!(regions([1, 1], &[vec![f64::NAN]]), [Region { x: 0, y: 0, side: 1 }]);
+    }
+}

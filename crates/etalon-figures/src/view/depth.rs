@@ -1,0 +1,113 @@
+//! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
+
+use super::text::rounded;
+use crate::figure::{Drawing, Rgb8, contact_sheet};
+use etalon_bench::depth::{ALL, ClassRow, DEPTHS, Depths};
+use etalon_core::raster::{Image, ToneMap, to_rgb8};
+
+/// An image as the second report shows its own.
+pub(super) fn tone_mapped(image: &Image) -> Rgb8 {
+    Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::SecondReport))
+}
+
+/// An image as the second report shows its own, and nothing else: ready for slides.
+pub fn image(image: &Image) -> Drawing {
+    Drawing::over(tone_mapped(image))
+}
+
+/// The share of the pixels of a difference that its exposure leaves below white.
+const BELOW_WHITE: f64 = 0.98;
+
+/// The differences of consecutive depths, each at an exposure of its own, with the path classes that make it.
+pub fn differences(result: &Depths) -> Drawing {
+    let shown = |(image, pair): (&Image, &[u32])| {
+        let image = &without_specks(image);
+        let exposure = exposure(image);
+        let caption = caption(result, pair[0], pair[1])
+            + &format!(
+                " Exposure ×\u{a0}{}: {:.0}\u{a0}% of the pixels are below white.",
+                rounded(exposure, 2),
+                100.0 * BELOW_WHITE
+            );
+        let tone = ToneMap::Srgb { stops: exposure.log2() as f32 };
+        (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
+    };
+    let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
+    let title = "What each maximum depth /{m} adds (single bright pixels clamped). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
+    contact_sheet(title, 3, &images)
+}
+
+/// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
+/// or two pixels.
+fn without_specks(image: &Image) -> Image {
+    let (width, height) = (image.width(), image.height());
+    let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
+    Image::from_fn(width, height, |x, y| {
+        let block = around(y, height).flat_map(|y| around(x, width).map(move |x| y * width + x));
+        let mut block: Vec<f32> = block.map(|i| image.pixels()[i].max_element()).collect();
+        block.sort_unstable_by(|a, b| b.total_cmp(a));
+        let (pixel, limit) = (image.pixels()[y * width + x], block.get(2).copied().unwrap_or(f32::INFINITY));
+        let largest = pixel.max_element();
+        if largest > limit { pixel * (limit / largest) } else { pixel }
+    })
+}
+
+/// The factor that brings all but the brightest pixels below 1; 1 for a black image.
+fn exposure(image: &Image) -> f64 {
+    let mut largest: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).collect();
+    largest.sort_unstable_by(f32::total_cmp);
+    let at = (largest.len() as f64 * BELOW_WHITE) as usize;
+    largest.get(at).copied().filter(|white| *white > 0.0).map_or(1.0, |white| 1.0 / f64::from(white))
+}
+
+/// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
+fn caption(result: &Depths, before: u32, depth: u32) -> String {
+    let mut classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
+    classes.sort_by(|a, b| b.share_of_difference.total_cmp(&a.share_of_difference));
+    let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
+    let mut text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
+    if depth == DEPTHS[DEPTHS.len() - 1] {
+        return text + "All classes of more than five scatterings.";
+    }
+    let named = &classes[..classes.len().min(NAMED)];
+    let list = named.iter().map(|r| format!("{}{} {}", r.class, meaning(&r.class), percent(r.share_of_difference)));
+    text += &list.collect::<Vec<_>>().join(", ");
+    match &classes[named.len()..] {
+        [] => text + ".",
+        others => {
+            let share = others.iter().map(|r| r.share_of_difference).sum();
+            text + &format!(", {} others {}.", others.len(), percent(share))
+        }
+    }
+}
+
+const NAMED: usize = 4;
+
+/// What a path class is in a Cornell box with a mirror and a glass sphere.
+fn meaning(class: &str) -> &'static str {
+    match class {
+        "LDE" => " (lit walls)",
+        "LSE" => " (reflected area light)",
+        "LDDE" => " (from wall to wall)",
+        "LDSE" => " (reflected walls)",
+        "LSDE" => " (reflected onto walls)",
+        "LSSE" => " (two specular events)",
+        "LDSSE" => " (walls through glass)",
+        "LSSDE" => " (caustic of glass)",
+        _ => "",
+    }
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    // No break between number and sign.
+    if percent < 0.095 { format!("{percent:.2}\u{a0}%") } else { format!("{percent:.1}\u{a0}%") }
+}
+
+/// Captioned images in rows of `columns`, brightened by `stops`.
+pub fn grid(title: &str, columns: usize, stops: f32, images: &[(String, &Image)]) -> Drawing {
+    let shown = |(caption, image): &(String, &Image)| {
+        (caption.clone(), Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops })))
+    };
+    contact_sheet(title, columns, &images.iter().map(shown).collect::<Vec<_>>())
+}

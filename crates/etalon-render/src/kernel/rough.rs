@@ -1,0 +1,244 @@
+//! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
+
+use crate::lanes::{BLOCK, LANES, Lane, Lane3, Wide, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set, wide};
+use crate::shaders::SurfaceShader;
+use etalon_core::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
+use glam::Vec2;
+use pulp::Arch;
+use std::array::from_mut;
+
+/// The BSDFs of hits on one object: one for all or, with textures, one for each.
+#[derive(Clone, Copy)]
+pub enum Bsdfs<'a> {
+    Same(&'a Bsdf),
+    /// In the order of the hits.
+    Each(&'a [Bsdf]),
+}
+
+impl<'a> Bsdfs<'a> {
+    /// Those of an object where the hits have these texture coordinates; `varying` has room for them.
+    pub fn of(shader: &'a SurfaceShader, uv: impl Iterator<Item = Vec2>, varying: &'a mut Vec<Bsdf>) -> Self {
+        let Some(bsdf) = &shader.varying else { return Self::Same(&shader.bsdf) };
+        varying.clear();
+        varying.extend(uv.map(|uv| bsdf.at(uv)));
+        Self::Each(varying)
+    }
+
+    #[inline]
+    pub fn at(self, i: usize) -> &'a Bsdf {
+        match self {
+            Self::Same(bsdf) => bsdf,
+            Self::Each(bsdfs) => &bsdfs[i],
+        }
+    }
+}
+
+/// For each hit a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
+pub struct Scattered {
+    /// In the local frame.
+    pub wi: Lane3,
+    /// BSDF times cosine over pdf, or the BSDF.
+    pub weight: Lane3,
+    /// Per solid angle.
+    pub pdf: Lane,
+    /// Of samples: the lobe, the probability with which it was chosen, and the ratio of the indices of refraction.
+    lobe: [Lobe; LANES],
+    probability: Lane,
+    eta: Lane,
+    /// Of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
+    pub reverse_pdf: Lane,
+}
+
+impl Default for Scattered {
+    fn default() -> Self {
+        Self {
+            wi: ZERO3,
+            weight: ZERO3,
+            pdf: [0.0; LANES],
+            lobe: [Lobe::GlossyReflection; LANES],
+            probability: [1.0; LANES],
+            eta: [1.0; LANES],
+            reverse_pdf: [0.0; LANES],
+        }
+    }
+}
+
+impl Scattered {
+    /// The sample of a hit by [`sample_many`]; `None` where it carries no light.
+    pub fn sample(&self, i: usize) -> Option<BsdfSample> {
+        let (wi, weight) = (at(&self.wi, i), at(&self.weight, i));
+        let (lobe, probability, eta) = (self.lobe[i], self.probability[i], self.eta[i]);
+        BsdfSample { wi, weight, pdf: self.pdf[i], lobe, probability, eta }.if_possible()
+    }
+}
+
+/// Runs a loop over a BSDF if it is the same for all hits and vectorizes; returns whether it does.
+fn run(arch: Arch, bsdfs: Bsdfs, work: impl Loop) -> bool {
+    let Bsdfs::Same(bsdf) = bsdfs else { return false };
+    match bsdf {
+        Bsdf::Beckmann(metal) if metal.normals == NormalSampling::Vndf => {
+            work.run(arch, ByVisibleNormals::<_, false>(*metal));
+        }
+        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Vndf => {
+            work.run(arch, ByVisibleNormals::<_, false>(*metal));
+        }
+        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Bounded => {
+            work.run(arch, ByVisibleNormals::<_, true>(*metal));
+        }
+        Bsdf::CompensatedBeckmann(metal) if metal.normals() == NormalSampling::Vndf => {
+            if metal.is_isotropic() {
+                work.run(arch, metal.lanes::<false, true>());
+            } else {
+                work.run(arch, metal.lanes::<false, false>());
+            }
+        }
+        Bsdf::CompensatedGgx(metal) if metal.normals() == NormalSampling::Vndf => {
+            if metal.is_isotropic() {
+                work.run(arch, metal.lanes::<false, true>());
+            } else {
+                work.run(arch, metal.lanes::<false, false>());
+            }
+        }
+        Bsdf::BeckmannDielectric(dielectric) => work.run(arch, *dielectric),
+        Bsdf::GgxDielectric(dielectric) => work.run(arch, *dielectric),
+        _ => return false,
+    }
+    true
+}
+
+/// A loop over the hits on a surface.
+trait Loop: Sized {
+    /// The loop, which vectorizes for any BSDF of this trait.
+    fn over(self, bsdf: impl Vectorizable);
+
+    fn run(self, arch: Arch, bsdf: impl Vectorizable) {
+        wide(arch, With { bsdf, work: self });
+    }
+}
+
+struct With<B, W> {
+    bsdf: B,
+    work: W,
+}
+
+impl<B: Vectorizable, W: Loop> Wide for With<B, W> {
+    #[inline(always)]
+    fn run(self) {
+        self.work.over(self.bsdf);
+    }
+}
+
+/// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
+/// there is. `u` are the random numbers that choose a lobe, and those of the direction.
+pub fn sample_many(
+    arch: Arch,
+    bsdfs: Bsdfs,
+    wo: &Lane3,
+    (choice, u): (&Lane, &[Lane; 2]),
+    count: usize,
+    out: &mut Scattered,
+) -> bool {
+    run(arch, bsdfs, SampleLoop { wo, choice, u, count, out })
+}
+
+/// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
+/// `out.wi`.
+pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(arch, bsdfs, EvalLoop { wo, count, out }) {
+        return;
+    }
+    for i in 0..count {
+        let (f, pdf) = bsdfs.at(i).eval_pdf(at(wo, i), at(&out.wi, i));
+        set(&mut out.weight, i, f);
+        out.pdf[i] = pdf;
+    }
+}
+
+/// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
+pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(arch, bsdfs, ReversePdfLoop { wo, count, out }) {
+        return;
+    }
+    for i in 0..count {
+        out.reverse_pdf[i] = bsdfs.at(i).pdf(at(&out.wi, i), at(wo, i));
+    }
+}
+
+struct SampleLoop<'a> {
+    wo: &'a Lane3,
+    choice: &'a Lane,
+    u: &'a [Lane; 2],
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+struct EvalLoop<'a> {
+    wo: &'a Lane3,
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+struct ReversePdfLoop<'a> {
+    wo: &'a Lane3,
+    count: usize,
+    out: &'a mut Scattered,
+}
+
+impl Loop for SampleLoop<'_> {
+    #[inline(always)]
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, choice, u, count, out } = self;
+        for number in 0..blocks(count) {
+            let (wo, [uc], u) = (block(wo, number), block(std::array::from_ref(choice), number), block(u, number));
+            let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
+            let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let mut lobe = [Lobe::GlossyReflection; BLOCK];
+            for i in 0..BLOCK {
+                let sample = bsdf.sample_lane(at(&wo, i), uc[i], [u[0][i], u[1][i]]);
+                set(&mut wi, i, sample.wi);
+                set(&mut weight, i, sample.weight);
+                pdf[i] = sample.pdf;
+                (lobe[i], probability[i], eta[i]) = (sample.lobe, sample.probability, sample.eta);
+            }
+            put(&mut out.wi, number, &wi);
+            put(&mut out.weight, number, &weight);
+            put(from_mut(&mut out.pdf), number, &[pdf]);
+            put(from_mut(&mut out.probability), number, &[probability]);
+            put(from_mut(&mut out.eta), number, &[eta]);
+            out.lobe.as_chunks_mut().0[number] = lobe;
+        }
+    }
+}
+
+impl Loop for EvalLoop<'_> {
+    #[inline(always)]
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, count, out } = self;
+        for number in 0..blocks(count) {
+            let (wo, wi) = (block(wo, number), block(&out.wi, number));
+            let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
+            for i in 0..BLOCK {
+                let (f, value) = bsdf.eval_pdf_lane(at(&wo, i), at(&wi, i));
+                set(&mut weight, i, f);
+                pdf[i] = value;
+            }
+            put(&mut out.weight, number, &weight);
+            put(from_mut(&mut out.pdf), number, &[pdf]);
+        }
+    }
+}
+
+impl Loop for ReversePdfLoop<'_> {
+    #[inline(always)]
+    fn over(self, bsdf: impl Vectorizable) {
+        let Self { wo, count, out } = self;
+        for number in 0..blocks(count) {
+            let (wo, wi) = (block(wo, number), block(&out.wi, number));
+            let mut pdf = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                (_, pdf[i]) = bsdf.eval_pdf_lane(at(&wi, i), at(&wo, i));
+            }
+            put(from_mut(&mut out.reverse_pdf), number, &[pdf]);
+        }
+    }
+}

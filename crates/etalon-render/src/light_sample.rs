@@ -1,0 +1,86 @@
+//! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
+//! importance sampling.
+
+use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3, set};
+use etalon_core::math::Rgb;
+use glam::Vec3;
+
+/// A direction towards a light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// To the light; infinite for lights at infinity.
+    pub distance: f32,
+    /// What arrives, divided by the pdf: radiance over pdf per solid angle, or irradiance where the light has
+    /// no extent. Black where the light does not reach.
+    pub weight: Rgb,
+    /// Density per solid angle; infinite where the light has no extent.
+    pub pdf: f32,
+}
+
+impl LightSample {
+    pub const BLACK: Self = Self { wi: Vec3::Y, distance: f32::INFINITY, weight: Rgb::ZERO, pdf: f32::INFINITY };
+}
+
+/// Samples directions towards a light.
+pub trait SampleLight {
+    fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
+
+    /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
+    fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32;
+
+    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
+    fn pdf(&self, point: Vec3) -> f32;
+}
+
+/// [`LightSample`]s from many points.
+pub struct LightSampleLanes {
+    pub wi: Lane3,
+    pub distance: Lane,
+    pub weight: Lane3,
+    /// Length of the shadow ray, which ends in front of the light.
+    pub limit: Lane,
+    pub pdf: Lane,
+    /// Numbers of the lights, or [`super::lanes::NOTHING`].
+    pub light: [u32; LANES],
+}
+
+impl LightSampleLanes {
+    /// Sets lane `i` to a sample of that light, or of none in the scene, and the length of its shadow ray.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, light: u32, sample: LightSample, limit: f32) {
+        set(&mut self.wi, i, sample.wi);
+        set(&mut self.weight, i, sample.weight);
+        (self.distance[i], self.limit[i]) = (sample.distance, limit);
+        (self.pdf[i], self.light[i]) = (sample.pdf, light);
+    }
+}
+
+impl Default for LightSampleLanes {
+    fn default() -> Self {
+        let zeros = [0.0; LANES];
+        Self { wi: ZERO3, distance: zeros, weight: ZERO3, limit: zeros, pdf: zeros, light: [NOTHING; LANES] }
+    }
+}
+
+/// A point of a light.
+#[derive(Debug, Clone, Copy)]
+pub struct LightPoint {
+    pub position: Vec3,
+    /// Unit normal on the side that emits.
+    pub normal: Vec3,
+    /// Whether the back emits, too.
+    pub two_sided: bool,
+}
+
+/// The weight of a sample from a technique of density `own` when two other techniques find the same path with the densities
+/// `others`: the balance heuristic own / (own + Σ others). A density counts the samples of its technique.
+///
+/// Light samples of a map in proportion to what exceeds its mean complement BSDF samples under this heuristic.
+///
+/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.3; Karlík et al., "MIS Compensation", 2019.
+#[inline(always)]
+pub fn balance_heuristic(own: f32, others: [f32; 2]) -> f32 {
+    1.0 / (1.0 + (others[0] + others[1]) / own)
+}

@@ -1,0 +1,88 @@
+//! The parts of the renderer that a scene needs; the others are neither built nor run.
+
+use super::geometry::Geometry;
+use super::settings::Settings;
+use etalon_core::scene::{Material, Projection, Request, Scene, Shape};
+
+/// The parts of the renderer that a scene needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// Shadow rays and further bounces.
+    pub occlusion: bool,
+    /// A table to sample the environment.
+    pub environment_table: bool,
+    /// A tree of shapes.
+    pub tree: bool,
+}
+
+impl Needs {
+    /// Everything, whether needed or not, as far as the scene has it.
+    #[must_use]
+    pub fn everything(scene: &Scene) -> Self {
+        Self { occlusion: true, environment_table: scene.environment.is_some(), tree: true }
+    }
+
+    /// What a scene needs under these settings.
+    #[must_use]
+    pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
+        let samples_map =
+            settings.sampling.by_light() && !settings.map_sampling().has_fixed_lights() && request.max_depth > 0;
+        Self {
+            occlusion: !lone_convex_from_outside(scene),
+            environment_table: samples_map && scene.environment.is_some(),
+            tree: Geometry::needs_tree(scene),
+        }
+    }
+
+    /// Names of the parts that are left out.
+    pub fn left_out(&self, scene: &Scene) -> impl Iterator<Item = &'static str> {
+        let parts = [
+            (self.environment_table || scene.environment.is_none(), "environment sampling table"),
+            (self.tree, "BVH"),
+            (self.occlusion, "shadow rays"),
+            (self.occlusion, "further bounces"),
+        ];
+        parts.into_iter().filter(|(needed, _)| !needed).map(|(_, name)| name)
+    }
+}
+
+/// Whether no ray that leaves a surface can meet another: one convex diffuse object, seen from outside.
+pub fn lone_convex_from_outside(scene: &Scene) -> bool {
+    let [object] = scene.objects.as_slice() else { return scene.objects.is_empty() };
+    let (Shape::Sphere(sphere), Material::Diffuse { .. }) = (&object.shape, &object.material) else { return false };
+    let (centre, radius) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
+    let offset = scene.camera.position - centre;
+    match scene.camera.projection {
+        Projection::Perspective { .. } => offset.length() >= radius,
+        // Rays start on a plane, which must not cut the sphere.
+        Projection::Orthographic { .. } => offset.dot(scene.camera.forward).abs() >= radius,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Sampling;
+    use etalon_core::envmap::EnvMap;
+    use etalon_core::raster::Image;
+    use etalon_core::scene::{Environment, Sphere, builtin};
+    use glam::{DVec3, Vec3};
+    use std::sync::Arc;
+
+    #[test]
+    fn only_a_lone_sphere_seen_from_outside_goes_without_occlusion() {
+        let map = Arc::new(EnvMap::new(Image::new(2, 1)));
+        let (mut scene, request) = builtin::sphere_env(Environment::upright(map, "black", 1.0));
+        let needs = |scene: &Scene| Needs::of(scene, &request, &Settings::default());
+        assert!(!needs(&scene).occlusion && needs(&scene).environment_table);
+        let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
+        assert!(!Needs::of(&scene, &request, &bsdf).environment_table);
+        scene.camera.position = DVec3::ZERO;
+        assert!(needs(&scene).occlusion, "from inside every ray meets the sphere again");
+        scene.camera.position = DVec3::Z;
+        let mut second = scene.objects[0].clone();
+        second.shape = Shape::Sphere(Sphere { centre: Vec3::splat(3.0), radius: 1.0 });
+        scene.objects.push(second);
+        assert!(needs(&scene).occlusion);
+    }
+}

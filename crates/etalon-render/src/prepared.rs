@@ -1,0 +1,223 @@
+//! A scene made ready for rendering, and what both implementations of the integrator ask of it.
+
+use super::environment::EnvironmentSampling;
+use super::film::PathClasses;
+use super::geometry::Geometry;
+use super::lanes::Hits;
+use super::light_sample::SampleLight;
+use super::light_selection::Lights;
+use super::light_tracing::LightTracing;
+use super::lights;
+use super::lights::Sampled;
+use super::needs::{Needs, lone_convex_from_outside};
+use super::settings::{Sampling, Settings};
+use super::shaders::{Kind, SurfaceShader};
+use etalon_core::error::{Error, Result};
+use etalon_core::math::Rgb;
+use etalon_core::memory;
+use etalon_core::sampling::stream::DIMENSIONS;
+use etalon_core::scene::{Bvh, Request, Scene};
+use glam::{Vec2, Vec3};
+use pulp::Arch;
+use std::sync::Arc;
+
+/// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
+/// would cause fireflies.
+pub const ROULETTE_BELOW: f32 = 0.1;
+
+/// Scatterings before Russian roulette may end a path.
+pub const ROULETTE_AFTER: u32 = 5;
+
+/// A scene made ready for rendering.
+pub struct PreparedScene<'a> {
+    /// What is rendered.
+    pub scene: &'a Scene,
+    /// Size, samples and depth.
+    pub request: Request,
+    /// What of the renderer the scene needs.
+    pub needs: Needs,
+    /// Shapes prepared for intersection.
+    pub geometry: Arc<Geometry<'a>>,
+    /// BSDF and emission by object.
+    pub shaders: Vec<SurfaceShader>,
+    /// The lights that are sampled.
+    pub lights: Arc<Lights>,
+    /// Light samples of the environment, if they are taken.
+    pub environment: Option<Arc<EnvironmentSampling<'a>>>,
+    /// Light tracing, if it is one of the techniques.
+    pub light_tracing: Option<LightTracing>,
+    /// Which techniques find the light.
+    pub sampling: Sampling,
+    /// Whether no ray that leaves a surface can meet another.
+    pub is_lone_convex: bool,
+    /// Whether rays can hit light.
+    pub has_emitters: bool,
+    /// Path classes that are summed separately.
+    pub classes: Option<PathClasses>,
+    /// Instruction set for vectorized loops.
+    pub arch: Arch,
+}
+
+impl<'a> PreparedScene<'a> {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// Those of the lights and samplers that the settings ask for.
+    pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
+        let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
+        if needs.tree {
+            let bytes = scene.objects.iter().map(|object| Bvh::bytes(&object.shape)).sum();
+            memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
+        }
+        let geometry = Arc::new(Geometry::new(scene, needs.tree));
+        let (objects, lights) = (scene.objects.len(), Sampled::most(scene));
+        memory::request(objects * size_of::<SurfaceShader>() + lights * Lights::BYTES, || {
+            format!("the materials of {objects} objects, and {lights} lights")
+        })?;
+        let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
+        let fixed = lights::of_cut(scene, settings)?;
+        let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
+        let rounds = lights.rounds().len();
+        if !Dimensions::suffice(request.max_depth, rounds) {
+            let message = format!("{} scatterings with {rounds} light samples each are too many", request.max_depth);
+            return Err(Error::parameter("max_depth", message).with_hint("each sample needs random numbers of its own"));
+        }
+        Ok(Self::assemble(scene, request, settings, needs, geometry, lights, environment))
+    }
+
+    /// The same scene for another technique or density of the map, neither of which has fixed lights.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::new`].
+    pub fn with(&self, settings: &Settings) -> Result<Self> {
+        let Self { scene, ref request, needs, ref geometry, ref lights, ref environment, sampling, .. } = *self;
+        let environment = match environment.as_ref().filter(|environment| environment.is_for(settings)) {
+            Some(environment) => Some(environment.clone()),
+            None => EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new),
+        };
+        let lights = match settings.sampling.by_light() == sampling.by_light() {
+            true => lights.clone(),
+            false => Arc::new(Lights::new(Sampled::all(scene, settings, &[]), request.light_samples)),
+        };
+        Ok(Self::assemble(scene, request, settings, needs, geometry.clone(), lights, environment))
+    }
+
+    fn assemble(
+        scene: &'a Scene,
+        request: &Request,
+        settings: &Settings,
+        needs: Needs,
+        geometry: Arc<Geometry<'a>>,
+        lights: Arc<Lights>,
+        environment: Option<Arc<EnvironmentSampling<'a>>>,
+    ) -> Self {
+        let shaders = SurfaceShader::all(scene, settings, &lights.all);
+        let light_tracing = match settings.sampling {
+            Sampling::MisLt => LightTracing::new(scene, request, &shaders, &lights, environment.as_deref(), &geometry),
+            _ => None,
+        };
+        Self {
+            scene,
+            request: *request,
+            needs,
+            geometry,
+            shaders,
+            lights,
+            environment,
+            light_tracing,
+            sampling: settings.sampling,
+            is_lone_convex: lone_convex_from_outside(scene),
+            has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
+            classes: settings.paths.map(PathClasses::up_to),
+            arch: Arch::new(),
+        }
+    }
+
+    /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
+    #[inline(always)]
+    pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
+        self.lights.all.get(light as usize).map_or(distance, |light| light.shadow_length(ray, distance))
+    }
+
+    /// The environment's radiance from a direction.
+    #[inline]
+    pub fn environment_radiance(&self, direction: Vec3) -> Rgb {
+        self.scene.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance(direction.as_dvec3()))
+    }
+
+    /// The expected number of light samples of the environment per solid angle in direction `wi` at a surface.
+    #[inline]
+    pub fn environment_density(&self, wi: Vec3, normal: Vec3, surface: Kind) -> f32 {
+        let pdf = self.environment.as_ref().map_or(0.0, |environment| environment.pdf(wi, normal, surface));
+        self.request.light_samples as f32 * pdf as f32
+    }
+
+    /// The texture coordinates of the surface that ray `i` has hit; 0 if its material has no textures.
+    #[inline]
+    pub fn uv(&self, hits: &Hits, i: usize, position: Vec3) -> Vec2 {
+        let is_textured = self.shaders[hits.object[i] as usize].varying.is_some();
+        if is_textured { self.geometry.uv(hits, i, position) } else { Vec2::ZERO }
+    }
+
+    /// The random numbers of a scattering.
+    #[inline]
+    pub fn dimensions(&self, scatterings: u32) -> Dimensions {
+        let each = Dimensions::OTHERS + self.lights.rounds().len() as u32;
+        Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
+    }
+}
+
+/// Dimensions (pairs of random numbers) of each scattering; dimension 0 is the position on the film.
+#[derive(Clone, Copy)]
+pub struct Dimensions {
+    first: u32,
+}
+
+impl Dimensions {
+    /// Dimensions of a scattering besides one per round of light samples.
+    const OTHERS: u32 = 5;
+
+    /// The first dimension of light paths.
+    const LIGHT_PATHS: u32 = DIMENSIONS / 2;
+
+    /// Whether camera paths of that depth stay below the dimensions of light paths, with that many rounds of light samples at each hit.
+    fn suffice(max_depth: u32, rounds: usize) -> bool {
+        (u64::from(max_depth) + 1) * (u64::from(Self::OTHERS) + rounds as u64) < u64::from(Self::LIGHT_PATHS)
+    }
+
+    /// The dimensions of light paths after so many scatterings, 0 for their start: beyond those of camera paths.
+    pub fn of_light_paths(scatterings: u32) -> Self {
+        Self { first: Self::LIGHT_PATHS + scatterings * Self::OTHERS }
+    }
+
+    /// The direction in which the path continues.
+    pub fn bsdf(self) -> u32 {
+        self.first
+    }
+
+    /// The choice of a lobe, and Russian roulette. At the start of a light path the choice of light and target.
+    pub fn choice(self) -> u32 {
+        self.first + 1
+    }
+
+    /// Directions of direct light that are sampled without regard to the lights. At the start of a light path the place on
+    /// the light.
+    pub fn bsdf_direct(self) -> u32 {
+        self.first + 2
+    }
+
+    /// Light samples of the environment.
+    pub fn environment(self) -> u32 {
+        self.first + 3
+    }
+
+    /// The choice of a light.
+    pub fn light_choice(self) -> u32 {
+        self.first + 4
+    }
+
+    /// Light samples of a round.
+    pub fn light(self, round: usize) -> u32 {
+        self.first + Self::OTHERS + round as u32
+    }
+}

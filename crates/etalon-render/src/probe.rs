@@ -1,0 +1,18 @@
+//! What may be tested from outside: samplers and densities of the renderer, called as the kernel calls them.
+
+pub use crate::geometry::Surface;
+pub use crate::kernel::{Bsdfs, ExtendPaths, Paths, Points, Scattered, eval_many, reverse_pdf_many, sample_many};
+pub use crate::lanes::{BLOCK, LANES, Lane, NOTHING, Rays, at, set, wide};
+pub use crate::lens::Lens;
+pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
+pub use crate::light_selection::{Lights, Selection};
+pub use crate::light_tracing::{SAMPLES_PER_LIGHT_PATH, Start};
+pub use crate::light_tree::LightTree;
+pub use crate::lights::Sampled;
+pub use crate::prepared::PreparedScene;
+pub use crate::shaders::{Kind, adjoint_factor, is_sound};
+
+/// Samples of one light for many points, and of many lights.
+pub mod light_lanes {
+    pub use crate::light_lanes::{sample_each, sample_many};
+}
