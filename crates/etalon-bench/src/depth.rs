@@ -30,13 +30,9 @@ pub struct RadianceRow {
     pub depth: u32,
     /// Kind of object, or "all".
     pub seen_on: &'static str,
-    /// Pixels that show it.
     pub pixels: usize,
-    /// Mean radiance, red.
     pub mean_r: f64,
-    /// Mean radiance, green.
     pub mean_g: f64,
-    /// Mean radiance, blue.
     pub mean_b: f64,
     /// Of all light of the deepest image.
     pub share_of_light: f64,

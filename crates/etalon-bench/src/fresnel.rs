@@ -46,11 +46,9 @@ pub struct DielectricCurves {
     pub r_normal_perpendicular: f64,
     /// Largest |Schlick − exact| over 0–90°, and where.
     pub schlick_max_abs_error: f64,
-    /// Angle of that error.
     pub schlick_max_abs_error_deg: f64,
     /// Largest |Schlick − exact| / exact, and where.
     pub schlick_max_rel_error: f64,
-    /// Angle of that error.
     pub schlick_max_rel_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]

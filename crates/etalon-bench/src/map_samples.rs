@@ -11,15 +11,11 @@ use serde::Serialize;
 /// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SampleRow {
-    /// Column.
     pub x: f64,
-    /// Row.
     pub y: f64,
-    /// Direction, x.
     pub dir_x: f64,
     /// Direction, y (up).
     pub dir_y: f64,
-    /// Direction, z.
     pub dir_z: f64,
     /// Per solid angle.
     pub pdf: f64,
@@ -34,7 +30,6 @@ pub struct SampleRow {
 /// Samples of a map.
 #[derive(Debug, Clone)]
 pub struct MapSamples {
-    /// A row for each sample.
     pub rows: Vec<SampleRow>,
     /// Estimate of the map's intensity flux ∫ I dω from these samples: mean of I / pdf.
     pub flux_estimate: f64,

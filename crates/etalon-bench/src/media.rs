@@ -60,7 +60,6 @@ impl Interface {
 /// One angle of incidence for one medium. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct MediumRow {
-    /// Name of the medium.
     pub medium: String,
     /// Angle of incidence in degrees.
     pub theta_deg: f64,
@@ -79,7 +78,6 @@ pub struct MediumRow {
 /// The curves of one medium, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MediumCurves {
-    /// Name of the medium.
     pub name: String,
     /// Its index of refraction.
     pub eta: f64,
@@ -96,7 +94,6 @@ pub struct MediumCurves {
     pub critical_deg: Option<f64>,
     /// Largest |Schlick − exact| over 0–90°.
     pub schlick_max_abs_error: f64,
-    /// Angle of that error.
     pub schlick_max_abs_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]

@@ -22,27 +22,19 @@ pub enum Centroid {
 pub struct RegionRow {
     /// First column.
     pub x0: usize,
-    /// First row.
     pub y0: usize,
     /// Column after the last.
     pub x1: usize,
     /// RegionRow after the last.
     pub y1: usize,
-    /// Column of the centroid.
     pub centroid_x: f64,
-    /// RegionRow of the centroid.
     pub centroid_y: f64,
-    /// Direction, x.
     pub dir_x: f64,
     /// Direction, y (up).
     pub dir_y: f64,
-    /// Direction, z.
     pub dir_z: f64,
-    /// Flux, red.
     pub flux_r: f64,
-    /// Flux, green.
     pub flux_g: f64,
-    /// Flux, blue.
     pub flux_b: f64,
     /// Mean of the flux.
     pub energy: f64,

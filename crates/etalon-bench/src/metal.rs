@@ -10,7 +10,6 @@ use serde::Serialize;
 /// One angle of incidence in one channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ConductorRow {
-    /// Name of the channel.
     pub channel: String,
     /// Angle of incidence in degrees.
     pub theta_deg: f64,
@@ -45,11 +44,9 @@ pub struct Channel {
     pub pseudo_brewster_deg: f64,
     /// Largest error of the approximation's unpolarized reflectance, and where.
     pub approximate_max_abs_error: f64,
-    /// Angle of that error.
     pub approximate_max_abs_error_deg: f64,
     /// Largest error of Schlick's, and where.
     pub schlick_max_abs_error: f64,
-    /// Angle of that error.
     pub schlick_max_abs_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
@@ -144,11 +141,8 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
 /// One metal in one colour channel. Field names are the CSV columns.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct MetalRow {
-    /// Chemical symbol.
     pub symbol: &'static str,
-    /// Name of the metal.
     pub metal: &'static str,
-    /// Wavelength of the channel.
     pub wavelength_nm: f64,
     /// Index of refraction.
     pub eta: f64,
@@ -166,7 +160,6 @@ pub struct MetalRow {
     pub albedo_approximate: f64,
     /// Largest error of the approximation's unpolarized reflectance.
     pub approximate_max_abs_error: f64,
-    /// Angle of that error.
     pub approximate_max_abs_error_deg: f64,
     /// The same of R∥ alone.
     pub approximate_max_parallel_error: f64,
@@ -179,7 +172,6 @@ pub struct MetalRow {
 pub struct MetalTable {
     /// Three for each metal.
     pub rows: Vec<MetalRow>,
-    /// The curves of each metal.
     pub curves: Vec<ConductorCurves>,
 }
 

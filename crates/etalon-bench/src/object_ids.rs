@@ -6,13 +6,9 @@ use rayon::prelude::*;
 /// The kinds of objects in the second report's scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// Emits light.
     AreaLight,
-    /// A perfect mirror.
     Mirror,
-    /// A dielectric.
     Glass,
-    /// A conductor.
     Metal,
     /// Diffuse walls and spheres.
     Diffuse,

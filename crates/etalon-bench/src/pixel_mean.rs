@@ -9,7 +9,6 @@ pub struct Mean {
     pub value: [f64; 3],
     /// Standard error of each mean.
     pub error: [f64; 3],
-    /// The number of pixels.
     pub pixels: usize,
 }
 

@@ -184,7 +184,6 @@ pub enum Along {
     /// Rows.
     #[default]
     Rows,
-    /// Columns.
     Columns,
     /// Rows and columns.
     Both,

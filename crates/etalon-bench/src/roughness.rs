@@ -20,7 +20,6 @@ pub struct StatueRow {
     pub light_samples: u32,
     /// Scatterings of the longest path.
     pub max_depth: u32,
-    /// Pixels that show the statue.
     pub statue_pixels: usize,
     /// Mean radiance, red.
     pub statue_r: f64,
@@ -42,7 +41,6 @@ pub struct StatueRow {
 
 /// An image with its statistics.
 pub struct StatueRender {
-    /// Its row of the table.
     pub row: StatueRow,
     /// The statue's mean radiance.
     pub statue: Mean,
@@ -50,7 +48,6 @@ pub struct StatueRender {
     pub mask: Vec<bool>,
     /// The kind of object at each pixel.
     pub objects: ObjectIdBuffer,
-    /// The render.
     pub rendered: Rendered,
 }
 

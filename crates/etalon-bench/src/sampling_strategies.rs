@@ -35,33 +35,26 @@ pub struct ProfileBin {
     pub hemisphere_mean: f64,
     /// Standard errors of these means.
     pub importance_mean_error: f64,
-    /// By hemisphere sampling.
     pub hemisphere_mean_error: f64,
     /// Half of the pixels are darker.
     pub importance_median: f64,
-    /// By hemisphere sampling.
     pub hemisphere_median: f64,
     /// Mean 8-bit value of the tone-mapped image.
     pub importance_shown: f64,
-    /// By hemisphere sampling.
     pub hemisphere_shown: f64,
     /// Root of the mean square of the pixels' standard errors.
     pub importance_error: f64,
-    /// By hemisphere sampling.
     pub hemisphere_error: f64,
 }
 
 /// Both images and their profile.
 pub struct StrategyComparison {
-    /// By importance sampling.
     pub importance: StatueRender,
-    /// By hemisphere sampling.
     pub hemisphere: StatueRender,
     /// By distance from the silhouette.
     pub profile: Vec<ProfileBin>,
     /// The whole image.
     pub picture: Zone,
-    /// The statue.
     pub statue: Zone,
     /// The pixels of the statue next to its silhouette.
     pub rim: Zone,
@@ -71,9 +64,7 @@ pub struct StrategyComparison {
 
 /// Some of the pixels by importance sampling and by hemisphere sampling.
 pub struct Zone {
-    /// By importance sampling.
     pub importance: ZoneImage,
-    /// By hemisphere sampling.
     pub hemisphere: ZoneImage,
     /// Difference of the means in units of its standard error.
     pub z: f64,

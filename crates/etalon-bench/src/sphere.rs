@@ -77,9 +77,7 @@ impl SphereRow {
 
 /// A render with its errors.
 pub struct SphereRender {
-    /// Its errors.
     pub row: SphereRow,
-    /// The render.
     pub rendered: Rendered,
     /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
     pub relative_error: Vec<f64>,
@@ -138,7 +136,6 @@ pub struct Label {
 
 /// The errors of one strategy at several numbers of samples per pixel.
 pub struct Series {
-    /// Its name.
     pub label: Label,
     /// In the order of the numbers of samples.
     pub rows: Vec<SphereRow>,

@@ -5,7 +5,6 @@ use std::sync::OnceLock;
 /// What the program is built from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Build {
-    /// The version of the program.
     pub version: &'static str,
     /// A hash of all sources and of the versions of dependencies.
     pub sources: &'static str,

@@ -12,7 +12,6 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Position of an error in an input file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The file as a whole.
     File,
     /// Offset from the start of the file, in bytes.
     Byte(u64),

@@ -238,7 +238,6 @@ struct Batch<'a> {
     numbers: SampleLanes,
     /// How many camera paths are assigned.
     count: usize,
-    /// The column of each.
     column: [u32; LANES],
     radiance: Radiance,
     tracer: Tracer<'a>,

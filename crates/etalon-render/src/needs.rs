@@ -9,9 +9,7 @@ use etalon_core::scene::{Material, Projection, Request, Scene, Shape};
 pub struct Needs {
     /// Shadow rays and further bounces.
     pub occlusion: bool,
-    /// A table to sample the environment.
     pub environment_table: bool,
-    /// A tree of shapes.
     pub tree: bool,
 }
 

@@ -40,7 +40,6 @@ pub struct PreparedScene<'a> {
     pub geometry: Arc<Geometry<'a>>,
     /// BSDF and emission by object.
     pub shaders: Vec<SurfaceShader>,
-    /// The lights that are sampled.
     pub lights: Arc<Lights>,
     /// Light samples of the environment, if they are taken.
     pub environment: Option<Arc<EnvironmentSampling<'a>>>,

@@ -11,7 +11,6 @@ use etalon_core::scene::scattering::ScatterModel;
 pub enum Sampling {
     /// Light sampling (next event estimation): by the solid angle of area lights and the pdf of the environment's sampler.
     Light,
-    /// BSDF sampling.
     Bsdf,
     /// Light and BSDF sampling, combined by multiple importance sampling with the balance heuristic.
     Mis,
@@ -19,7 +18,6 @@ pub enum Sampling {
     /// connected to the camera.
     #[default]
     MisLt,
-    /// Uniform sampling of the hemisphere.
     Hemisphere,
 }
 

@@ -19,7 +19,6 @@ pub struct SurfaceShader {
     pub bsdf: Bsdf,
     /// The BSDF at each point, if the material has textures.
     pub varying: Option<VaryingBsdf>,
-    /// Its class.
     pub kind: Kind,
     /// Whether the material is the same on both sides: its normal is then turned towards the viewer.
     pub two_sided: bool,

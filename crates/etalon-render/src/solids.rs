@@ -76,7 +76,6 @@ pub fn one_minus_cos_of_cone(sphere: &Sphere, point: Vec3) -> f32 {
 pub struct Wall {
     /// Its plane and sides.
     pub panel: Panel,
-    /// Number of the object.
     pub object: u32,
 }
 

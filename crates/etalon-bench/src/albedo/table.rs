@@ -17,9 +17,7 @@ pub struct Row {
     pub parameter: f64,
     /// 0 for all channels if they are equal.
     pub channel: usize,
-    /// The albedo.
     pub albedo: f64,
-    /// The bound of its error.
     pub error: f64,
     /// What the bound rests on.
     pub basis: &'static str,
@@ -39,7 +37,6 @@ pub struct Row {
 /// The albedos of one family.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
-    /// Name of the family.
     pub family: String,
     /// The parameters that vary together.
     pub over: Vec<String>,
@@ -47,7 +44,6 @@ pub struct Table {
     pub is_logarithmic: bool,
     /// The other parameters.
     pub fixed: Vec<(String, f64)>,
-    /// The angles.
     pub thetas_deg: Vec<f64>,
     /// The values of the parameters that vary.
     pub parameters: Vec<f64>,

@@ -33,7 +33,6 @@ impl Nature {
 pub struct Erratum {
     /// What it is about, in a few words.
     pub title: &'static str,
-    /// Which report.
     pub report: &'static str,
     /// An error, an approximation or a misprint.
     pub nature: Nature,
@@ -47,13 +46,11 @@ pub struct Erratum {
     pub verdict: Verdict,
     /// The p-value of that test.
     pub p: Option<f64>,
-    /// The samples of that test.
     pub samples: u64,
     /// The violation that an exact check finds in the printed claim.
     pub violation: Option<String>,
     /// Verdict on the corrected claim.
     pub right_verdict: Verdict,
-    /// Its p-value.
     pub right_p: Option<f64>,
     /// Relative error that it causes (a misprint: that it would cause if taken at its word), and of what.
     pub error_in_picture: f64,

@@ -11,7 +11,6 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// The mean of the image.
     Mean,
     /// Σ x cos(π i (column + ½)/width) cos(π j (row + ½)/height)/n for i, j ≤ 2, not both 0.
     LowFrequency,
@@ -37,7 +36,6 @@ impl Family {
 /// What a test measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Functional {
-    /// The mean of the image.
     Mean,
     /// A mode by its numbers of half waves across and down.
     Mode([usize; 2]),

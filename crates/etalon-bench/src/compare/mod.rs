@@ -66,7 +66,6 @@ pub struct Tested {
     pub channel: usize,
     /// Means of both sides.
     pub means: [f64; 2],
-    /// Their difference.
     pub difference: Difference,
     /// Why it is not tested: one replicate, or one pixel, makes nearly all of the variance.
     pub dominated: bool,
@@ -75,7 +74,6 @@ pub struct Tested {
 /// The tests of one family, which share a third of the level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FamilyResult {
-    /// Which functionals.
     pub family: Family,
     /// All tests; none where the family cannot be tested.
     pub tests: Vec<Tested>,
@@ -96,13 +94,11 @@ pub struct Compared {
     pub plan: Plan,
     /// What the tests say.
     pub answer: Answer,
-    /// The three families.
     pub families: Vec<FamilyResult>,
     /// Smallest relative bias of the whole image that would have been found with 90 % probability; none where the mean is dominated.
     pub uniform_bias: Option<f64>,
     /// The same of a single tile, relative to the image's mean: the median over the tiles.
     pub tile_bias: Option<f64>,
-    /// Names of the channels.
     pub channels: [&'static str; 3],
     /// The mean of B's image, by channel.
     pub mean_of_b: [Mean; 3],
@@ -110,7 +106,6 @@ pub struct Compared {
     pub size: [usize; 2],
     /// Side of a tile in pixels.
     pub tile_side: usize,
-    /// Images on each side.
     pub images: [usize; 2],
     /// Two images of a side that are no replicates of one another.
     pub related: [Option<Related>; 2],

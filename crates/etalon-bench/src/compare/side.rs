@@ -23,7 +23,6 @@ pub enum Noise {
     Replicates,
     /// Each pixel has a standard error, and pixels are independent (or as if: the errors bound those of sums of pixels).
     PerPixel,
-    /// There is none.
     None,
 }
 

@@ -9,7 +9,6 @@ use serde::Serialize;
 /// The best contender without bias.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// Its name.
     pub best: String,
     /// Processor time after which efficiencies are compared.
     pub cpu_seconds: f64,
@@ -24,7 +23,6 @@ pub struct Answer {
 pub struct Ratio {
     /// As this contender.
     pub over: String,
-    /// The ratio of efficiencies.
     pub ratio: f64,
     /// Lower end of its interval.
     pub low: f64,
@@ -36,7 +34,6 @@ pub struct Ratio {
 /// end. Fixed lights are no rivals: they are biased, whether this is found or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rival {
-    /// Its name.
     pub rival: String,
     /// Its efficiency over that of the default.
     pub ratio: f64,

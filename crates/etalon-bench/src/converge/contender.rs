@@ -39,14 +39,12 @@ pub enum Step {
     Stopped,
     /// There are no more images.
     End,
-    /// It failed.
     Failed(Failure),
 }
 
 /// Why there is no image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
-    /// In words.
     pub message: String,
     /// Whether another try would only waste time.
     pub is_final: bool,
@@ -55,7 +53,6 @@ pub struct Failure {
 /// A run of a renderer that gave no image which can be used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fault {
-    /// The contender.
     pub strategy: String,
     /// From 1.
     pub replicate: u32,
@@ -63,7 +60,6 @@ pub struct Fault {
     pub seed: u64,
     /// Samples per pixel.
     pub spp: u32,
-    /// In words.
     pub message: String,
 }
 

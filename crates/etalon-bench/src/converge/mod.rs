@@ -39,7 +39,6 @@ const FURTHER: u32 = 8;
 /// Where a reference comes from that is not the exact image or rendered by our default strategy.
 #[derive(Debug, Clone, Copy)]
 pub enum Asked<'a> {
-    /// It is at hand.
     Known(&'a Reference),
     /// Two long renders by a contender, within half of the budget.
     By(&'a Contender),

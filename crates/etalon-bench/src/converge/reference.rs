@@ -34,7 +34,6 @@ pub struct Facts {
     pub rmse: f64,
     /// Mean of the channel values.
     pub mean: f64,
-    /// Pixels that are compared.
     pub pixels: usize,
     /// Where it comes from, in words.
     pub source: String,

@@ -9,7 +9,6 @@ use serde::Serialize;
 /// The curves of all contenders on one scene.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Convergence {
-    /// Its name.
     pub scene: String,
     /// Columns of the images.
     pub width: usize,

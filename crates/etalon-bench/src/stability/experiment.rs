@@ -9,7 +9,6 @@ use etalon_core::error::Result;
 
 /// An experiment whose exact result is known by integers, by construction, or in closed form.
 pub struct Experiment {
-    /// Its name.
     pub name: &'static str,
     /// What it does, in a line.
     pub about: &'static str,
@@ -26,13 +25,10 @@ pub struct Experiment {
 pub struct Workload {
     /// Places along each side of the grids.
     pub side: usize,
-    /// Samples of one pixel of the film.
     pub film_samples: u32,
     /// Columns and rows of the map whose tables are tested.
     pub map: [usize; 2],
-    /// Samples from the tables.
     pub table_samples: u32,
-    /// Bounces of the paths.
     pub bounces: u32,
 }
 

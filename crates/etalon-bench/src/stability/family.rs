@@ -14,7 +14,6 @@ use etalon_core::math::Real;
 
 /// Formulas for one quantity, swept over grids of their inputs.
 pub struct Family {
-    /// Its name.
     pub name: &'static str,
     /// The quantity, in a line.
     pub about: &'static str,
@@ -154,7 +153,6 @@ pub fn sin2_from_z<T: Number>(w: [T; 3]) -> T {
 pub struct Variant {
     /// Its name in tables.
     pub name: &'static str,
-    /// The formula in f32.
     pub single: Formula<f32>,
     /// The formula in f64; `None` for code that exists in f32 alone.
     pub double: Option<Formula<f64>>,

@@ -15,7 +15,6 @@ use serde::Serialize;
 pub struct Replayed {
     /// The variant's name.
     pub variant: &'static str,
-    /// Precision of the computation.
     pub precision: Precision,
     /// Empty where there is no value, as for a ray that misses; one number, or the three of a vector.
     pub value: Vec<f64>,
@@ -34,7 +33,6 @@ pub struct Replayed {
 /// All variants at one input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
-    /// Name of the family.
     pub family: &'static str,
     /// Names and values of the inputs.
     pub inputs: Vec<(&'static str, f64)>,

@@ -21,7 +21,6 @@ pub struct ErrorRow {
     pub family: Cow<'static, str>,
     /// Which way of computing it.
     pub variant: &'static str,
-    /// Precision of the computation.
     pub precision: Precision,
     /// Inputs that were tried.
     pub cases: u64,

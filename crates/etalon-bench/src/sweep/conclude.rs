@@ -13,9 +13,7 @@ use std::collections::BTreeMap;
 /// What one check says of one family.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Group {
-    /// The family.
     pub family: String,
-    /// The check.
     pub check: String,
     /// Configurations to which the check applies.
     pub configurations: u64,
@@ -36,11 +34,8 @@ pub struct Group {
 /// A failure of a check of a family, shrunk if its p-value allows that.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Failure {
-    /// The family.
     pub family: String,
-    /// The check.
     pub check: String,
-    /// Configurations in which it fails.
     pub configurations: u64,
     /// One of them.
     pub example: String,
@@ -71,9 +66,7 @@ pub struct SurvivorRow {
 /// What a sweep found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Conclusion {
-    /// Number of families.
     pub families: usize,
-    /// Configurations.
     pub configurations: u64,
     /// Checks that were run, exact ones included.
     pub checks: u64,

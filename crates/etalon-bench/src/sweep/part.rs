@@ -42,7 +42,6 @@ pub struct Part {
 /// What a row says of one check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// The index of the check.
     pub check: usize,
     /// What it says.
     pub state: State,

@@ -15,7 +15,6 @@ use std::time::Instant;
 /// The result of a test.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tested {
-    /// Of the test.
     pub name: String,
     /// Statistic, p-value, verdict.
     #[serde(flatten)]
@@ -51,9 +50,7 @@ const INSIDE: f64 = 0.99;
 /// One p-value at its rank i of n, from 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranked {
-    /// The p-value.
     pub p: f64,
-    /// The verdict of its test.
     pub verdict: Verdict,
     /// i/(n + 1), the expected p-value of right samplers at this rank.
     pub expected: f64,

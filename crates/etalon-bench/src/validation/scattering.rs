@@ -9,7 +9,6 @@ use glam::Vec3;
 
 /// A BSDF with what its own methods do not say.
 pub struct Scattering {
-    /// The BSDF.
     pub bsdf: Bsdf,
     /// The index of refraction below the surface over that above it.
     pub eta: f32,
@@ -17,7 +16,6 @@ pub struct Scattering {
     pub energy: Energy,
     /// Whether its lobes are wide enough for derivatives of directions in single precision.
     pub is_wide: bool,
-    /// Its parameters.
     pub parameters: Vec<Parameter>,
 }
 

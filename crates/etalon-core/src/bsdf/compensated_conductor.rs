@@ -27,7 +27,6 @@ use std::sync::Arc;
 /// A rough metal with multiple scattering, visible from the side of the normal (z > 0).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CompensatedConductor<D> {
-    /// Single scattering.
     single: RoughConductor<D>,
     multiple: Multiple,
     /// The share that single scattering loses.

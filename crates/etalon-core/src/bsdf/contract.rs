@@ -45,7 +45,6 @@ pub struct BsdfSample {
     pub weight: Rgb,
     /// Pdf per solid angle, equal to [`Scatter::pdf`] to the last bit; 0 of delta lobes.
     pub pdf: f32,
-    /// The lobe that it comes from.
     pub lobe: Lobe,
     /// The probability with which the lobe was chosen: of delta lobes [`Scatter::lobe_probability`]. `weight` is divided by it,
     /// and the pdf within the lobe has it as a factor in `pdf`.

@@ -67,7 +67,6 @@ struct Facet {
     spread: f32,
     /// The share of the light that takes this way: F, or 1 − F.
     share: f32,
-    /// Whether light is reflected.
     reflects: bool,
     /// Whether there is such a facet.
     exists: bool,

@@ -43,7 +43,6 @@ pub enum SideRule {
 /// A region and the light that stands for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// Its texels.
     pub block: Block,
     /// Energy centroid, continuous texel coordinates.
     pub centroid: (f64, f64),

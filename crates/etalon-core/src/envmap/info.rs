@@ -10,7 +10,6 @@ use serde::Serialize;
 pub struct Info {
     /// Texels in a row.
     pub width: usize,
-    /// Rows.
     pub height: usize,
     /// Smallest finite channel value, as stored; `None` when there is none.
     pub min: Option<f32>,

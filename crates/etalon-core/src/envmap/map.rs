@@ -151,7 +151,6 @@ pub fn check_range(path: &Path, image: &Image) -> Result<()> {
 /// A map with the name under which a user knows it.
 #[derive(Debug, Clone)]
 pub struct NamedMap {
-    /// The map.
     pub map: Arc<EnvMap>,
     /// A path as it was given, or a built-in name.
     pub name: String,

@@ -158,7 +158,6 @@ impl Dielectric {
 pub enum Medium {
     /// A transparent one.
     Dielectric(&'static Dielectric),
-    /// A metal.
     Metal(&'static Metal),
 }
 

@@ -9,7 +9,6 @@ use crate::math::Rgb;
 /// η + i k of a metal in air, for the three colour channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metal {
-    /// Chemical symbol.
     pub symbol: &'static str,
     /// English name, lower case.
     pub name: &'static str,

@@ -108,9 +108,7 @@ impl Object {
 /// A shape.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// A whole sphere.
     Sphere(Sphere),
-    /// A flat rectangle.
     Rectangle(Rectangle),
     /// Triangles; a mesh may be shared by objects.
     Mesh(Arc<Mesh>),
@@ -146,7 +144,6 @@ pub struct Request {
     pub height: usize,
     /// Camera samples per pixel.
     pub spp: u32,
-    /// Light samples at each hit.
     pub light_samples: u32,
     /// 0: emission only; 1: direct light; n: light that arrives over at most n segments after the camera's.
     pub max_depth: u32,

@@ -11,7 +11,6 @@ use std::sync::Arc;
 pub enum Light {
     /// Radiance from the front of a rectangle.
     Rectangle {
-        /// Where it is.
         rectangle: Rectangle,
         /// W/(m² sr), the same in every direction.
         radiance: Rgb,

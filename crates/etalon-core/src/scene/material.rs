@@ -127,7 +127,6 @@ pub struct Dielectric {
     /// Widths of the distribution of normals along x and y of the surface's frame; with either below [`SMOOTH_ALPHA`] the
     /// boundary is smooth.
     pub alpha: [f32; 2],
-    /// The distribution of normals.
     pub distribution: Distribution,
 }
 
@@ -155,7 +154,6 @@ pub struct Conductor {
     /// Widths of the distribution of normals along x and y of the surface's frame; with either below [`SMOOTH_ALPHA`] the
     /// surface is a perfect mirror.
     pub alpha: [f32; 2],
-    /// The distribution of normals.
     pub distribution: Distribution,
     /// Whether the surface reflects on both sides, as in pbrt; otherwise its back is black, as in the course's renderer.
     pub two_sided: bool,

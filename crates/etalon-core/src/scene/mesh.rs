@@ -6,7 +6,6 @@ use glam::{DVec3, Vec2, Vec3};
 /// A triangle mesh in the world. The corners of a triangle are counter-clockwise from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// The vertices.
     pub positions: Vec<Vec3>,
     /// Unit normals per vertex, interpolated for shading; empty for flat triangles.
     pub normals: Vec<Vec3>,

@@ -11,7 +11,6 @@ use std::sync::Arc;
 pub enum Texture {
     /// The same everywhere.
     Constant(Rgb),
-    /// An image.
     Image(ImageTexture),
     /// Squares of side 1 in (s, t), alternating between the first and the second texture; the one from (0, 0) to (1, 1) is of the first.
     Checkerboard {
@@ -77,7 +76,6 @@ impl UvMapping {
 pub enum Wrap {
     /// The image again.
     Repeat,
-    /// Black.
     Black,
     /// The nearest texel of the image.
     Clamp,
@@ -87,7 +85,6 @@ pub enum Wrap {
 /// there are no smaller versions of it (mip maps), so that where it shrinks the samples of a pixel filter it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageTexture {
-    /// Its texels.
     pub texels: Arc<Texels>,
     /// From (u, v) to (s, t).
     pub mapping: UvMapping,

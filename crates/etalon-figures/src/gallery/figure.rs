@@ -68,7 +68,6 @@ pub struct Figure {
     /// The name of its files, and of `--only`.
     pub id: &'static str,
     pub title: &'static str,
-    /// The report with its counterpart.
     pub report: Report,
     /// The counterpart in that report, with the number of the figure where it has one.
     pub reproduces: &'static str,

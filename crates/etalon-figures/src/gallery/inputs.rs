@@ -34,7 +34,6 @@ impl Effort {
 pub enum Shown {
     /// None: formulas, or scenes of its own.
     Nothing,
-    /// The environment map.
     Map,
     /// The box with a mirror and a glass sphere.
     Spheres,

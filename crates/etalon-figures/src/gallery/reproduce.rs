@@ -37,7 +37,6 @@ pub struct Reproduction {
 
 /// What a run tells while it goes on.
 pub enum Step<'a> {
-    /// A figure is begun.
     Begin(&'a Figure),
     /// Its files are written.
     Done(&'a Reproduced),

@@ -23,7 +23,6 @@ pub struct Check {
 
 /// The checks of one run of a command.
 pub struct Checks {
-    /// The command.
     pub title: String,
     pub list: Vec<Check>,
     /// Wall-clock time of the run.

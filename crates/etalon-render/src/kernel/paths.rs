@@ -85,7 +85,6 @@ pub struct Radiance {
 /// What was done for camera samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Work {
-    /// Rays and shadow rays.
     pub rays: usize,
     /// Light samples for which a light or a place in the map was chosen.
     pub choices: usize,

@@ -88,7 +88,6 @@ pub enum Found {
     Light(usize, f32),
     /// To where no light arrives from.
     Nothing,
-    /// To a node.
     Node(Descent),
 }
 

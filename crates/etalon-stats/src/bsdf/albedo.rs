@@ -28,7 +28,7 @@ const ROUNDING: f64 = 1e-4;
 const LARGEST: f64 = 0.1;
 /// Directions in which large weights are looked for.
 const DIRECTIONS: usize = 1 << 12;
-/// Where the pdf promises that many samples, some are met.
+/// Where the pdf predicts that many samples, some are met.
 const EXPECTED: f64 = 10.0;
 /// Standard errors that count as chance.
 const CHANCE: f64 = 3.0;

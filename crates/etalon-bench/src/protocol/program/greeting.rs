@@ -13,7 +13,6 @@ const LINES: usize = 4096;
 pub struct Greeting {
     /// The program's name in messages.
     pub program: String,
-    /// The line.
     first: String,
     /// Its keys and their values.
     pub keys: Vec<(String, String)>,

@@ -27,7 +27,6 @@ use std::time::Duration;
 
 /// What a program says in its greeting that it has.
 pub enum External {
-    /// A sampler with its pdf.
     Sampler(sampler::Client),
     /// BSDFs over their parameters.
     Bsdf(bsdf::Program),

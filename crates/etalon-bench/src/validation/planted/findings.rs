@@ -47,7 +47,6 @@ impl By {
 pub struct Finding {
     /// Of the fault.
     pub name: &'static str,
-    /// What the mistake is.
     pub mistake: &'static str,
     /// Of the test with the mistake.
     #[serde(flatten)]

@@ -47,7 +47,6 @@ pub enum Truth {
 /// An image to be tested.
 #[derive(Clone)]
 pub struct RenderTest {
-    /// What is rendered.
     pub scene: Scene,
     /// Resolution and depth; the samples per pixel follow from the protocol.
     pub request: Request,

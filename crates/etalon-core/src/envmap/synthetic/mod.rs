@@ -28,7 +28,6 @@ pub enum Synthetic {
     Sun,
     /// Radiance 1 everywhere.
     Constant,
-    /// One texel.
     Onehot,
     /// Nothing.
     Black,

@@ -25,7 +25,6 @@ pub enum Distribution {
     /// [`Beckmann`].
     #[default]
     Beckmann,
-    /// [`Ggx`].
     Ggx,
 }
 

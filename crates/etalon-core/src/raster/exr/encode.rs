@@ -31,7 +31,6 @@ pub enum Precision {
 pub struct Layer<'a> {
     /// Prefix of the channels' names; empty for the unnamed layer.
     pub name: &'a str,
-    /// Its pixels.
     pub image: &'a Image,
 }
 
@@ -145,7 +144,6 @@ pub fn write_exr_channels(
 pub struct Channel<'a> {
     /// 1 to 31 ASCII characters, with the layer's name as prefix (`error.R`).
     pub name: String,
-    /// Its values.
     pub samples: Samples<'a>,
 }
 

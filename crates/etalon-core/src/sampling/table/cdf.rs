@@ -6,11 +6,9 @@ const BORDER: f64 = 1e-9;
 /// A cell and the position inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CellSample {
-    /// Index of the cell.
     pub cell: usize,
     /// Position inside the cell, in (0, 1).
     pub offset: f64,
-    /// Probability of the cell.
     pub probability: f64,
 }
 

@@ -34,7 +34,6 @@ impl Hit {
 pub struct Rays<'a> {
     /// Where they start.
     pub origin: [&'a [f32]; 3],
-    /// Unit directions.
     pub direction: [&'a [f32]; 3],
     /// Where each ray ends; one that is not above 0 hits nothing and costs nothing.
     pub t_max: &'a [f32],

@@ -96,9 +96,7 @@ struct PairRow {
 
 /// An image with its statistics.
 struct PairRender {
-    /// Its row of the table.
     row: PairRow,
-    /// The render.
     image: Image,
 }
 

@@ -174,7 +174,6 @@ fn white(sphere: &FurnaceSphere) -> Check {
 /// The mean radiance of one sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FurnaceSphere {
-    /// Its material.
     pub material: &'static str,
     /// Over the pixels whose centre shows it.
     pub radiance: Mean,

@@ -68,7 +68,6 @@ struct DepthLevel {
 /// A scene's depths.
 #[derive(Debug, Clone, PartialEq)]
 struct DepthCurve {
-    /// Its name.
     scene: String,
     /// Renders of each depth.
     replicates: u32,

@@ -165,11 +165,9 @@ const ALPHAS: [f32; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// Spheres of one metal in light of radiance 1 from everywhere.
 struct Spheres {
-    /// Name of the metal.
     metal: &'static str,
     /// Whether they have multiple scattering.
     multiple: bool,
-    /// The mean radiance of each.
     radiance: [Mean; 4],
     /// Samples that were not finite or negative.
     dropped: u64,

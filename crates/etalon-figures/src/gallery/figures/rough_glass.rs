@@ -86,7 +86,6 @@ struct GlassRow {
     alpha: f32,
     /// Samples per pixel.
     spp: u32,
-    /// Pixels that show glass.
     glass_pixels: usize,
     /// Their mean radiance, of all channels.
     glass: f64,
@@ -104,11 +103,9 @@ struct GlassRow {
 
 /// An image with its statistics.
 struct GlassRender {
-    /// Its row of the table.
     row: GlassRow,
     /// The glass's mean radiance.
     glass: Mean,
-    /// The render.
     image: Image,
 }
 

@@ -20,7 +20,6 @@ pub enum Change<M> {
     ValueAndWeight(Value<M>),
     /// The pdf, and not the weights.
     Pdf(Value<M>),
-    /// The pdf, and weights with it.
     PdfAndWeight(Value<M>),
     /// The pdf that samples carry.
     CarriedPdf(Value<M>),
