@@ -6,8 +6,8 @@ use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
 use etalon::protocol::program::sampler::Client;
 use etalon::protocol::program::{Answer, Connection, External, connect};
+use etalon::protocol::sampler::Space;
 use etalon::protocol::sampler::files::{GridDensity, SampleFile};
-use etalon::protocol::sampler::{Coordinates, Space, Visitor};
 use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
@@ -100,27 +100,17 @@ pub fn grid(path: &Path) -> Result<()> {
 
 /// Tests samples against a grid over every domain; good if one of the tests can be done.
 fn files(samples: &Path, grid: &Path) -> Result<()> {
-    let spaces = [Space::Sphere, Space::Hemisphere, Space::Square, Space::Line, Space::Discrete(3)];
-    let all = spaces.map(|space| space.with(Files { samples, grid }));
-    all.into_iter().reduce(Result::or).unwrap_or(Ok(()))
-}
-
-struct Files<'a> {
-    samples: &'a Path,
-    grid: &'a Path,
-}
-
-impl Visitor for Files<'_> {
-    type Output = Result<()>;
-
-    fn visit<D: Coordinates>(self, domain: D) -> Result<()> {
-        // Too brief for a verdict, but it uses everything that was read.
-        let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
-        let density = Arc::new(GridDensity::read_csv(domain, self.grid)?);
-        let sampler = SampleFile::open(self.samples, Arc::clone(&density))?;
-        examine(&domain, &sampler, &*density, &brief, 0)?;
+    // Too brief for a verdict, but it uses everything that was read.
+    let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
+    let test = |name: &str| {
+        let space: Space = name.parse()?;
+        let density = Arc::new(GridDensity::read_csv(space, grid)?);
+        let sampler = SampleFile::open(samples, Arc::clone(&density))?;
+        examine(space.domain(), &sampler, &*density, &brief, 0)?;
         Ok(())
-    }
+    };
+    let all = ["sphere", "hemisphere", "square", "line", "discrete:3"].map(test);
+    all.into_iter().reduce(Result::or).unwrap_or(Ok(()))
 }
 
 /// Recorded responses of a program to requests for samples, their pdf and their inverse, or for what a BSDF has, in blocks as
@@ -129,7 +119,7 @@ pub fn protocol(path: &Path) -> Result<()> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let blocks: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\x0c').map(<[u8]>::to_vec).collect();
     match connect(Record(blocks.into_iter()), None)? {
-        External::Sampler(client) => client.space().with(Asked(client)),
+        External::Sampler(client) => ask_sampler(&client),
         External::Bsdf(program) => Ok(ask_bsdf(&program)?),
     }
 }
@@ -166,23 +156,16 @@ impl Connection for Record {
     }
 }
 
-struct Asked(Client);
-
-impl Visitor for Asked {
-    type Output = Result<()>;
-
-    fn visit<D: Coordinates>(self, domain: D) -> Result<()> {
-        let program = self.0.over(domain)?;
-        let (mut samples, mut pdfs) = (Vec::new(), Vec::new());
-        match program.dimension() {
-            0 => program.sample_seeded(4, 1, &mut samples)?,
-            dimension => program.sample(&vec![0.5; 4 * dimension], &mut samples)?,
-        }
-        let points: Vec<_> = samples.iter().flatten().map(|sample| sample.point).collect();
-        program.pdf(&points, &mut pdfs)?;
-        for point in points {
-            program.invert(point)?;
-        }
-        Ok(())
+fn ask_sampler(program: &Client) -> Result<()> {
+    let (mut samples, mut pdfs) = (Vec::new(), Vec::new());
+    match program.dimension() {
+        0 => program.sample_seeded(4, 1, &mut samples)?,
+        dimension => program.sample(&vec![0.5; 4 * dimension], &mut samples)?,
     }
+    let points: Vec<_> = samples.iter().flatten().map(|sample| sample.point).collect();
+    program.pdf(&points, &mut pdfs)?;
+    for point in points {
+        program.invert(point)?;
+    }
+    Ok(())
 }

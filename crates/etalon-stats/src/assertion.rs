@@ -22,14 +22,10 @@ use std::fmt::Write;
 /// use etalon_stats::prelude::*;
 ///
 /// let triangular = sampler(1, |u| Some(Sample::new(u[0].sqrt())));
-/// assert_samples_follow_pdf(&Line::UNIT, &triangular, &density(|x| 2.0 * x));
+/// assert_samples_follow_pdf(&Line::UNIT, &triangular, &density(|x: f64| 2.0 * x));
 /// ```
 #[track_caller]
-pub fn assert_samples_follow_pdf<D: Domain>(
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
-) {
+pub fn assert_samples_follow_pdf(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) {
     assert_samples_follow_pdf_by(&Protocol::default(), domain, sampler, density);
 }
 
@@ -39,11 +35,11 @@ pub fn assert_samples_follow_pdf<D: Domain>(
 /// # Panics
 /// As [`assert_samples_follow_pdf`].
 #[track_caller]
-pub fn assert_samples_follow_pdf_by<D: Domain>(
+pub fn assert_samples_follow_pdf_by(
     protocol: &Protocol,
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
 ) {
     match validate(domain, sampler, density, protocol) {
         Ok(outcome) if outcome.is_accepted() => {}
@@ -66,7 +62,7 @@ pub fn assert_samples_follow_pdf_by<D: Domain>(
 /// inconclusive verdict; unless it accepted, the regions in which observed and expected counts differ most; the detectable
 /// error, and that of ripples finer than the cells; remarks; the seed.
 #[must_use]
-pub fn explain<D: Domain>(domain: &D, outcome: &Outcome, protocol: &Protocol) -> String {
+pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> String {
     // Writing to a string cannot fail.
     let mut text = format!("verdict: {}", outcome.verdict);
     if let Some(p) = outcome.continuous_p() {
@@ -114,7 +110,7 @@ mod tests {
     use crate::testing::uniform_hemisphere;
     use std::f64::consts::{PI, TAU};
 
-    fn message<D: Domain>(domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> String {
+    fn message(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
         let protocol = Protocol { seed: 7, ..Protocol::default() };
         explain(domain, &validate(domain, sampler, density, &protocol).unwrap(), &protocol)
     }

@@ -3,7 +3,6 @@
 use crate::chi_square::FEWEST;
 use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
 use crate::density::Atom;
-use crate::domain::Domain;
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::fixed::Share;
@@ -32,13 +31,13 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
 }
 
 /// What is to be counted.
-pub struct Counting<'a, D: Domain> {
-    pub source: &'a Source<'a, D>,
+pub struct Counting<'a> {
+    pub source: &'a Source<'a>,
     /// The cells and their parts.
     pub subdivision: &'a Subdivision<'a>,
     pub labels: Labels,
     /// The density's atoms, which are counted apart.
-    pub atoms: &'a [Atom<D::Point>],
+    pub atoms: &'a [Atom],
     pub samples: u64,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
@@ -49,7 +48,7 @@ pub struct Counting<'a, D: Domain> {
 }
 
 /// Counts and integrals.
-pub struct Counted<P> {
+pub struct Counted {
     pub values: Vec<f64>,
     /// The integrals over the parts of the cells and of the axes, and the share of samples that they are known to miss; `None`
     /// where the cells' integrals were corrected by samples, which do not tell the parts.
@@ -57,20 +56,20 @@ pub struct Counted<P> {
     pub integral: Integral,
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
-    pub invalid: Option<InvalidPdf<P>>,
+    pub invalid: Option<InvalidPdf>,
     pub tally: Tally,
 }
 
 /// What is added to each cell's integral, and the standard error of that.
 type Correction = [f64; 2];
 
-impl<D: Domain> Counting<'_, D> {
+impl Counting<'_> {
     /// Integrates and counts.
     ///
     /// Where the first samples show that the integrals are too uncertain, the density is integrated again with the probes
     /// that they found. Where the second samples still show it, the missing part of the integrals is estimated from them and
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
-    pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted<D::Point>> {
+    pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted> {
         let Source { domain, sampler, density, seed, cancelled } = *self.source;
         let Self { subdivision, labels, atoms, .. } = *self;
         let mut integration = Integration::with_parts(domain, density, subdivision, pilot, cancelled)?;

@@ -1,6 +1,7 @@
 //! Densities: the pdf that samples are tested against.
 
 use crate::error::Result;
+use crate::point::Point;
 
 /// What a density, its atoms included, is declared to integrate to. 1 minus this is the probability of "no sample".
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,23 +16,31 @@ pub enum Mass {
 
 /// A point that is sampled with a probability of its own: a Dirac delta of the distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Atom<P> {
+pub struct Atom {
     /// Where it lies.
-    pub point: P,
+    pub point: Point,
     /// The probability of this very point.
     pub probability: f64,
+}
+
+impl Atom {
+    /// The atom at `point`.
+    #[must_use]
+    pub fn new(point: impl Into<Point>, probability: f64) -> Self {
+        Self { point: point.into(), probability }
+    }
 }
 
 /// What the roundings of two computations in single precision may differ by: 64 units of the last place.
 pub const SINGLE_PRECISION: f64 = 64.0 * f32::EPSILON as f64;
 
 /// A pdf over a domain, with respect to the domain's measure, plus atoms.
-pub trait Density<P>: Sync {
+pub trait Density: Sync {
     /// Appends the pdf at each of `points`.
     ///
     /// # Errors
     /// [`Error::External`](crate::Error::External) where the pdf is computed in another process.
-    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()>;
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()>;
 
     /// What it integrates to, atoms included.
     fn mass(&self) -> Mass {
@@ -39,7 +48,7 @@ pub trait Density<P>: Sync {
     }
 
     /// Its atoms.
-    fn atoms(&self) -> Vec<Atom<P>> {
+    fn atoms(&self) -> Vec<Atom> {
         Vec::new()
     }
 
@@ -57,20 +66,26 @@ pub trait Density<P>: Sync {
 }
 
 /// A [`Density`] made of a function; see [`density`].
-pub struct DensityFn<P, F> {
+pub struct DensityFn<F> {
     pdf: F,
     mass: Mass,
-    atoms: Vec<Atom<P>>,
+    atoms: Vec<Atom>,
     steps: Option<[Vec<f64>; 2]>,
     precision: f64,
 }
 
 /// The density that `pdf` returns: of mass 1, without atoms, not piecewise constant.
-pub fn density<P, F: Fn(P) -> f64 + Sync>(pdf: F) -> DensityFn<P, F> {
-    DensityFn { pdf, mass: Mass::Exactly(1.0), atoms: Vec::new(), steps: None, precision: 0.0 }
+pub fn density<P: From<Point>>(pdf: impl Fn(P) -> f64 + Sync) -> DensityFn<impl Fn(Point) -> f64 + Sync> {
+    DensityFn {
+        pdf: move |point: Point| pdf(point.into()),
+        mass: Mass::Exactly(1.0),
+        atoms: Vec::new(),
+        steps: None,
+        precision: 0.0,
+    }
 }
 
-impl<P, F> DensityFn<P, F> {
+impl<F> DensityFn<F> {
     /// Declares another mass than 1.
     #[must_use]
     pub fn with_mass(self, mass: Mass) -> Self {
@@ -79,7 +94,7 @@ impl<P, F> DensityFn<P, F> {
 
     /// Adds atoms.
     #[must_use]
-    pub fn with_atoms(self, atoms: Vec<Atom<P>>) -> Self {
+    pub fn with_atoms(self, atoms: Vec<Atom>) -> Self {
         Self { atoms, ..self }
     }
 
@@ -96,8 +111,8 @@ impl<P, F> DensityFn<P, F> {
     }
 }
 
-impl<P: Copy + Sync, F: Fn(P) -> f64 + Sync> Density<P> for DensityFn<P, F> {
-    fn pdf(&self, points: &[P], out: &mut Vec<f64>) -> Result<()> {
+impl<F: Fn(Point) -> f64 + Sync> Density for DensityFn<F> {
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
         out.extend(points.iter().map(|&point| (self.pdf)(point)));
         Ok(())
     }
@@ -106,7 +121,7 @@ impl<P: Copy + Sync, F: Fn(P) -> f64 + Sync> Density<P> for DensityFn<P, F> {
         self.mass
     }
 
-    fn atoms(&self) -> Vec<Atom<P>> {
+    fn atoms(&self) -> Vec<Atom> {
         self.atoms.clone()
     }
 

@@ -33,7 +33,7 @@ enum Place {
 }
 
 impl Place {
-    fn name<D: Domain>(&self, domain: &D) -> String {
+    fn name(&self, domain: &dyn Domain) -> String {
         match self {
             Self::Cells(cell) => domain.region(cell),
             Self::Atom(atom) => format!("atom {atom}"),
@@ -41,7 +41,7 @@ impl Place {
         }
     }
 
-    fn in_words<D: Domain>(&self, domain: &D) -> String {
+    fn in_words(&self, domain: &dyn Domain) -> String {
         match self {
             Self::Cells(cell) => domain.in_words(cell),
             Self::Atom(atom) => format!("at atom {atom}"),
@@ -63,7 +63,7 @@ impl Region {
     }
 
     /// "17 % too few", and where.
-    fn in_words<D: Domain>(&self, domain: &D) -> String {
+    fn in_words(&self, domain: &dyn Domain) -> String {
         let place = self.place.in_words(domain);
         if self.expected < 0.05 {
             return format!("{} where there should be none, {place}", count(self.observed, "sample", "samples"));
@@ -148,13 +148,13 @@ fn worst(counts: &Counts, notable: f64) -> Vec<Region> {
 
 /// In words, where observed and expected counts differ most: "17 % too few within 2.0° of the horizon; 95 % too many …"; `None`
 /// where chance explains all differences.
-pub fn diagnose<D: Domain>(domain: &D, counts: &Counts) -> Option<String> {
+pub fn diagnose(domain: &dyn Domain, counts: &Counts) -> Option<String> {
     let words: Vec<String> = worst(counts, CERTAIN).iter().take(NAMED).map(|region| region.in_words(domain)).collect();
     (!words.is_empty()).then(|| words.join("; "))
 }
 
 /// A table of the regions in which the counts differ most; empty where chance explains all differences.
-pub fn table<D: Domain>(domain: &D, counts: &Counts) -> String {
+pub fn table(domain: &dyn Domain, counts: &Counts) -> String {
     let mut lines: Vec<(String, Region)> =
         worst(counts, NOTABLE).into_iter().map(|region| (region.place.name(domain), region)).collect();
     if lines.is_empty() {

@@ -2,9 +2,9 @@
 
 use crate::extremes::Extremes;
 use crate::grid::Cell;
+use crate::point::Point;
 use etalon_random::turns;
 use std::f64::consts::{PI, TAU};
-use std::fmt::Debug;
 
 /// A set of points with a measure μ, to which pdfs refer, and its chart.
 ///
@@ -12,20 +12,17 @@ use std::fmt::Debug;
 /// are rectangles of the chart, so that the expected share of a cell is μ(whole set) times the integral of the pdf over the
 /// cell in chart coordinates.
 pub trait Domain: Sync {
-    /// A point of the set.
-    type Point: Copy + Send + Sync + Debug;
-
     /// μ of the whole set: 4π for the sphere.
     fn measure(&self) -> f64;
 
     /// The chart coordinates of a point; `None` if it is not in the set or not a number.
-    fn to_chart(&self, point: Self::Point) -> Option<[f64; 2]>;
+    fn to_chart(&self, point: Point) -> Option<[f64; 2]>;
 
     /// The point at chart coordinates in \[0, 1\]²: the inverse of [`to_chart`](Self::to_chart).
-    fn point_at(&self, chart: [f64; 2]) -> Self::Point;
+    fn point_at(&self, chart: [f64; 2]) -> Point;
 
     /// Whether two points are equal up to rounding: how a sample is matched with an atom.
-    fn same(&self, a: Self::Point, b: Self::Point) -> bool;
+    fn same(&self, a: Point, b: Point) -> bool;
 
     /// Whether the chart's second axis is in use.
     fn is_plane(&self) -> bool {
@@ -61,25 +58,24 @@ pub struct Discrete {
 }
 
 impl Domain for Discrete {
-    type Point = usize;
-
     #[inline]
     fn measure(&self) -> f64 {
         self.outcomes as f64
     }
 
     #[inline]
-    fn to_chart(&self, point: usize) -> Option<[f64; 2]> {
+    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
+        let point = usize::from(point);
         (point < self.outcomes).then(|| [(point as f64 + 0.5) / self.outcomes as f64, 0.5])
     }
 
     #[inline]
-    fn point_at(&self, [x, _]: [f64; 2]) -> usize {
-        ((x * self.outcomes as f64) as usize).min(self.outcomes.saturating_sub(1))
+    fn point_at(&self, [x, _]: [f64; 2]) -> Point {
+        ((x * self.outcomes as f64) as usize).min(self.outcomes.saturating_sub(1)).into()
     }
 
     #[inline]
-    fn same(&self, a: usize, b: usize) -> bool {
+    fn same(&self, a: Point, b: Point) -> bool {
         a == b
     }
 
@@ -126,26 +122,24 @@ fn within(x: f64) -> Option<f64> {
 }
 
 impl Domain for Line {
-    type Point = f64;
-
     #[inline]
     fn measure(&self) -> f64 {
         self.to - self.from
     }
 
     #[inline]
-    fn to_chart(&self, point: f64) -> Option<[f64; 2]> {
-        Some([within((point - self.from) / (self.to - self.from))?, 0.5])
+    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
+        Some([within((f64::from(point) - self.from) / (self.to - self.from))?, 0.5])
     }
 
     #[inline]
-    fn point_at(&self, [x, _]: [f64; 2]) -> f64 {
-        self.from + x * (self.to - self.from)
+    fn point_at(&self, [x, _]: [f64; 2]) -> Point {
+        (self.from + x * (self.to - self.from)).into()
     }
 
     #[inline]
-    fn same(&self, a: f64, b: f64) -> bool {
-        (a - b).abs() <= ATOM * (self.to - self.from)
+    fn same(&self, a: Point, b: Point) -> bool {
+        (f64::from(a) - f64::from(b)).abs() <= ATOM * (self.to - self.from)
     }
 
     #[inline]
@@ -168,25 +162,25 @@ impl Domain for Line {
 pub struct Square;
 
 impl Domain for Square {
-    type Point = [f64; 2];
-
     #[inline]
     fn measure(&self) -> f64 {
         1.0
     }
 
     #[inline]
-    fn to_chart(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
+        let [x, y] = point.into();
         Some([within(x)?, within(y)?])
     }
 
     #[inline]
-    fn point_at(&self, chart: [f64; 2]) -> [f64; 2] {
-        chart
+    fn point_at(&self, chart: [f64; 2]) -> Point {
+        chart.into()
     }
 
     #[inline]
-    fn same(&self, a: [f64; 2], b: [f64; 2]) -> bool {
+    fn same(&self, a: Point, b: Point) -> bool {
+        let (a, b) = (<[f64; 2]>::from(a), <[f64; 2]>::from(b));
         (a[0] - b[0]).abs() <= ATOM && (a[1] - b[1]).abs() <= ATOM
     }
 
@@ -240,15 +234,14 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
 }
 
 impl Domain for Directions {
-    type Point = [f64; 3];
-
     #[inline]
     fn measure(&self) -> f64 {
         if self.half { TAU } else { 2.0 * TAU }
     }
 
     #[inline]
-    fn to_chart(&self, point: [f64; 3]) -> Option<[f64; 2]> {
+    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
+        let point = <[f64; 3]>::from(point);
         let norm = length(point);
         if norm.is_nan() || (norm - 1.0).abs() > UNIT {
             return None;
@@ -270,19 +263,13 @@ impl Domain for Directions {
     }
 
     #[inline]
-    fn point_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
-        let below = if self.half { below } else { 2.0 * below };
-        let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
-        let (sin, z) = ((below * (2.0 - below)).at_least(0.0).sqrt(), 1.0 - below);
-        let (x, y) = (sin * cos_phi, sin * sin_phi);
-        match self.pole {
-            Pole::Z => [x, y, z],
-            Pole::Y => [y, z, x],
-        }
+    fn point_at(&self, chart: [f64; 2]) -> Point {
+        self.direction_at(chart).into()
     }
 
     #[inline]
-    fn same(&self, a: [f64; 3], b: [f64; 3]) -> bool {
+    fn same(&self, a: Point, b: Point) -> bool {
+        let (a, b) = (<[f64; 3]>::from(a), <[f64; 3]>::from(b));
         length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) <= ATOM * PI
     }
 
@@ -316,6 +303,20 @@ impl Domain for Directions {
 }
 
 impl Directions {
+    /// The direction at chart coordinates: [`point_at`](Domain::point_at).
+    #[inline]
+    #[must_use]
+    pub fn direction_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
+        let below = if self.half { below } else { 2.0 * below };
+        let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
+        let (sin, z) = ((below * (2.0 - below)).at_least(0.0).sqrt(), 1.0 - below);
+        let (x, y) = (sin * cos_phi, sin * sin_phi);
+        match self.pole {
+            Pole::Z => [x, y, z],
+            Pole::Y => [y, z, x],
+        }
+    }
+
     /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
     fn theta(&self, range: [f64; 2]) -> [f64; 2] {
         // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
@@ -333,7 +334,7 @@ mod tests {
     use super::*;
 
     /// `floor` is the absolute error that a chart without a pole at 0 may add.
-    fn returns<D: Domain>(domain: &D, floor: f64) {
+    fn returns(domain: &dyn Domain, floor: f64) {
         for i in 0..400 {
             let y = if domain.is_plane() { (f64::from(i % 20) + 0.5) / 20.0 } else { 0.5 };
             for x in [(f64::from(i / 20) + 0.5) / 20.0, 10f64.powi(-1 - i / 20)] {
@@ -354,7 +355,7 @@ mod tests {
             returns(&Directions::hemisphere(pole), 0.0);
         }
         let die = Discrete { outcomes: 6 };
-        assert!((0..6).all(|face| die.point_at(die.to_chart(face).unwrap()) == face));
+        assert!((0..6).map(Point::from).all(|face: Point| die.point_at(die.to_chart(face).unwrap()) == face));
     }
 
     #[test]
@@ -374,12 +375,12 @@ mod tests {
     #[test]
     fn what_is_outside_has_no_chart_coordinates() {
         let half = Directions::hemisphere(Pole::Z);
-        assert_eq!(half.to_chart([0.0, 0.6, -0.8]), None);
-        assert_eq!(half.to_chart([0.0, 0.6, 0.9]), None);
-        assert_eq!(half.to_chart([f64::NAN; 3]), None);
-        assert!(half.to_chart([1.0 + 1e-7, 1e-7, 1e-16]).is_some(), "just above the horizon, but for rounding");
-        assert_eq!(Square.to_chart([0.5, 1.5]), None);
-        assert_eq!(Line::UNIT.to_chart(f64::NAN), None);
-        assert_eq!(Discrete { outcomes: 6 }.to_chart(6), None);
+        assert_eq!(half.to_chart([0.0, 0.6, -0.8].into()), None);
+        assert_eq!(half.to_chart([0.0, 0.6, 0.9].into()), None);
+        assert_eq!(half.to_chart([f64::NAN; 3].into()), None);
+        assert!(half.to_chart([1.0 + 1e-7, 1e-7, 1e-16].into()).is_some(), "just above the horizon, but for rounding");
+        assert_eq!(Square.to_chart([0.5, 1.5].into()), None);
+        assert_eq!(Line::UNIT.to_chart(f64::NAN.into()), None);
+        assert_eq!(Discrete { outcomes: 6 }.to_chart(6_usize.into()), None);
     }
 }

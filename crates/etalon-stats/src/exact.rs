@@ -5,17 +5,17 @@ use crate::density::{Density, SINGLE_PRECISION};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::extremes::Extremes;
+use crate::point::Point;
 use crate::power::chi_square_below;
 use crate::repeats::{Repeated, Repeats};
 use crate::sampler::{Sample, Sampler};
 use crate::serial::SerialCounts;
 use crate::tally::BATCH;
 use crate::text::{count, tuple};
-use std::fmt::Debug;
 
 /// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
 /// carries another one, by more than the declared precision. At single points a pdf may be infinite.
-pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64, precision: f64) -> Option<String> {
+pub fn pdf_violation(sample: &Sample, pdf: f64, precision: f64) -> Option<String> {
     if pdf.is_nan() || pdf < 0.0 {
         return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
     }
@@ -34,7 +34,7 @@ pub fn pdf_violation<P: Debug>(sample: &Sample<P>, pdf: f64, precision: f64) -> 
 pub const AS_SINGLE: &str = ": as near as roundings in single precision (declare precision=single if it computes so)";
 
 /// What is wrong with a sample that has no chart coordinates.
-pub fn outside<P: Debug>(sample: &Sample<P>) -> String {
+pub fn outside(sample: &Sample) -> String {
     format!("the sample {} is outside of the domain", tuple(&sample.point))
 }
 
@@ -48,11 +48,7 @@ pub struct Corners {
 }
 
 /// Tests the sampler with random numbers at the edges of \[0, 1).
-pub fn corners<D: Domain>(
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
-) -> Result<Corners> {
+pub fn corners(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> Result<Corners> {
     const EDGES: [f64; 4] = [0.0, 0.5, 1.0 / (1u64 << 53) as f64, 1.0 - 1.0 / (1u64 << 53) as f64];
     let dimension = sampler.dimension();
     if dimension == 0 {
@@ -100,9 +96,9 @@ pub fn corners<D: Domain>(
 }
 
 /// Tests whether the density returns the same values when asked again at the points of some probes.
-pub fn repeatable<D: Domain>(domain: &D, density: &dyn Density<D::Point>, probes: &[Probe]) -> Result<Option<String>> {
+pub fn repeatable(domain: &dyn Domain, density: &dyn Density, probes: &[Probe]) -> Result<Option<String>> {
     const POINTS: usize = 64;
-    let points: Vec<D::Point> = probes.iter().take(POINTS).map(|probe| domain.point_at(probe.at)).collect();
+    let points: Vec<Point> = probes.iter().take(POINTS).map(|probe| domain.point_at(probe.at)).collect();
     let ask = || -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(points.len());
         density.pdf(&points, &mut values).map(|()| values)
@@ -127,7 +123,7 @@ const IMPOSSIBLE: f64 = 1e-9;
 const COINCIDENCE: f64 = 1.0 / (1 << 20) as f64;
 
 /// Finds samples that repeat the one before, more often than two samples of the pilot are equal otherwise.
-pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
+pub fn repeated(domain: &dyn Domain, probes: &[Probe]) -> Option<String> {
     if domain.outcomes().is_some() || probes.len() < FEWEST {
         return None;
     }
@@ -147,7 +143,7 @@ pub fn repeated<D: Domain>(domain: &D, probes: &[Probe]) -> Option<String> {
 ///
 /// Of N draws, "no sample" and atoms among them, the samples of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on
 /// average, whatever p is, and nearly a Poisson-distributed number. Cells hold many outcomes and do not see it.
-pub fn collisions<D: Domain>(domain: &D, probes: &[Probe], draws: u64) -> Option<String> {
+pub fn collisions(domain: &dyn Domain, probes: &[Probe], draws: u64) -> Option<String> {
     let n = draws as f64;
     if domain.outcomes().is_none() || probes.len() < FEWEST {
         return None;
@@ -168,7 +164,7 @@ pub fn collisions<D: Domain>(domain: &D, probes: &[Probe], draws: u64) -> Option
 }
 
 /// Finds a sampler of a continuous domain that returns the same few points or coordinates again and again.
-pub fn discrete<D: Domain>(domain: &D, probes: &[Probe], mass: f64) -> Option<String> {
+pub fn discrete(domain: &dyn Domain, probes: &[Probe], mass: f64) -> Option<String> {
     if domain.outcomes().is_some() || probes.len() < FEWEST {
         return None;
     }
@@ -227,7 +223,7 @@ const SINGLE_ULP: f64 = 1.0 / (1u64 << 24) as f64;
 /// are rounded, q is the probability that two of the pilot are equal, at least that of f32 numbers, times the density. At the
 /// ends of an axis samplers clamp what rounding puts beyond them, up to the root of a rounding error (of √(1 − x²) at x = 1): 2⁻¹²
 /// in single precision, which is as frequent as what could be found here.
-pub fn repeated_values<D: Domain>(domain: &D, probes: &[Probe], repeats: &Repeats, mass: f64) -> Option<String> {
+pub fn repeated_values(domain: &dyn Domain, probes: &[Probe], repeats: &Repeats, mass: f64) -> Option<String> {
     let (n, measure) = (probes.len() as f64, domain.measure() / mass);
     (0..1 + usize::from(domain.is_plane())).find_map(|axis| {
         let mut values: Vec<u64> = probes.iter().map(|probe| probe.at[axis].to_bits()).collect();
@@ -250,7 +246,7 @@ pub fn repeated_values<D: Domain>(domain: &D, probes: &[Probe], repeats: &Repeat
 }
 
 /// Finds batches that begin with the same samples though their random numbers or seeds differ.
-pub fn same_batches<D: Domain>(domain: &D, serial: &SerialCounts) -> Option<String> {
+pub fn same_batches(domain: &dyn Domain, serial: &SerialCounts) -> Option<String> {
     let repeated = if domain.outcomes().is_none() { serial.repeated_batches() } else { 0 };
     (repeated > 0).then(|| {
         format!(

@@ -131,10 +131,10 @@ impl Protocol {
 /// # Errors
 /// [`Error::Parameter`] for an impossible `protocol`; [`Error::External`] from a sampler or density that is computed
 /// in another process; [`Error::Cancelled`].
-pub fn validate<D: Domain>(
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
+pub fn validate(
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
     protocol: &Protocol,
 ) -> Result<Outcome> {
     let mut outcome = [examine(domain, sampler, density, protocol, 0)?];
@@ -147,10 +147,10 @@ pub fn validate<D: Domain>(
 ///
 /// # Errors
 /// As [`validate`].
-pub fn examine<D: Domain>(
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
+pub fn examine(
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
     protocol: &Protocol,
     round: u64,
 ) -> Result<Outcome> {
@@ -322,7 +322,7 @@ fn in_words(cells: Option<String>, parts: Vec<String>) -> Option<String> {
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.
-fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
+fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
     if let Some(n) = domain.outcomes() {
         return [cells.min(n), 1];
     }
@@ -334,7 +334,7 @@ fn shape<D: Domain>(domain: &D, cells: usize) -> [usize; 2] {
 }
 
 /// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
-fn cells<D: Domain>(domain: &D, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
+fn cells(domain: &dyn Domain, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
     let equal = Grid::equal(shape, domain.outcomes());
     let mut counts = vec![0u64; equal.len()];
     let pilot: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();

@@ -31,6 +31,7 @@ pub mod kolmogorov;
 mod mass;
 pub mod multiple;
 mod outcome;
+mod point;
 pub mod power;
 pub mod prelude;
 mod repeats;
@@ -54,6 +55,7 @@ pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use outcome::{Counts, Outcome, Verdict, decide};
+pub use point::Point;
 pub use sampler::{NoInverse, Sample, Sampler, SamplerFn, sampler};
 pub use scales::Scale;
 

@@ -44,7 +44,7 @@ pub struct Integral {
 impl Integral {
     /// The sum over the cells where every cell's integral is exact.
     #[must_use]
-    pub(crate) fn exact<P>(integrals: &Integrals<P>) -> Self {
+    pub(crate) fn exact(integrals: &Integrals) -> Self {
         Self { value: integrals.values.iter().sum(), error: 0.0, bound: Bound::Rigorous }
     }
 
@@ -54,7 +54,7 @@ impl Integral {
     /// integrate exactly have the integral of q minus the mean difference at random points (`check`). For samples x of p,
     /// the mean of q(x)/p(x) is ∫q/∫p (`tally`): samples fall into every spike with the probability of its mass, however narrow it is.
     #[must_use]
-    pub(crate) fn measured<P>(integrals: &Integrals<P>, check: &Check<P>, tally: &Tally, risk: f64) -> Self {
+    pub(crate) fn measured(integrals: &Integrals, check: &Check, tally: &Tally, risk: f64) -> Self {
         let polynomials: f64 = integrals.values.iter().sum();
         let (cells, risk) = (integrals.values.len(), risk / 3.0);
         let samples = tally.observed[..cells].iter().sum::<u64>();

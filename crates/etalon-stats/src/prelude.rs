@@ -5,4 +5,5 @@ pub use crate::density::{Atom, Density, Mass, density};
 pub use crate::domain::{Directions, Discrete, Domain, Line, Pole, Square};
 pub use crate::examine::{Protocol, SampleCount, validate};
 pub use crate::outcome::{Outcome, Verdict};
+pub use crate::point::Point;
 pub use crate::sampler::{Sample, Sampler, sampler};

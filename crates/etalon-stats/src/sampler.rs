@@ -1,12 +1,13 @@
 //! Samplers, the code under test, and their samples.
 
 use crate::error::{Error, Result};
+use crate::point::Point;
 
 /// A sample as its sampler returns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<P> {
+pub struct Sample {
     /// Where it lies in the domain.
-    pub point: P,
+    pub point: Point,
     /// The pdf that the sampler returns with the sample, if it does. It must equal what the density returns for `point`,
     /// to the last bit.
     pub pdf: Option<f64>,
@@ -15,25 +16,25 @@ pub struct Sample<P> {
     pub atom: bool,
 }
 
-impl<P> Sample<P> {
+impl Sample {
     /// A sample without a pdf.
-    pub fn new(point: P) -> Self {
-        Self { point, pdf: None, atom: false }
+    pub fn new(point: impl Into<Point>) -> Self {
+        Self { point: point.into(), pdf: None, atom: false }
     }
 
     /// A sample that carries its pdf.
-    pub fn with_pdf(point: P, pdf: f64) -> Self {
-        Self { point, pdf: Some(pdf), atom: false }
+    pub fn with_pdf(point: impl Into<Point>, pdf: f64) -> Self {
+        Self { point: point.into(), pdf: Some(pdf), atom: false }
     }
 
     /// A sample at an atom.
-    pub fn atom(point: P) -> Self {
-        Self { point, pdf: None, atom: true }
+    pub fn atom(point: impl Into<Point>) -> Self {
+        Self { point: point.into(), pdf: None, atom: true }
     }
 }
 
 /// Maps uniform random numbers to points of a domain.
-pub trait Sampler<P>: Sync {
+pub trait Sampler: Sync {
     /// Uniform random numbers per sample; 0 for a sampler with a generator of its own, which
     /// [`sample_seeded`](Self::sample_seeded) then calls.
     fn dimension(&self) -> usize;
@@ -43,14 +44,14 @@ pub trait Sampler<P>: Sync {
     ///
     /// # Errors
     /// [`Error::External`] where sampling itself can fail: in another process.
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> Result<()>;
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()>;
 
     /// Appends `count` entries to `out`, from the sampler's own generator started with `seed`: equal seeds give equal
     /// samples. Each batch of a test has a seed of its own.
     ///
     /// # Errors
     /// [`Error::External`] as in [`sample`](Self::sample); [`Error::Parameter`] unless implemented.
-    fn sample_seeded(&self, _count: usize, _seed: u32, _out: &mut Vec<Option<Sample<P>>>) -> Result<()> {
+    fn sample_seeded(&self, _count: usize, _seed: u32, _out: &mut Vec<Option<Sample>>) -> Result<()> {
         let message = "a sampler without uniform random numbers has to implement sample_seeded".to_owned();
         Err(Error::Parameter { name: "dimension", message, hint: None })
     }
@@ -65,7 +66,7 @@ pub trait Sampler<P>: Sync {
     ///
     /// # Errors
     /// [`Error::External`] as in [`sample`](Self::sample).
-    fn invert(&self, _point: P) -> Result<Option<Vec<f64>>> {
+    fn invert(&self, _point: Point) -> Result<Option<Vec<f64>>> {
         Ok(None)
     }
 }
@@ -78,41 +79,46 @@ pub struct SamplerFn<F, I> {
 }
 
 /// The absence of an inverse.
-pub type NoInverse<P> = fn(P) -> Option<Vec<f64>>;
+pub type NoInverse = fn(Point) -> Option<Vec<f64>>;
 
 /// The sampler whose `sample` maps `dimension` uniform random numbers to one sample.
-pub fn sampler<P, F>(dimension: usize, sample: F) -> SamplerFn<F, NoInverse<P>>
+pub fn sampler<F>(dimension: usize, sample: F) -> SamplerFn<F, NoInverse>
 where
-    F: Fn(&[f64]) -> Option<Sample<P>> + Sync,
+    F: Fn(&[f64]) -> Option<Sample> + Sync,
 {
     SamplerFn { dimension, sample, inverse: |_| None }
 }
 
 impl<F, I> SamplerFn<F, I> {
     /// Adds the inverse: the random numbers that are mapped to a point. It is then tested too.
-    pub fn with_inverse<P, J>(self, invert: J) -> SamplerFn<F, impl Fn(P) -> Option<Vec<f64>> + Sync>
+    pub fn with_inverse<P, J>(self, invert: J) -> SamplerFn<F, impl Fn(Point) -> Option<Vec<f64>> + Sync>
     where
+        P: From<Point>,
         J: Fn(P) -> Vec<f64> + Sync,
     {
-        SamplerFn { dimension: self.dimension, sample: self.sample, inverse: move |point| Some(invert(point)) }
+        SamplerFn {
+            dimension: self.dimension,
+            sample: self.sample,
+            inverse: move |point: Point| Some(invert(point.into())),
+        }
     }
 }
 
-impl<P, F, I> Sampler<P> for SamplerFn<F, I>
+impl<F, I> Sampler for SamplerFn<F, I>
 where
-    F: Fn(&[f64]) -> Option<Sample<P>> + Sync,
-    I: Fn(P) -> Option<Vec<f64>> + Sync,
+    F: Fn(&[f64]) -> Option<Sample> + Sync,
+    I: Fn(Point) -> Option<Vec<f64>> + Sync,
 {
     fn dimension(&self) -> usize {
         self.dimension
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         out.extend(u.chunks_exact(self.dimension).map(&self.sample));
         Ok(())
     }
 
-    fn invert(&self, point: P) -> Result<Option<Vec<f64>>> {
+    fn invert(&self, point: Point) -> Result<Option<Vec<f64>>> {
         Ok((self.inverse)(point))
     }
 }

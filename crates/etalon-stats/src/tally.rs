@@ -7,6 +7,7 @@ use crate::error::{Cancelled, Result, poll};
 use crate::exact::{outside, pdf_violation};
 use crate::fixed::{Share, add};
 use crate::hash::{mix32, mix64};
+use crate::point::Point;
 use crate::repeats::Repeats;
 use crate::sampler::{Sample, Sampler};
 use crate::serial::{Labels, Past, SerialCounts};
@@ -26,10 +27,10 @@ const INVERTED: usize = 256;
 const INVERSE: f64 = 1e-6;
 
 /// Where samples come from.
-pub struct Source<'a, D: Domain> {
-    pub domain: &'a D,
-    pub sampler: &'a dyn Sampler<D::Point>,
-    pub density: &'a dyn Density<D::Point>,
+pub struct Source<'a> {
+    pub domain: &'a dyn Domain,
+    pub sampler: &'a dyn Sampler,
+    pub density: &'a dyn Density,
     pub seed: u64,
     pub cancelled: Cancelled,
 }
@@ -77,19 +78,19 @@ impl Tally {
 }
 
 /// What samples are counted by.
-pub struct Counters<'a, 'i, D: Domain> {
+pub struct Counters<'a, 'i> {
     pub subdivision: &'a Subdivision<'a>,
     pub labels: Labels,
-    pub atoms: &'a [Atom<D::Point>],
-    pub integration: &'a Integration<'i, D>,
+    pub atoms: &'a [Atom],
+    pub integration: &'a Integration<'i>,
 }
 
 /// The random numbers of a batch, and its samples.
-type Batch<P> = (Vec<f64>, Vec<Option<Sample<P>>>);
+type Batch = (Vec<f64>, Vec<Option<Sample>>);
 
-impl<D: Domain> Source<'_, D> {
+impl Source<'_> {
     /// Batch number `batch` of the first `count` samples of random stream number `stream`.
-    fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch<D::Point>> {
+    fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch> {
         poll(self.cancelled)?;
         let size = BATCH.min(count - batch * BATCH) as usize;
         // Streams are fewer than 2⁸, batches than 2²⁴.
@@ -111,7 +112,7 @@ impl<D: Domain> Source<'_, D> {
         let of_batch = |batch| {
             let (_, samples) = self.batch(stream, batch, count)?;
             let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
-            let (points, charts): (Vec<D::Point>, Vec<[f64; 2]>) =
+            let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
                 spread.filter_map(|point| Some((point, self.domain.to_chart(point)?))).unzip();
             let mut pdfs = Vec::with_capacity(points.len());
             self.density.pdf(&points, &mut pdfs)?;
@@ -124,7 +125,7 @@ impl<D: Domain> Source<'_, D> {
     }
 
     /// Counts samples in cells, in their parts and at atoms, and what the integration misses at them.
-    pub fn tally(&self, stream: u64, count: u64, counters: &Counters<D>) -> Result<Tally> {
+    pub fn tally(&self, stream: u64, count: u64, counters: &Counters) -> Result<Tally> {
         let cells = counters.subdivision.grid.len();
         let empty = || Tally {
             observed: vec![0; cells + counters.atoms.len()],
@@ -151,8 +152,8 @@ impl<D: Domain> Source<'_, D> {
         &self,
         batch: u64,
         u: &[f64],
-        samples: &[Option<Sample<D::Point>>],
-        counters: &Counters<D>,
+        samples: &[Option<Sample>],
+        counters: &Counters,
         tally: &mut Tally,
     ) -> Result<()> {
         let Counters { subdivision, labels, atoms, integration } = counters;
@@ -237,7 +238,7 @@ impl<D: Domain> Source<'_, D> {
     }
 
     /// The first sample whose inverse is not the random numbers that it was made from.
-    fn inverse_violation(&self, u: &[f64], samples: &[Option<Sample<D::Point>>]) -> Result<Option<String>> {
+    fn inverse_violation(&self, u: &[f64], samples: &[Option<Sample>]) -> Result<Option<String>> {
         for (u, sample) in u.chunks_exact(self.sampler.dimension().max(1)).zip(samples).take(INVERTED) {
             let Some(Sample { point, .. }) = sample else { continue };
             let Some(back) = self.sampler.invert(*point)? else { continue };

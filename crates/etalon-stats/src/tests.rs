@@ -11,12 +11,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The outcome of a test by the default protocol.
-fn tested<D: Domain>(domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> Outcome {
+fn tested(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> Outcome {
     validate(domain, sampler, density, &Protocol::default()).unwrap()
 }
 
 /// A lobe around +z of width `alpha`, and its pdf.
-fn lobe(alpha: f64) -> impl Sampler<Vector> {
+fn lobe(alpha: f64) -> impl Sampler {
     sampler(2, move |u| Some(Sample::new(beckmann(alpha, u))))
 }
 
@@ -157,7 +157,7 @@ fn a_density_may_be_infinite_at_single_points() {
 
 #[test]
 fn broken_contracts_are_rejected_and_named() {
-    type Draw = Box<dyn Fn(&[f64]) -> Option<Sample<Vector>> + Sync>;
+    type Draw = Box<dyn Fn(&[f64]) -> Option<Sample> + Sync>;
     let half = Directions::hemisphere(Pole::Z);
     let good = uniform_hemisphere;
     let broken: [(&str, Draw); 4] = [
@@ -166,7 +166,7 @@ fn broken_contracts_are_rejected_and_named() {
         ("outside", Box::new(move |u| Some(Sample::new(good(u).map(|x| if u[0] == 0.0 { x / 0.0 } else { x }))))),
         ("atoms", Box::new(move |u| Some(Sample::atom(good(u))))),
     ];
-    let rejected = |named: &str, sampler: &dyn Sampler<Vector>, pdf: &dyn Density<Vector>| {
+    let rejected = |named: &str, sampler: &dyn Sampler, pdf: &dyn Density| {
         let outcome = tested(&half, sampler, pdf);
         assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
         assert!(outcome.violation.as_ref().is_some_and(|violation| violation.contains(named)), "{named}: {outcome}");
@@ -194,7 +194,7 @@ fn atoms_and_no_sample_are_counted() {
     };
     let claim = |mass| {
         let spread = density(move |_: Vector| 0.7 / TAU).with_mass(mass);
-        spread.with_atoms(vec![Atom { point: up, probability: 0.2 }])
+        spread.with_atoms(vec![Atom::new(up, 0.2)])
     };
     for mass in [Mass::Exactly(0.9), Mass::AtMostOne] {
         let outcome = tested(&half, &mixed(0.2), &claim(mass));
@@ -204,7 +204,7 @@ fn atoms_and_no_sample_are_counted() {
     assert!(tested(&half, &mixed(0.2), &claim(Mass::Exactly(1.0))).violation.is_some());
     // A sampler that should always draw and once in 2¹² does not.
     let lazy = sampler(2, |u: &[f64]| (u[0] > 2.5e-4).then(|| Sample::new(uniform_hemisphere(u))));
-    assert_eq!(tested(&half, &lazy, &density(|_| 1.0 / TAU)).verdict, Verdict::Reject);
+    assert_eq!(tested(&half, &lazy, &density(|_: Point| 1.0 / TAU)).verdict, Verdict::Reject);
 }
 
 #[test]
@@ -261,12 +261,12 @@ struct Stock {
     power: i32,
 }
 
-impl Sampler<f64> for Stock {
+impl Sampler for Stock {
     fn dimension(&self) -> usize {
         1
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<f64>>>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         for _ in u {
             let i = self.next.fetch_add(1, Ordering::Relaxed);
             assert!(i < self.count, "more samples are asked for than there are");
@@ -310,7 +310,7 @@ fn a_pdf_whose_integral_overflows_is_rejected() {
 #[test]
 fn deterministic_samplers_are_tested_exactly() {
     let half = Directions::hemisphere(Pole::Z);
-    let mirror = density(|_: Vector| 0.0).with_atoms(vec![Atom { point: [0.0, 0.0, 1.0], probability: 1.0 }]);
+    let mirror = density(|_: Vector| 0.0).with_atoms(vec![Atom::new([0.0, 0.0, 1.0], 1.0)]);
     let outcome = tested(&half, &sampler(1, |_: &[f64]| Some(Sample::atom([0.0, 0.0, 1.0]))), &mirror);
     assert!(outcome.is_accepted() && outcome.continuous_p().is_none(), "{outcome}");
     let lazy = sampler(1, |u: &[f64]| (u[0] > 1e-3).then(|| Sample::atom([0.0, 0.0, 1.0])));
@@ -336,16 +336,16 @@ fn a_density_that_changes_when_asked_again_is_rejected() {
 #[derive(Default)]
 struct Seeded(Mutex<Vec<u32>>);
 
-impl Sampler<f64> for Seeded {
+impl Sampler for Seeded {
     fn dimension(&self) -> usize {
         0
     }
 
-    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample<f64>>>) -> Result<()> {
+    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample>>) -> Result<()> {
         panic!("it takes no random numbers")
     }
 
-    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<f64>>>) -> Result<()> {
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> Result<()> {
         self.0.lock().unwrap().push(seed);
         let mut rng = CounterRng::new(u64::from(seed), 0);
         out.extend((0..count).map(|_| Some(Sample::new(rng.random::<f64>()))));
@@ -371,8 +371,8 @@ fn samplers_with_their_own_generator_get_a_seed_for_each_batch() {
 /// A pdf that another process would compute, if it were there.
 struct Unreachable;
 
-impl Density<f64> for Unreachable {
-    fn pdf(&self, _: &[f64], _: &mut Vec<f64>) -> Result<()> {
+impl Density for Unreachable {
+    fn pdf(&self, _: &[Point], _: &mut Vec<f64>) -> Result<()> {
         Err(Error::external("no answer"))
     }
 }
@@ -381,7 +381,7 @@ impl Density<f64> for Unreachable {
 fn what_could_not_be_tested_is_an_error() {
     let uniform = |dimension| sampler(dimension, |u: &[f64]| Some(Sample::new(u[0])));
     let (one, right) = (density(|_: f64| 1.0), Protocol::default());
-    let error = |dimension, density: &dyn Density<f64>, protocol: Protocol| {
+    let error = |dimension, density: &dyn Density, protocol: Protocol| {
         validate(&Line::UNIT, &uniform(dimension), density, &protocol).unwrap_err().to_string()
     };
     assert_eq!(error(1, &Unreachable, right), "no answer");

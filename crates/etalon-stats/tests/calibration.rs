@@ -34,7 +34,7 @@ struct Run {
     verdict: Verdict,
 }
 
-fn run<D: Domain>(seed: u64, domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> Run {
+fn run(seed: u64, domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> Run {
     let protocol = Protocol { seed, level: LEVEL, ..Protocol::default() };
     let round = |round| examine(domain, sampler, density, &protocol, round);
     let mut outcomes: [Outcome; 1] = [round(0).unwrap()];

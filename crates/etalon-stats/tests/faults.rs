@@ -3,13 +3,13 @@
 
 use etalon_stats::stream::{CounterRng, Independent, Sobol, Stream};
 use etalon_stats::{
-    Density, Directions, Domain, Line, Outcome, Pole, Protocol, Result, Sample, Sampler, Square, Verdict, density,
-    sampler, validate,
+    Density, Directions, Domain, Line, Outcome, Point, Pole, Protocol, Result, Sample, Sampler, Square, Verdict,
+    density, sampler, validate,
 };
 use rand::RngExt;
 use std::f64::consts::TAU;
 
-fn tested<D: Domain>(domain: &D, sampler: &dyn Sampler<D::Point>, density: &dyn Density<D::Point>) -> Outcome {
+fn tested(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> Outcome {
     validate(domain, sampler, density, &Protocol::default()).unwrap()
 }
 
@@ -58,54 +58,36 @@ fn numbers_that_end_early_are_found() {
     }
 }
 
-/// A sampler with a generator of its own: `draw` fills a batch of numbers from a seed.
-struct Own<F>(F);
-
-impl<F: Fn(u32, &mut [f64]) + Sync> Own<F> {
-    fn numbers(&self, count: usize, seed: u32) -> Vec<f64> {
-        let mut numbers = vec![0.0; count];
-        (self.0)(seed, &mut numbers);
-        numbers
-    }
+/// A sampler with a generator of its own: `draw` fills a batch of numbers from a seed, `point` makes a point of `N` of them.
+struct Own<F, P, const N: usize> {
+    draw: F,
+    point: fn([f64; N]) -> P,
 }
 
-impl<F: Fn(u32, &mut [f64]) + Sync> Sampler<f64> for Own<F> {
+impl<F: Fn(u32, &mut [f64]) + Sync, P: Into<Point>, const N: usize> Sampler for Own<F, P, N> {
     fn dimension(&self) -> usize {
         0
     }
 
-    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample<f64>>>) -> Result<()> {
+    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample>>) -> Result<()> {
         unreachable!("it takes no random numbers")
     }
 
-    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<f64>>>) -> Result<()> {
-        out.extend(self.numbers(count, seed).into_iter().map(|x| Some(Sample::new(x))));
-        Ok(())
-    }
-}
-
-impl<F: Fn(u32, &mut [f64]) + Sync> Sampler<[f64; 3]> for Own<F> {
-    fn dimension(&self) -> usize {
-        0
-    }
-
-    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample<[f64; 3]>>>) -> Result<()> {
-        unreachable!("it takes no random numbers")
-    }
-
-    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<[f64; 3]>>>) -> Result<()> {
-        let numbers = self.numbers(2 * count, seed);
-        out.extend(numbers.chunks_exact(2).map(|u| Some(Sample::new(direction([u[0], u[1]])))));
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> Result<()> {
+        let mut numbers = vec![0.0; N * count];
+        (self.draw)(seed, &mut numbers);
+        let (points, _) = numbers.as_chunks::<N>();
+        out.extend(points.iter().map(|u| Some(Sample::new((self.point)(*u)))));
         Ok(())
     }
 }
 
 fn on_line(draw: impl Fn(u32, &mut [f64]) + Sync) -> Outcome {
-    tested(&Line::UNIT, &Own(draw), &density(|_: f64| 1.0))
+    tested(&Line::UNIT, &Own { draw, point: |[x]: [f64; 1]| x }, &density(|_: f64| 1.0))
 }
 
 fn on_sphere(draw: impl Fn(u32, &mut [f64]) + Sync) -> Outcome {
-    tested(&Directions::sphere(Pole::Z), &Own(draw), &density(|_: [f64; 3]| 0.5 / TAU))
+    tested(&Directions::sphere(Pole::Z), &Own { draw, point: direction }, &density(|_: [f64; 3]| 0.5 / TAU))
 }
 
 /// Independent numbers from a seed.

@@ -17,12 +17,7 @@ fn stated(outcome: &Outcome, axis: &str, periods: u32) -> f64 {
 }
 
 /// How many of so many seeds reject `sampler`.
-fn rejected<D: Domain>(
-    seeds: u64,
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
-    density: &dyn Density<D::Point>,
-) -> u64 {
+fn rejected(seeds: u64, domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> u64 {
     let verdict = |seed| validate(domain, sampler, density, &Protocol { seed, ..Protocol::default() }).unwrap().verdict;
     (1..=seeds).filter(|&seed| verdict(seed) == Verdict::Reject).count() as u64
 }
@@ -35,15 +30,15 @@ fn assert_found(found: u64, runs: u64) {
 
 /// A line of the table: what is stated and how many are found, for each number of periods. `ripple` is the density that has it
 /// with this amplitude and 2π times that many periods along the axis.
-fn line<D: Domain, R>(
+fn line<R>(
     seeds: u64,
     [name, axis]: [&str; 2],
-    domain: &D,
-    sampler: &dyn Sampler<D::Point>,
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
     ripple: impl Fn(f64, f64) -> R,
 ) -> u64
 where
-    R: Density<D::Point>,
+    R: Density,
 {
     let right = validate(domain, sampler, &ripple(0.0, 1.0), &Protocol::default()).unwrap();
     assert!(right.is_accepted(), "{right}");

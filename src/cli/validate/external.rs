@@ -5,13 +5,12 @@ use crate::cli::program::reply_limit;
 use crate::cli::values::setting;
 use clap::{ArgAction, Args};
 use etalon_bench::protocol::program::bsdf::Program;
-use etalon_bench::protocol::program::sampler::Client;
 use etalon_bench::protocol::program::{self, External};
+use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
-use etalon_bench::protocol::sampler::{Coordinates, Space, Visitor};
 use etalon_bench::validation::{Case, WholeBsdf, families};
 use etalon_core::error::{Error, Result};
-use etalon_stats::examine;
+use etalon_stats::{Directions, examine};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -117,59 +116,34 @@ impl Arguments {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
             }
             External::Sampler(client) => {
-                client.space().with(ProgramCase(client)).map(|case| Subject::Cases(vec![case]))
+                let (name, space) = (client.name().to_owned(), client.space());
+                let test = move |protocol: &_, round| Ok(examine(space.domain(), &client, &client, protocol, round)?);
+                Ok(Subject::Cases(vec![Case::new(name, test)]))
             }
         }
-    }
-}
-
-struct ProgramCase(Client);
-
-impl Visitor for ProgramCase {
-    type Output = Result<Case>;
-
-    fn visit<D: Coordinates>(self, domain: D) -> Result<Case> {
-        let name = self.0.name().to_owned();
-        let program = self.0.over(domain)?;
-        Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &program, &program, protocol, round)?)))
     }
 }
 
 /// The test of samples in a file.
 fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) -> Result<Case> {
     let is_table = pdf.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    match space {
-        None | Some(Space::Sphere) if !is_table => {
+    let density = match space {
+        None if is_table => {
+            return Err(Error::parameter("domain", "the domain of a table is not known")
+                .with_hint("`domain` sphere, hemisphere, square, line or discrete:N"));
+        }
+        Some(space) if is_table => GridDensity::read_csv(space, pdf)?,
+        None | Some(Space::Directions(Directions { half: false, .. })) => {
             let (density, notes) = GridDensity::read_image(pdf)?;
             notes.iter().for_each(|note| console.warn(note));
-            of_files(samples, density)
+            density
         }
-        Some(_) if !is_table => {
-            Err(Error::parameter("pdf", "an image is a pdf over the sphere").with_hint("`domain` sphere"))
+        Some(_) => {
+            return Err(Error::parameter("pdf", "an image is a pdf over the sphere").with_hint("`domain` sphere"));
         }
-        None => Err(Error::parameter("domain", "the domain of a table is not known")
-            .with_hint("`domain` sphere, hemisphere, square, line or discrete:N")),
-        Some(space) => space.with(TableCase { samples, pdf }),
-    }
-}
-
-/// The test of samples against a table.
-struct TableCase<'a> {
-    samples: &'a Path,
-    pdf: &'a Path,
-}
-
-impl Visitor for TableCase<'_> {
-    type Output = Result<Case>;
-
-    fn visit<D: Coordinates>(self, domain: D) -> Result<Case> {
-        of_files(self.samples, GridDensity::read_csv(domain, self.pdf)?)
-    }
-}
-
-fn of_files<D: Coordinates>(samples: &Path, density: GridDensity<D>) -> Result<Case> {
+    };
     let name = samples.file_stem().map_or_else(|| "samples".into(), |stem| stem.to_string_lossy().into_owned());
-    let (domain, density) = (density.domain(), Arc::new(density));
+    let (space, density) = (density.space(), Arc::new(density));
     let sampler = SampleFile::open(samples, Arc::clone(&density))?;
-    Ok(Case::new(name, move |protocol, round| Ok(examine(&domain, &sampler, &*density, protocol, round)?)))
+    Ok(Case::new(name, move |protocol, round| Ok(examine(space.domain(), &sampler, &*density, protocol, round)?)))
 }

@@ -6,7 +6,7 @@ use etalon_core::bsdf::{Dielectric, DielectricFresnel, Scatter};
 use etalon_core::errata::fresnel::schlick_incident_cosine;
 use etalon_core::math::Rgb;
 use etalon_core::optics::dielectric;
-use etalon_stats::{Atom, Directions, Pole, Sample, density, sampler};
+use etalon_stats::{Atom, Directions, Point, Pole, Sample, density, sampler};
 use glam::DVec3;
 
 /// Angle of incidence inside the glass in degrees, below the critical angle of 43.6°.
@@ -25,13 +25,13 @@ pub fn suspect() -> Suspect {
             };
             let truth = dielectric::fresnel(cos, 1.0 / ETA);
             let reflected = truth.unpolarized();
-            let atom = |point: [f64; 3], probability| Atom { point, probability };
+            let atom = |point: [f64; 3], probability| Atom::new(point, probability);
             // Exact directions and probabilities of reflection and refraction.
             let atoms = vec![
                 atom([-sin, 0.0, -cos], reflected),
                 atom([-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)], 1.0 - reflected),
             ];
-            (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
+            (sampler(1, draw), density(|_: Point| 0.0).with_atoms(atoms))
         })
     };
     let printed = |cos: f64| schlick_incident_cosine(cos, 1.0 / ETA);

@@ -39,7 +39,7 @@ fn of_floor(y: usize) -> f64 {
 }
 
 /// `pdf` of directions, constant over texels.
-fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density<[f64; 3]> {
+fn by_texel(pdf: impl Fn(DVec3) -> f64 + Sync) -> impl Density {
     direction_density(pdf).with_steps(LatLong::new(WIDTH, HEIGHT).edges())
 }
 

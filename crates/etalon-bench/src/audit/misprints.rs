@@ -6,7 +6,7 @@ use crate::validation::Case;
 use etalon_core::errata::fresnel::schlick_of_fifth_power;
 use etalon_core::errata::maps::median_without_half;
 use etalon_core::optics::schlick;
-use etalon_stats::{Atom, Directions, Pole, Protocol, Sample, density, sampler};
+use etalon_stats::{Atom, Directions, Point, Pole, Protocol, Sample, density, sampler};
 
 pub fn suspects() -> Vec<Suspect> {
     vec![schlick_power(), median_pixel()]
@@ -20,11 +20,8 @@ fn schlick_power() -> Suspect {
             let points = [[-sin, 0.0, cos], [-sin / ETA, 0.0, -(1.0 - (sin / ETA).powi(2)).sqrt()]];
             let draw = move |u: &[f64]| Some(Sample::atom(points[usize::from(u[0] >= formula(cos, ETA))]));
             let reflected = schlick::schlick(cos, ETA);
-            let atoms = vec![
-                Atom { point: points[0], probability: reflected },
-                Atom { point: points[1], probability: 1.0 - reflected },
-            ];
-            (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
+            let atoms = vec![Atom::new(points[0], reflected), Atom::new(points[1], 1.0 - reflected)];
+            (sampler(1, draw), density(|_: Point| 0.0).with_atoms(atoms))
         })
     };
     let [printed, right] = [schlick_of_fifth_power as fn(f64, f64) -> f64, schlick::schlick];

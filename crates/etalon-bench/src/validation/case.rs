@@ -5,7 +5,8 @@ use etalon_core::interrupt;
 use etalon_core::memory;
 use etalon_core::sampling::hash;
 use etalon_stats::{
-    Density, DensityFn, Domain, NoInverse, Outcome, Protocol, Sample, Sampler, SamplerFn, density, examine, sampler,
+    Density, DensityFn, Domain, NoInverse, Outcome, Point, Protocol, Sample, Sampler, SamplerFn, density, examine,
+    sampler,
 };
 use glam::DVec3;
 
@@ -24,20 +25,18 @@ pub struct Case {
 }
 
 /// A sampler of directions without an inverse.
-pub type DirectionSampler<F> = SamplerFn<F, NoInverse<[f64; 3]>>;
+pub type DirectionSampler<F> = SamplerFn<F, NoInverse>;
 
 /// The sampler of directions from two random numbers.
 pub fn direction_sampler<F: Fn([f64; 2]) -> Option<DVec3> + Sync>(
     sample: F,
-) -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync + use<F>> {
+) -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample> + Sync + use<F>> {
     sampler(2, move |u| sample([u[0], u[1]]).map(|w| Sample::new(w.to_array())))
 }
 
 /// The [`density`] of directions whose pdf per solid angle is `pdf`.
-pub fn direction_density<F: Fn(DVec3) -> f64 + Sync>(
-    pdf: F,
-) -> DensityFn<[f64; 3], impl Fn([f64; 3]) -> f64 + Sync + use<F>> {
-    density(move |w| pdf(DVec3::from_array(w)))
+pub fn direction_density<F: Fn(DVec3) -> f64 + Sync>(pdf: F) -> DensityFn<impl Fn(Point) -> f64 + Sync + use<F>> {
+    density(move |w: [f64; 3]| pdf(DVec3::from_array(w)))
 }
 
 /// Tests with tables of more bytes than this run one after the other.
@@ -62,8 +61,8 @@ impl Case {
     pub fn of<D, S, P>(name: impl Into<String>, domain: D, make: impl Fn() -> (S, P) + Send + Sync + 'static) -> Self
     where
         D: Domain + Send + Sync + 'static,
-        S: Sampler<D::Point>,
-        P: Density<D::Point>,
+        S: Sampler,
+        P: Density,
     {
         Self::new(name, move |protocol, round| {
             let (sampler, density) = make();

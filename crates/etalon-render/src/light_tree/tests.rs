@@ -7,7 +7,7 @@ use crate::lights::Sampled;
 use etalon_core::math::Rgb;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::scene::{Emission, Material, Object, Rectangle, Scene, Shape, Sphere, builtin};
-use etalon_stats::{Directions, Domain, Pole};
+use etalon_stats::{Directions, Pole};
 
 /// Random numbers from 0 to 1, and directions.
 struct Random {
@@ -27,7 +27,7 @@ impl Random {
 
     fn direction(&mut self) -> Vec3 {
         let u = self.pair().map(f64::from);
-        Vec3::from(Directions::sphere(Pole::Z).point_at(u).map(|x| x as f32)).normalize()
+        Vec3::from(Directions::sphere(Pole::Z).direction_at(u).map(|x| x as f32)).normalize()
     }
 }
 

@@ -7,7 +7,6 @@ use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::Subject;
 use super::sums::{BATCH, CellSum, Sums, sums};
 use super::vector::{place, sphere};
-use crate::domain::Domain;
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
@@ -83,7 +82,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     let level = sidak(subject.protocol.own_level(), integrals.len());
     let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
     for (channel, integrals) in &integrals {
-        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
+        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value));
         violation = violation.or(invalid);
         let Some(claim) = Claim::of(subject.properties.energy, declared.map(|albedo| albedo[*channel])) else {
             continue;
@@ -137,7 +136,7 @@ impl UniformDirections {
             return Ok(Self(Vec::new()));
         }
         let mut rng = subject.random(9, 0);
-        let directions: Vec<Direction> = (0..DIRECTIONS).map(|_| sphere().point_at(rng.random())).collect();
+        let directions: Vec<Direction> = (0..DIRECTIONS).map(|_| sphere().direction_at(rng.random())).collect();
         let pairs = subject.pairs(&directions);
         let values = subject.bsdf.eval(&pairs, &[])?.into_iter().zip(&directions);
         let light = values.map(|(f, wi)| f.map(|f| f * wi[2].abs()));
@@ -211,8 +210,8 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         if found.squares > 0.0 && found.largest > LARGEST * found.squares {
             reason = Some("a single weight decides: their tail is not controlled".to_owned());
         }
-        violation =
-            violation.or(integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value)));
+        violation = violation
+            .or(integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value)));
     }
     // Where single weights decide, sums are not normally distributed, and p says nothing.
     let least = least.filter(|_| reason.is_none());

@@ -83,7 +83,7 @@ fn weights(subject: &Subject, spread: &[Spread], found: &mut Comparison) -> Resu
 fn delta_lobes(subject: &Subject, samples: &[Spread], found: &mut Comparison) -> Result<()> {
     for sample in samples {
         let (at, &(_, &BsdfSample { wi, weight, .. }, probability)) = (|| at(subject, sample), sample);
-        let Some(lobe) = subject.deltas.iter().find(|lobe| sphere().same(lobe.wi, wi)) else {
+        let Some(lobe) = subject.deltas.iter().find(|lobe| sphere().same(lobe.wi.into(), wi.into())) else {
             found.holds(false, || format!("{}: this direction is none of the delta lobes", at()));
             continue;
         };

@@ -5,11 +5,12 @@ use super::subject::Subject;
 use super::vector::sphere;
 use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid};
 use crate::density::Density;
-use crate::domain::{Directions, Domain};
+use crate::domain::Domain;
 use crate::error::{Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::outcome::Outcome;
+use crate::point::Point;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -43,7 +44,7 @@ impl Pilot {
         let u: Vec<f64> = (0..samples * subject.properties.dimension).map(|_| rng.random::<f64>()).collect();
         let (mut places, mut weights) = (Vec::new(), Vec::new());
         for sample in subject.sample(&u)?.into_iter().flatten().filter(|sample| !sample.is_delta()) {
-            if let Some(place) = sphere().to_chart(sample.wi) {
+            if let Some(place) = sphere().to_chart(sample.wi.into()) {
                 places.push(place);
                 weights.push(sample.weight);
             }
@@ -66,7 +67,7 @@ impl Pilot {
             wi
         };
         let of_sample = |&at: &[f64; 2]| {
-            let wi = sphere().point_at(at);
+            let wi = sphere().direction_at(at);
             [wi, moved(wi, 0), moved(wi, 1), moved(wi, 2)]
         };
         let wis: Vec<Direction> = self.places.iter().take(SAMPLES).flat_map(of_sample).collect();
@@ -186,18 +187,18 @@ impl Uncertainty {
 impl Light<'_> {
     /// The light at the directions of these samples.
     fn probes(&self, samples: &Pilot) -> Result<Vec<Probe>> {
-        let points: Vec<Direction> = samples.places.iter().map(|&at| sphere().point_at(at)).collect();
+        let points: Vec<Direction> = samples.places.iter().map(|&at| sphere().direction_at(at)).collect();
         Ok(samples.places.iter().zip(self.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf }).collect())
     }
 
     /// The random points of [`Refinement::check`] lie where the nodes predict light and do not meet narrow tails between
     /// the nodes. Fresh samples do.
-    fn missed(&self, refinement: &Refinement<Directions>, grid: &Grid) -> Result<MissedLight> {
+    fn missed(&self, refinement: &Refinement, grid: &Grid) -> Result<MissedLight> {
         let samples = Pilot::of(self.subject, SAMPLES, 2)?;
         let (n, mut squares, mut largest) = (SAMPLES as f64, 0.0, 0f64);
         let mut cells = vec![0.0; grid.len()];
         for (probe, weight) in self.probes(&samples)?.iter().zip(&samples.weights) {
-            let factor = if self.power { self.subject.eta2(sphere().point_at(probe.at)) } else { 1.0 };
+            let factor = if self.power { self.subject.eta2(sphere().direction_at(probe.at)) } else { 1.0 };
             let weight = factor * weight[self.channel];
             let above = weight * (1.0 - refinement.share_within(probe));
             cells[grid.find(probe.at)] += above / n;
@@ -208,9 +209,10 @@ impl Light<'_> {
     }
 }
 
-impl Density<Direction> for Light<'_> {
-    fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
-        out.extend(self.at(points, &[])?);
+impl Density for Light<'_> {
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
+        let directions: Vec<Direction> = points.iter().map(|point| Direction::from(*point)).collect();
+        out.extend(self.at(&directions, &[])?);
         Ok(())
     }
 }
@@ -226,7 +228,7 @@ pub struct CellIntegrals {
     /// The error of the sum.
     pub uncertainty: Uncertainty,
     /// A value that no BSDF can have.
-    pub invalid: Option<InvalidPdf<Direction>>,
+    pub invalid: Option<InvalidPdf>,
 }
 
 impl CellIntegrals {
@@ -288,7 +290,7 @@ struct CellMean {
     variance: f64,
     /// What the largest value contributes.
     largest: f64,
-    invalid: Option<InvalidPdf<Direction>>,
+    invalid: Option<InvalidPdf>,
 }
 
 fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellIntegrals> {
@@ -301,7 +303,7 @@ fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellInt
             let (mut wis, mut u) = (Vec::new(), Vec::new());
             for _ in from..points.min(from + BATCH) {
                 let along = |[from, to]: [f64; 2], t: f64| from + (to - from) * t;
-                wis.push(domain.point_at([along(cell.x, rng.random()), along(cell.y, rng.random())]));
+                wis.push(domain.direction_at([along(cell.x, rng.random()), along(cell.y, rng.random())]));
                 u.extend((0..subject.properties.eval_dimension).map(|_| rng.random::<f64>()));
             }
             let values = light.at(&wis, &u)?;

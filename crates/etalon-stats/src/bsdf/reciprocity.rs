@@ -56,7 +56,7 @@ fn delta_lobe(subject: &Subject, lobe: &DeltaLobe, found: &mut Comparison) -> Re
         back.map_or(0.0, |back| back.throughput[channel] / subject.eta2(lobe.wi))
     };
     let lobes = bsdf.delta_lobes(&[lobe.wi])?.swap_remove(0);
-    let returns = lobes.iter().any(|back| sphere().same(back.wi, *wo));
+    let returns = lobes.iter().any(|back| sphere().same(back.wi.into(), (*wo).into()));
     for channel in 0..properties.channels {
         let power = subject.eta2(lobe.wi) * lobe.throughput[channel];
         let found_back = if returns { passed(&lobes, channel) } else { 0.0 };

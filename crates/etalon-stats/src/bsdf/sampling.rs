@@ -7,17 +7,18 @@ use crate::density::{Atom, Density, Mass};
 use crate::error::Result;
 use crate::examine::examine;
 use crate::outcome::Outcome;
+use crate::point::Point;
 use crate::sampler::{Sample, Sampler};
 
 /// The samples and the pdf of a BSDF.
 struct Scattering<'a>(&'a Subject<'a>);
 
-impl Sampler<Direction> for Scattering<'_> {
+impl Sampler for Scattering<'_> {
     fn dimension(&self) -> usize {
         self.0.properties.dimension
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<Direction>>>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         let of = |sample: BsdfSample| match sample.density {
             Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
             Probability::Unknown => Sample::new(sample.wi),
@@ -28,9 +29,10 @@ impl Sampler<Direction> for Scattering<'_> {
     }
 }
 
-impl Density<Direction> for Scattering<'_> {
-    fn pdf(&self, points: &[Direction], out: &mut Vec<f64>) -> Result<()> {
-        out.extend(self.0.bsdf.pdf(&self.0.pairs(points))?);
+impl Density for Scattering<'_> {
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
+        let directions: Vec<Direction> = points.iter().map(|point| Direction::from(*point)).collect();
+        out.extend(self.0.bsdf.pdf(&self.0.pairs(&directions))?);
         Ok(())
     }
 
@@ -39,8 +41,8 @@ impl Density<Direction> for Scattering<'_> {
         Mass::AtMostOne
     }
 
-    fn atoms(&self) -> Vec<Atom<Direction>> {
-        self.0.deltas.iter().map(|lobe| Atom { point: lobe.wi, probability: lobe.probability }).collect()
+    fn atoms(&self) -> Vec<Atom> {
+        self.0.deltas.iter().map(|lobe| Atom::new(lobe.wi, lobe.probability)).collect()
     }
 }
 

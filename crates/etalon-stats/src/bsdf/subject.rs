@@ -4,7 +4,6 @@ use super::batch::{BatchBsdf, Pair};
 use super::contract::{BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
 use super::vector::{place, same_side, sphere};
 use crate::density::SINGLE_PRECISION;
-use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::AS_SINGLE;
 use crate::examine::Protocol;
@@ -103,7 +102,7 @@ impl<'a> Subject<'a> {
     /// Directions that do not come from the sampler: a spiral over the sphere, the poles, and directions along the surface.
     pub fn directions(&self) -> Vec<Direction> {
         let spiral = |i: usize| {
-            sphere().point_at([(i as f64 + 0.5) / DIRECTIONS as f64, (i as f64 * 0.618_033_988_749_895).fract()])
+            sphere().direction_at([(i as f64 + 0.5) / DIRECTIONS as f64, (i as f64 * 0.618_033_988_749_895).fract()])
         };
         let [x, y, z] = self.wo;
         let special = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], self.wo, [-x, -y, -z], [-x, -y, z], [x, y, -z]];

@@ -87,10 +87,10 @@ pub fn sums(
         for sample in subject.sample(&u)?.into_iter().flatten() {
             sums.violation = sums.violation.or_else(|| subject.above_bound(&sample));
             let place = if sample.is_delta() {
-                let known = subject.deltas.iter().position(|lobe| sphere().same(lobe.wi, sample.wi));
+                let known = subject.deltas.iter().position(|lobe| sphere().same(lobe.wi.into(), sample.wi.into()));
                 grid.len() + known.unwrap_or(subject.deltas.len())
             } else {
-                sphere().to_chart(sample.wi).map_or(places - 1, |place| grid.find(place))
+                sphere().to_chart(sample.wi.into()).map_or(places - 1, |place| grid.find(place))
             };
             for (sums, &channel) in sums.cells.iter_mut().zip(channels) {
                 sums[place].add(sample.weight[channel]);

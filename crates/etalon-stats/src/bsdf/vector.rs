@@ -27,7 +27,7 @@ pub fn same_side(a: Direction, b: Direction) -> bool {
 
 /// A direction by its angles in degrees, as messages name it.
 pub fn place(w: Direction) -> String {
-    let Some([below, turns]) = sphere().to_chart(w) else { return format!("({}, {}, {})", w[0], w[1], w[2]) };
+    let Some([below, turns]) = sphere().to_chart(w.into()) else { return format!("({}, {}, {})", w[0], w[1], w[2]) };
     let theta = 2.0 * below.sqrt().asin().to_degrees();
     format!("({theta:.4}°, {:.2}°)", 360.0 * turns)
 }

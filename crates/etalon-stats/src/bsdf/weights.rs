@@ -177,7 +177,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     let (mut detectable, mut uncontrolled, mut decided) = (0f64, 0f64, true);
     for (&channel, found) in channels.iter().zip(&found) {
         let integrals = integrate(subject, &pilot, &grid, [channel, points], false)?;
-        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point), at.value));
+        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value));
         violation = violation.or(invalid);
         let deltas: Vec<f64> = subject.deltas.iter().map(|lobe| lobe.throughput[channel]).collect();
         let cells = Cells::new(found, &integrals, &deltas, count as f64);

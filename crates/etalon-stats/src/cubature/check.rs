@@ -2,7 +2,6 @@
 
 use super::pieces::{LARGE, Piece};
 use super::{InvalidPdf, Probe, Refinement, first_invalid, values_at};
-use crate::domain::Domain;
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::fixed::{Share, add};
@@ -18,7 +17,7 @@ use rayon::prelude::*;
 /// of the density as far as it is within reach. (Samples find what is above: see
 /// [`Refinement::share_within`].)
 #[derive(Debug, Clone)]
-pub(crate) struct Check<P> {
+pub(crate) struct Check {
     /// The integral of the largest density that the pieces are expected to reach.
     pub reach: f64,
     /// The number of points. Each has a difference from −1 to 1.
@@ -27,10 +26,10 @@ pub(crate) struct Check<P> {
     pub sums: Vec<[Share; 3]>,
     /// Some of the points where the difference is large.
     pub found: Vec<Probe>,
-    pub invalid: Option<InvalidPdf<P>>,
+    pub invalid: Option<InvalidPdf>,
 }
 
-impl<P> Check<P> {
+impl Check {
     fn plus(mut self, other: Self) -> Self {
         add(self.sums.as_flattened_mut(), other.sums.as_flattened());
         self.found.extend(other.found);
@@ -54,9 +53,9 @@ impl<P> Check<P> {
     }
 }
 
-impl<D: Domain> Refinement<'_, D> {
+impl Refinement<'_> {
     /// Compares the density with the polynomials at `count` random points.
-    pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check<D::Point>> {
+    pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check> {
         let (plane, measure) = (self.domain.is_plane(), self.domain.measure());
         let running_sum = |sum: &mut f64, piece: &Piece| {
             *sum += piece.reach(measure);

@@ -21,25 +21,26 @@ use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result};
 use crate::grid::Grid;
+use crate::point::Point;
 use crate::subdivision::Subdivision;
 
 /// Integrals over the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Integrals<P> {
+pub struct Integrals {
     /// The integrals, in the order of the grid's cells.
     pub values: Vec<f64>,
     /// Estimates of the errors: Σ |K − G| over a cell's pieces, or more where the density is known to differ from what the
     /// nodes predict; 0 for exact sums.
     pub errors: Vec<f64>,
     /// The first value of the density that is negative or not finite, nor finite beside a single point.
-    pub invalid: Option<InvalidPdf<P>>,
+    pub invalid: Option<InvalidPdf>,
 }
 
 /// A value that no pdf can have, and where the density has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InvalidPdf<P> {
+pub struct InvalidPdf {
     /// The point.
-    pub point: P,
+    pub point: Point,
     /// The value there.
     pub value: f64,
 }
@@ -59,19 +60,19 @@ const AWAY: [f64; 2] = [0.618_034, 0.381_966];
 
 /// The points at places of the chart, and the density there for sums: where it is infinite, its value beside. A single point has
 /// no part in an integral.
-pub(crate) fn values_at<D: Domain>(
-    domain: &D,
-    density: &dyn Density<D::Point>,
+pub(crate) fn values_at(
+    domain: &dyn Domain,
+    density: &dyn Density,
     charts: &[[f64; 2]],
-) -> Result<(Vec<D::Point>, Vec<f64>)> {
-    let points: Vec<D::Point> = charts.iter().map(|at| domain.point_at(*at)).collect();
+) -> Result<(Vec<Point>, Vec<f64>)> {
+    let points: Vec<Point> = charts.iter().map(|at| domain.point_at(*at)).collect();
     let mut values = Vec::with_capacity(points.len());
     density.pdf(&points, &mut values)?;
     let is_infinite = |(i, value): (usize, &f64)| (*value == f64::INFINITY).then_some(i);
     let infinite: Vec<usize> = values.iter().enumerate().filter_map(is_infinite).collect();
     if !infinite.is_empty() {
         let aside = |i: &usize| [0, 1].map(|axis| charts[*i][axis] + ASIDE * (AWAY[axis] - charts[*i][axis]));
-        let beside: Vec<D::Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
+        let beside: Vec<Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
         let mut finite = Vec::with_capacity(beside.len());
         density.pdf(&beside, &mut finite)?;
         infinite.iter().zip(finite).for_each(|(i, value)| values[*i] = value);
@@ -80,18 +81,18 @@ pub(crate) fn values_at<D: Domain>(
 }
 
 /// How the integrals of a density are computed.
-pub(crate) enum Integration<'a, D: Domain> {
+pub(crate) enum Integration<'a> {
     /// Exact sums, from declared lines between which the density is constant.
-    Exact(Integrals<D::Point>, Shares),
+    Exact(Integrals, Shares),
     /// Rules on pieces of the cells.
-    Refined(Refinement<'a, D>),
+    Refined(Refinement<'a>),
 }
 
-impl<'a, D: Domain> Integration<'a, D> {
+impl<'a> Integration<'a> {
     /// Integrates `density` over the cells of `grid`, given its values at `probes`.
     pub fn new(
-        domain: &'a D,
-        density: &'a dyn Density<D::Point>,
+        domain: &'a dyn Domain,
+        density: &'a dyn Density,
         grid: &'a Grid,
         probes: &[Probe],
         cancelled: Cancelled,
@@ -101,8 +102,8 @@ impl<'a, D: Domain> Integration<'a, D> {
 
     /// [`Integration::new`] over the cells of the grid of `subdivision`, of which [`shares`](Self::shares) may be asked.
     pub fn with_parts(
-        domain: &'a D,
-        density: &'a dyn Density<D::Point>,
+        domain: &'a dyn Domain,
+        density: &'a dyn Density,
         subdivision: &Subdivision<'a>,
         probes: &[Probe],
         cancelled: Cancelled,
@@ -118,7 +119,7 @@ impl<'a, D: Domain> Integration<'a, D> {
     }
 
     /// The integrals as they are known so far.
-    pub fn integrals(&self) -> Integrals<D::Point> {
+    pub fn integrals(&self) -> Integrals {
         match self {
             Self::Exact(integrals, _) => integrals.clone(),
             Self::Refined(refinement) => refinement.integrals(),
@@ -138,13 +139,13 @@ impl<'a, D: Domain> Integration<'a, D> {
 ///
 /// # Errors
 /// Those of the density, which is also how to end this early.
-pub fn integrate<D: Domain>(domain: &D, density: &dyn Density<D::Point>, grid: &Grid) -> Result<Integrals<D::Point>> {
+pub fn integrate(domain: &dyn Domain, density: &dyn Density, grid: &Grid) -> Result<Integrals> {
     Ok(Integration::new(domain, density, grid, &[], || false)?.integrals())
 }
 
 /// The first of `values` that is negative or not finite.
-pub(crate) fn first_invalid<P: Copy>(points: &[P], values: &[f64]) -> Option<InvalidPdf<P>> {
-    let mut all = points.iter().zip(values).map(|(&point, &value)| InvalidPdf { point, value });
+pub(crate) fn first_invalid<P: Copy + Into<Point>>(points: &[P], values: &[f64]) -> Option<InvalidPdf> {
+    let mut all = points.iter().zip(values).map(|(&point, &value)| InvalidPdf { point: point.into(), value });
     all.find(|InvalidPdf { value, .. }| !(value.is_finite() && *value >= 0.0))
 }
 
@@ -156,7 +157,7 @@ mod tests {
     use crate::grid::Cell;
     use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize, tangents};
 
-    fn total<P>(integrals: &Integrals<P>) -> (f64, f64) {
+    fn total(integrals: &Integrals) -> (f64, f64) {
         (integrals.values.iter().sum(), integrals.errors.iter().sum())
     }
 
@@ -203,10 +204,10 @@ mod tests {
             .map(|i| {
                 let (r, phi) = ((-2.0 * (f64::from(i) / 1000.0).ln() / kappa).sqrt(), f64::from(i) * 2.4);
                 let w = combine([(1.0, axis), (r * phi.cos(), t), (r * phi.sin(), b)]);
-                domain.to_chart(normalize(w)).unwrap()
+                domain.to_chart(normalize(w).into()).unwrap()
             })
             .collect();
-        let probes: Vec<Probe> = pilot.iter().map(|&at| Probe { at, pdf: pdf(domain.point_at(at)) }).collect();
+        let probes: Vec<Probe> = pilot.iter().map(|&at| Probe { at, pdf: pdf(domain.direction_at(at)) }).collect();
         let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None)).unwrap()).0;
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
@@ -226,8 +227,8 @@ mod tests {
             let pdf = move |wm: [f64; 3]| ggx_visible_pdf(wo, alpha, wm);
             let probe = |i: u32| {
                 let u = [f64::from(i) / f64::from(1 << 14), (f64::from(i) * 0.618_034).fract()];
-                let at = domain.to_chart(ggx_visible(wo, alpha, u)).unwrap();
-                Probe { at, pdf: pdf(domain.point_at(at)) }
+                let at = domain.to_chart(ggx_visible(wo, alpha, u).into()).unwrap();
+                Probe { at, pdf: pdf(domain.direction_at(at)) }
             };
             let probes: Vec<Probe> = (0..1 << 14).map(probe).collect();
             let (visible, grid) = (density(pdf), Grid::equal([10, 20], None));

@@ -17,9 +17,9 @@ const BUDGET: usize = 1 << 22;
 const PRECISION: f64 = 2.5e-5;
 
 /// A density's integrals over the cells of a grid, which become better with every probe that is learned.
-pub(crate) struct Refinement<'a, D: Domain> {
-    pub(super) domain: &'a D,
-    pub(super) density: &'a dyn Density<D::Point>,
+pub(crate) struct Refinement<'a> {
+    pub(super) domain: &'a dyn Domain,
+    pub(super) density: &'a dyn Density,
     pub(super) grid: &'a Grid,
     /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
@@ -28,15 +28,15 @@ pub(crate) struct Refinement<'a, D: Domain> {
     tree: Tree,
     probes: Vec<Probe>,
     evaluations: usize,
-    invalid: Option<InvalidPdf<D::Point>>,
+    invalid: Option<InvalidPdf>,
     cancelled: Cancelled,
 }
 
-impl<'a, D: Domain> Refinement<'a, D> {
+impl<'a> Refinement<'a> {
     /// Integrates over the cells of `grid`, knowing the density at `probes`.
     pub fn new(
-        domain: &'a D,
-        density: &'a dyn Density<D::Point>,
+        domain: &'a dyn Domain,
+        density: &'a dyn Density,
         grid: &'a Grid,
         probes: &[Probe],
         cancelled: Cancelled,
@@ -81,7 +81,7 @@ impl<'a, D: Domain> Refinement<'a, D> {
     }
 
     /// The integrals as they are known so far.
-    pub fn integrals(&self) -> Integrals<D::Point> {
+    pub fn integrals(&self) -> Integrals {
         let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
         for piece in &self.pieces {
             values[piece.part.cell] += piece.integral;

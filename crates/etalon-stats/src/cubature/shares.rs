@@ -7,7 +7,6 @@
 use super::pieces::Piece;
 use super::refine::Refinement;
 use super::rule::{KRONROD, RULE, add_times, dot};
-use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::subdivision::{Parts, Subdivision, subdivided};
@@ -86,7 +85,7 @@ fn over(ends: &[f64], met: Range<usize>, [from, to]: [f64; 2]) -> Vec<[f64; TERM
     ends.windows(2).map(between).collect()
 }
 
-impl<D: Domain> Refinement<'_, D> {
+impl Refinement<'_> {
     /// The integrals over the parts of `subdivision`, with the error of each piece as that of every part that it meets.
     pub fn shares(&self, subdivision: &Subdivision) -> Shares {
         let (projection, plane, measure) = (projection(), self.domain.is_plane(), self.domain.measure());

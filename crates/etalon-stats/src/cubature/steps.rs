@@ -28,13 +28,13 @@ fn overlaps(lines: &[f64], ends: &[f64]) -> Overlaps {
 }
 
 /// The integrals over the cells and over the parts of `subdivision`.
-pub(super) fn sums<D: Domain>(
-    domain: &D,
-    density: &dyn Density<D::Point>,
+pub(super) fn sums(
+    domain: &dyn Domain,
+    density: &dyn Density,
     subdivision: &Subdivision,
     steps: &[Vec<f64>; 2],
     cancelled: Cancelled,
-) -> Result<(Integrals<D::Point>, Shares)> {
+) -> Result<(Integrals, Shares)> {
     let [xs, ys] = [0, 1].map(|axis| [&[0.0], &steps[axis][..], &[1.0]].concat());
     let (rows, columns) = (xs.len() - 1, ys.len() - 1);
 
@@ -109,7 +109,7 @@ pub(super) fn sums<D: Domain>(
     let batches = batches.map(|i| of_rows(i * batch, rows.min((i + 1) * batch))).collect::<Result<Vec<_>>>()?;
 
     // Add up in order, for sums that do not depend on the threads.
-    let mut invalid: Option<InvalidPdf<D::Point>> = None;
+    let mut invalid: Option<InvalidPdf> = None;
     let mut shares = Shares::new(subdivision);
     for (more, found) in batches {
         shares.values.add(&more);

@@ -5,7 +5,7 @@ use crate::testing::{
 };
 use etalon_stats::stream::CounterRng;
 use etalon_stats::{
-    Directions, Domain, Line, Outcome, Pole, Protocol, Result, Sample, Square, density, sampler, validate,
+    Directions, Domain, Line, Outcome, Point, Pole, Protocol, Result, Sample, Square, density, sampler, validate,
 };
 use rand::RngExt;
 use std::f64::consts::{PI, TAU};
@@ -261,11 +261,11 @@ pub const FAMILIES: [(&str, Family); 20] = [
     }),
 ];
 
-fn test<D: Domain>(
-    domain: &D,
+fn test<P: Into<Point> + From<Point>>(
+    domain: &dyn Domain,
     dimension: usize,
-    sample: impl Fn(&[f64]) -> D::Point + Sync,
-    pdf: impl Fn(D::Point) -> f64 + Sync,
+    sample: impl Fn(&[f64]) -> P + Sync,
+    pdf: impl Fn(P) -> f64 + Sync,
     factor: f64,
     protocol: &Protocol,
 ) -> Result<Outcome> {

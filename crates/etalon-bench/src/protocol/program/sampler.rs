@@ -14,11 +14,11 @@
 
 use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
-use crate::protocol::sampler::{Coordinates, Space, write_numbers};
+use crate::protocol::sampler::{HINT, Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::number::{number, real};
 use etalon_core::import::place::quote;
-use etalon_stats::{Atom, Density, Mass, SINGLE_PRECISION, Sample, Sampler};
+use etalon_stats::{Atom, Density, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
 use std::sync::{Mutex, PoisonError};
 
 /// Most rows or columns of a table.
@@ -104,11 +104,11 @@ fn table(value: &str) -> Option<[usize; 2]> {
     Some([side(rows)?, side(columns)?])
 }
 
-/// A program after the handshake; the type of its points is chosen by [`Client::over`].
+/// A running program: a sampler and its pdf over a domain. One request is in flight at a time.
 pub struct Client {
-    connection: Box<dyn Connection>,
+    connection: Mutex<Box<dyn Connection>>,
     description: Description,
-    atoms: Vec<String>,
+    atoms: Vec<Atom>,
     space: Space,
 }
 
@@ -122,11 +122,24 @@ impl Client {
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
-                return Err(Error::parameter("domain", "the program does not say what its domain is")
-                    .with_hint("domains: sphere, hemisphere, square, line, discrete:N"));
+                return Err(Error::parameter("domain", "the program does not say what its domain is").with_hint(HINT));
             }
         };
-        Ok(Self { connection: Box::new(connection), description, atoms: greeting.lines, space })
+        // Read the atoms
+        let words = space.names()[0].join(" ");
+        let read = |line: &str| {
+            let words: Vec<&str> = line.split_ascii_whitespace().collect();
+            let (probability, point) = words.split_last()?;
+            let probability = real(probability).filter(|p| (0.0..=1.0).contains(p))?;
+            let point = space.read(point).filter(|point| space.domain().to_chart(*point).is_some())?;
+            Some(Atom { point, probability })
+        };
+        let of_line = |line: &String| {
+            let wrong = || format!("its atom {} is not \"{words} PROBABILITY\"", quote(line));
+            read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
+        };
+        let atoms = greeting.lines.iter().map(of_line).collect::<Result<_>>()?;
+        Ok(Self { connection: Mutex::new(Box::new(connection)), description, atoms, space })
     }
 
     /// The name that the program gives its sampler.
@@ -141,42 +154,6 @@ impl Client {
         self.space
     }
 
-    /// The program as a sampler and pdf over `domain`, which is [`space`](Self::space).
-    ///
-    /// # Errors
-    /// [`Error::Input`] for a malformed atom.
-    pub fn over<D: Coordinates>(self, domain: D) -> Result<Program<D>> {
-        let Self { connection, description, atoms, .. } = self;
-        let read = |line: &str| {
-            let words: Vec<&str> = line.split_ascii_whitespace().collect();
-            let (probability, point) = words.split_last()?;
-            let probability = real(probability).filter(|p| (0.0..=1.0).contains(p))?;
-            let point = domain.read(point).filter(|point| domain.to_chart(*point).is_some())?;
-            Some(Atom { point, probability })
-        };
-        let of_line = |line: &String| {
-            let wrong = || format!("its atom {} is not \"{} PROBABILITY\"", quote(line), words::<D>());
-            read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
-        };
-        let atoms = atoms.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Program { domain, connection: Mutex::new(connection), description, atoms })
-    }
-}
-
-/// The words of a point, for messages.
-fn words<D: Coordinates>() -> String {
-    D::NAMES[0].join(" ")
-}
-
-/// A running program: the sampler and the pdf over a domain. One request is in flight at a time.
-pub struct Program<D: Coordinates> {
-    domain: D,
-    connection: Mutex<Box<dyn Connection>>,
-    description: Description,
-    atoms: Vec<Atom<D::Point>>,
-}
-
-impl<D: Coordinates> Program<D> {
     /// Asks `verb` for `count` lines and reads the words of each by `read`.
     fn ask<T>(
         &self,
@@ -191,35 +168,35 @@ impl<D: Coordinates> Program<D> {
         connection::ask(&mut **connection, [verb, expected], count, request, read)
     }
 
-    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample<D::Point>>>> {
-        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", words::<D>());
+    fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample>>> {
+        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", self.space.names()[0].join(" "));
         self.ask("sample", count, request, &expected, |words| match words {
             ["none"] => Some(None),
-            ["atom", point @ ..] => Some(Some(Sample::atom(self.domain.read(point)?))),
-            [point @ .., pdf] if point.len() == D::NAMES[0].len() => {
-                Some(Some(Sample::with_pdf(self.domain.read(point)?, number(pdf)?)))
+            ["atom", point @ ..] => Some(Some(Sample::atom(self.space.read(point)?))),
+            [point @ .., pdf] if point.len() == self.space.width() => {
+                Some(Some(Sample::with_pdf(self.space.read(point)?, number(pdf)?)))
             }
-            point => Some(Some(Sample::new(self.domain.read(point)?))),
+            point => Some(Some(Sample::new(self.space.read(point)?))),
         })
     }
 
     /// The request for something at each of `points`.
-    fn at_points(&self, verb: &str, points: &[D::Point]) -> String {
+    fn at_points(&self, verb: &str, points: &[Point]) -> String {
         let mut request = format!("{verb} {}\n", points.len());
-        for &point in points {
-            D::write(point, &mut request);
+        for point in points {
+            write_point(point, &mut request);
             request.push('\n');
         }
         request
     }
 }
 
-impl<D: Coordinates> Sampler<D::Point> for Program<D> {
+impl Sampler for Client {
     fn dimension(&self) -> usize {
         self.description.dimension
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let samples = u.chunks_exact(self.description.dimension.max(1));
         let count = samples.len();
         let mut request = format!("sample {count}\n");
@@ -231,17 +208,12 @@ impl<D: Coordinates> Sampler<D::Point> for Program<D> {
         Ok(())
     }
 
-    fn sample_seeded(
-        &self,
-        count: usize,
-        seed: u32,
-        out: &mut Vec<Option<Sample<D::Point>>>,
-    ) -> etalon_stats::Result<()> {
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         out.extend(self.ask_samples(count, format!("sample {count} {seed}\n"))?);
         Ok(())
     }
 
-    fn invert(&self, point: D::Point) -> etalon_stats::Result<Option<Vec<f64>>> {
+    fn invert(&self, point: Point) -> etalon_stats::Result<Option<Vec<f64>>> {
         if !self.description.invert {
             return Ok(None);
         }
@@ -257,8 +229,8 @@ impl<D: Coordinates> Sampler<D::Point> for Program<D> {
     }
 }
 
-impl<D: Coordinates> Density<D::Point> for Program<D> {
-    fn pdf(&self, points: &[D::Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
+impl Density for Client {
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> etalon_stats::Result<()> {
         if points.is_empty() {
             return Ok(());
         }
@@ -280,10 +252,10 @@ impl<D: Coordinates> Density<D::Point> for Program<D> {
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
-        self.description.table.map(|sides| self.domain.steps(sides))
+        self.description.table.map(|sides| self.space.steps(sides))
     }
 
-    fn atoms(&self) -> Vec<Atom<D::Point>> {
+    fn atoms(&self) -> Vec<Atom> {
         self.atoms.clone()
     }
 }

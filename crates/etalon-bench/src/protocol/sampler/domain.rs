@@ -1,132 +1,153 @@
-//! Domains that an external sampler can have: their points as words and as rows of a table, their cells in tables of pdfs.
+//! Domains that an external sampler can have: their names, their points as words and as rows of a table, the cells of tables of pdfs.
 
+use etalon_core::error::{Error, Result};
 use etalon_core::import::number::number;
-use etalon_stats::{Directions, Discrete, Domain, Line, Pole, Square};
+use etalon_stats::{Directions, Discrete, Domain, Line, Point, Pole, Square};
 use std::f64::consts::PI;
-use std::fmt::Write;
+use std::fmt::{self, Write};
+use std::str::FromStr;
 
-/// A domain whose points have coordinates.
-pub trait Coordinates: Domain + Copy + Send + 'static {
-    /// Names of the coordinates of a point; those of the first list are used between programs.
-    const NAMES: &'static [&'static [&'static str]];
-    /// In a table of pdfs, whether a row is a step along the chart's second axis.
-    const TRANSPOSED: bool = false;
+/// A domain that an external sampler can have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Space {
+    /// Unit vectors, or angles in radians: θ from the pole, and φ. Tables of pdfs: equal steps of θ from the pole in rows, of φ
+    /// from +x towards +y in columns.
+    Directions(Directions),
+    /// Tables of pdfs: equal steps of y in rows, of x in columns.
+    Square(Square),
+    /// Tables of pdfs: a row or a column of equal steps.
+    Line(Line),
+    /// Tables of pdfs: a row or a column of the probabilities.
+    Discrete(Discrete),
+}
 
-    /// The point with coordinates of the list `names` of [`NAMES`](Self::NAMES); `None` if no point can have them.
-    fn point(&self, names: usize, coordinates: &[f64]) -> Option<Self::Point>;
+/// The domains of a fixed size, by name; `discrete:N` is the other one. The pole of directions is +z.
+const NAMED: [(&str, Space); 4] = [
+    ("sphere", Space::Directions(Directions { pole: Pole::Z, half: false })),
+    ("hemisphere", Space::Directions(Directions { pole: Pole::Z, half: true })),
+    ("square", Space::Square(Square)),
+    ("line", Space::Line(Line::UNIT)),
+];
+/// The names, for messages.
+pub const HINT: &str = "domains: sphere, hemisphere, square, line, discrete:N";
+/// Most points of a finite set.
+const OUTCOMES: usize = 1 << 20;
 
-    /// Appends the coordinates of the first list of [`NAMES`](Self::NAMES).
-    fn coordinates(point: Self::Point, out: &mut Vec<f64>);
-
-    /// Appends the coordinates, with spaces between them, to be read back to the last bit.
-    fn write(point: Self::Point, out: &mut String);
-
-    /// The chart's first coordinate at the fraction `t` of the rows of a table of pdfs.
-    fn first(&self, t: f64) -> f64 {
-        t
+impl Space {
+    /// The domain itself.
+    #[must_use]
+    pub fn domain(&self) -> &dyn Domain {
+        match self {
+            Self::Directions(domain) => domain,
+            Self::Square(domain) => domain,
+            Self::Line(domain) => domain,
+            Self::Discrete(domain) => domain,
+        }
     }
 
-    /// The lines of the chart between the cells of a table with so many rows and columns.
-    fn steps(&self, [rows, columns]: [usize; 2]) -> [Vec<f64>; 2] {
-        let divide = |n: usize| (1..n).map(move |i| i as f64 / n as f64);
-        let (first, second) = if Self::TRANSPOSED { (columns, rows) } else { (rows, columns) };
-        [divide(first).map(|t| self.first(t)).collect(), divide(second).collect()]
+    /// Names of the coordinates of a point; those of the first list are used between programs.
+    #[must_use]
+    pub fn names(&self) -> &'static [&'static [&'static str]] {
+        match self {
+            Self::Directions(_) => &[&["x", "y", "z"], &["theta", "phi"]],
+            Self::Square(_) => &[&["x", "y"]],
+            Self::Line(_) => &[&["x"]],
+            Self::Discrete(_) => &[&["i"]],
+        }
+    }
+
+    /// The number of coordinates of a point between programs.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.names()[0].len()
+    }
+
+    /// The point with coordinates of one of the lists of [`names`](Self::names); `None` if no point can have them.
+    #[must_use]
+    pub fn point(&self, coordinates: &[f64]) -> Option<Point> {
+        Some(match (self, coordinates) {
+            (Self::Directions(_), &[x, y, z]) => [x, y, z].into(),
+            (Self::Directions(domain), &[theta, phi]) => {
+                let ((sin, cos), (sin_phi, cos_phi)) = (theta.sin_cos(), phi.sin_cos());
+                // φ of a lat-long image goes from +x towards +z.
+                match domain.pole {
+                    Pole::Z => [sin * cos_phi, sin * sin_phi, cos].into(),
+                    Pole::Y => [sin * cos_phi, cos, sin * sin_phi].into(),
+                }
+            }
+            (Self::Square(_), &[x, y]) => [x, y].into(),
+            (Self::Line(_), &[x]) => x.into(),
+            (Self::Discrete(_), &[i]) if i >= 0.0 && i.fract() == 0.0 && i < 2f64.powi(53) => (i as usize).into(),
+            _ => return None,
+        })
     }
 
     /// The point that is written in words; a coordinate may be NaN, which no point of the domain has.
-    fn read(&self, words: &[&str]) -> Option<Self::Point> {
+    #[must_use]
+    pub fn read(&self, words: &[&str]) -> Option<Point> {
         let numbers: Vec<f64> = words.iter().map(|word| number(word)).collect::<Option<_>>()?;
-        if numbers.len() == Self::NAMES[0].len() { self.point(0, &numbers) } else { None }
+        if numbers.len() == self.width() { self.point(&numbers) } else { None }
+    }
+
+    /// In a table of pdfs, whether a row is a step along the chart's second axis.
+    pub(super) fn is_transposed(&self) -> bool {
+        matches!(self, Self::Square(_))
+    }
+
+    /// The lines of the chart between the cells of a table with so many rows and columns.
+    #[must_use]
+    pub fn steps(&self, [rows, columns]: [usize; 2]) -> [Vec<f64>; 2] {
+        let (first, second) = if self.is_transposed() { (columns, rows) } else { (rows, columns) };
+        let divide = |n: usize| (1..n).map(move |i| i as f64 / n as f64);
+        // Equal steps of θ. 1 − cos θ without the subtraction.
+        let along_first = |t: f64| match self {
+            Self::Directions(Directions { half: true, .. }) => 2.0 * (0.25 * PI * t).sin().powi(2),
+            Self::Directions(_) => (0.5 * PI * t).sin().powi(2),
+            _ => t,
+        };
+        [divide(first).map(along_first).collect(), divide(second).collect()]
+    }
+}
+
+/// Appends the coordinates of a point, with spaces between them, to be read back to the last bit.
+pub fn write_point(point: &Point, out: &mut String) {
+    match point.integer() {
+        // Writing to a string cannot fail.
+        Some(i) => _ = write!(out, "{i}"),
+        None => write_numbers(point.coordinates(), out),
     }
 }
 
 /// Appends numbers, with spaces between them, that read back to the last bit.
 pub fn write_numbers(numbers: &[f64], out: &mut String) {
     for (i, x) in numbers.iter().enumerate() {
-        // Writing to a string cannot fail.
         let _ = write!(out, "{}{x:e}", if i == 0 { "" } else { " " });
     }
 }
 
-/// Unit vectors, or angles in radians: θ from the pole, and φ. Tables of pdfs: equal steps of θ from the pole in rows, of φ
-/// from +x towards +y in columns.
-impl Coordinates for Directions {
-    const NAMES: &'static [&'static [&'static str]] = &[&["x", "y", "z"], &["theta", "phi"]];
+impl FromStr for Space {
+    type Err = Error;
 
-    fn point(&self, _: usize, coordinates: &[f64]) -> Option<[f64; 3]> {
-        let &[theta, phi] = coordinates else { return coordinates.try_into().ok() };
-        let ((sin, cos), (sin_phi, cos_phi)) = (theta.sin_cos(), phi.sin_cos());
-        // φ of a lat-long image goes from +x towards +z.
-        Some(match self.pole {
-            Pole::Z => [sin * cos_phi, sin * sin_phi, cos],
-            Pole::Y => [sin * cos_phi, cos, sin * sin_phi],
-        })
-    }
-
-    fn coordinates(point: [f64; 3], out: &mut Vec<f64>) {
-        out.extend(point);
-    }
-
-    fn write(point: [f64; 3], out: &mut String) {
-        write_numbers(&point, out);
-    }
-
-    fn first(&self, t: f64) -> f64 {
-        // 1 − cos θ without the subtraction.
-        if self.half { 2.0 * (0.25 * PI * t).sin().powi(2) } else { (0.5 * PI * t).sin().powi(2) }
+    fn from_str(text: &str) -> Result<Self> {
+        if let Some((_, space)) = NAMED.iter().find(|(name, _)| *name == text) {
+            return Ok(*space);
+        }
+        let error = |message: String| Error::parameter("domain", message).with_hint(HINT);
+        let count = text.strip_prefix("discrete:").ok_or_else(|| error(format!("unknown domain {text:?}")))?;
+        let outcomes = count.parse().ok().filter(|n| (1..=OUTCOMES).contains(n));
+        let outcomes = outcomes.ok_or_else(|| error(format!("{text:?} needs a number from 1 to {OUTCOMES}")))?;
+        Ok(Self::Discrete(Discrete { outcomes }))
     }
 }
 
-/// Tables of pdfs: equal steps of y in rows, of x in columns.
-impl Coordinates for Square {
-    const NAMES: &'static [&'static [&'static str]] = &[&["x", "y"]];
-    const TRANSPOSED: bool = true;
-
-    fn point(&self, _: usize, coordinates: &[f64]) -> Option<[f64; 2]> {
-        coordinates.try_into().ok()
-    }
-
-    fn coordinates(point: [f64; 2], out: &mut Vec<f64>) {
-        out.extend(point);
-    }
-
-    fn write(point: [f64; 2], out: &mut String) {
-        write_numbers(&point, out);
-    }
-}
-
-/// Tables of pdfs: a row or a column of equal steps.
-impl Coordinates for Line {
-    const NAMES: &'static [&'static [&'static str]] = &[&["x"]];
-
-    fn point(&self, _: usize, coordinates: &[f64]) -> Option<f64> {
-        coordinates.first().copied()
-    }
-
-    fn coordinates(point: f64, out: &mut Vec<f64>) {
-        out.push(point);
-    }
-
-    fn write(point: f64, out: &mut String) {
-        write_numbers(&[point], out);
-    }
-}
-
-/// Tables of pdfs: a row or a column of the probabilities.
-impl Coordinates for Discrete {
-    const NAMES: &'static [&'static [&'static str]] = &[&["i"]];
-
-    fn point(&self, _: usize, coordinates: &[f64]) -> Option<usize> {
-        let i = coordinates.first().copied()?;
-        (i >= 0.0 && i.fract() == 0.0 && i < 2f64.powi(53)).then_some(i as usize)
-    }
-
-    fn coordinates(point: usize, out: &mut Vec<f64>) {
-        out.push(point as f64);
-    }
-
-    fn write(point: usize, out: &mut String) {
-        let _ = write!(out, "{point}");
+impl fmt::Display for Space {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, NAMED.iter().find(|(_, space)| space == self)) {
+            (_, Some((name, _))) => f.write_str(name),
+            (Self::Discrete(Discrete { outcomes }), _) => write!(f, "discrete:{outcomes}"),
+            // Directions of a lat-long image, and lines of another length
+            (other, _) => write!(f, "{other:?}"),
+        }
     }
 }
 
@@ -134,21 +155,39 @@ impl Coordinates for Discrete {
 mod tests {
     use super::*;
 
+    fn space(name: &str) -> Space {
+        name.parse().unwrap()
+    }
+
     #[test]
     fn points_round_trip_to_the_last_bit() {
-        fn returns<D: Coordinates>(domain: D, point: D::Point) {
+        let returns = |name: &str, point: Point| {
             let mut line = String::new();
-            D::write(point, &mut line);
+            write_point(&point, &mut line);
             let words: Vec<&str> = line.split(' ').collect();
             // As text, since −0 equals 0.
-            assert_eq!(format!("{:?}", domain.read(&words)), format!("{:?}", Some(point)), "{line}");
-            assert!(domain.read(&words[1..]).is_none(), "{line}");
+            assert_eq!(format!("{:?}", space(name).read(&words)), format!("{:?}", Some(point)), "{line}");
+            assert!(space(name).read(&words[1..]).is_none(), "{line}");
+        };
+        returns("sphere", [0.1, -1e-300, 1.0 / 3.0].into());
+        returns("square", [0.1, f64::MIN_POSITIVE].into());
+        [0.1, -1e300, -0.0, f64::INFINITY].into_iter().for_each(|x| returns("line", x.into()));
+        returns("discrete:7", 1_000_000_usize.into());
+        let line = space("line");
+        assert!(line.read(&["nan"]).is_some_and(|x| line.domain().to_chart(x).is_none()));
+        assert_eq!((space("square").read(&["1", "x"]), line.read(&["1", "2"])), (None, None));
+    }
+
+    #[test]
+    fn names_are_read_and_written() {
+        let pi = PI;
+        for (name, measure) in
+            [("sphere", 4.0 * pi), ("hemisphere", 2.0 * pi), ("square", 1.0), ("line", 1.0), ("discrete:6", 6.0)]
+        {
+            assert_eq!((space(name).to_string(), space(name).domain().measure()), (name.to_owned(), measure));
         }
-        returns(Directions::sphere(Pole::Z), [0.1, -1e-300, 1.0 / 3.0]);
-        returns(Square, [0.1, f64::MIN_POSITIVE]);
-        [0.1, -1e300, -0.0, f64::INFINITY].into_iter().for_each(|x| returns(Line::UNIT, x));
-        returns(Discrete { outcomes: 7 }, 1_000_000);
-        assert!(Line::UNIT.read(&["nan"]).is_some_and(|x| Line::UNIT.to_chart(x).is_none()));
-        assert_eq!((Square.read(&["1", "x"]), Line::UNIT.read(&["1", "2"])), (None, None));
+        for bad in ["", "disc", "discrete", "discrete:", "discrete:0", "discrete:-1", "discrete:99999999999999999999"] {
+            assert!(bad.parse::<Space>().is_err(), "{bad}");
+        }
     }
 }

@@ -3,8 +3,6 @@
 
 mod domain;
 pub mod files;
-mod space;
 
-pub use domain::Coordinates;
-pub(crate) use domain::write_numbers;
-pub use space::{Space, Visitor};
+pub use domain::{HINT, Space};
+pub(crate) use domain::{write_numbers, write_point};

@@ -20,8 +20,8 @@ impl PlantedFault {
     pub(super) fn of<D, S, P, F>(name: &'static str, domain: D, make: F) -> Self
     where
         D: Domain + Copy + Send + Sync + 'static,
-        S: Sampler<D::Point>,
-        P: Density<D::Point>,
+        S: Sampler,
+        P: Density,
         F: Fn(bool) -> (S, P) + Clone + Send + Sync + 'static,
     {
         let right = make.clone();

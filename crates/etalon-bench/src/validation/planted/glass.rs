@@ -3,7 +3,7 @@
 use super::fault::PlantedFault;
 use etalon_core::errata::fresnel::schlick_incident_cosine;
 use etalon_core::optics::{dielectric, schlick};
-use etalon_stats::{Atom, Density, Directions, Pole, Sample, Sampler, density, sampler};
+use etalon_stats::{Atom, Density, Directions, Point, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
 
 const ETA: f64 = 1.5;
@@ -31,13 +31,13 @@ impl Boundary {
     }
 
     /// Samples by `self`, tested against `truth`.
-    fn against(self, truth: Self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+    fn against(self, truth: Self) -> (impl Sampler, impl Density) {
         let draw = move |u: &[f64]| {
             Some(Sample::atom((if u[0] < self.share { self.reflected } else { self.refracted }).to_array()))
         };
-        let atom = |point: DVec3, probability| Atom { point: point.to_array(), probability };
+        let atom = |point: DVec3, probability| Atom::new(point.to_array(), probability);
         let atoms = vec![atom(truth.reflected, truth.share), atom(truth.refracted, 1.0 - truth.share)];
-        (sampler(1, draw), density(|_| 0.0).with_atoms(atoms))
+        (sampler(1, draw), density(|_: Point| 0.0).with_atoms(atoms))
     }
 }
 

@@ -5,7 +5,7 @@ use super::fault::PlantedFault;
 use crate::validation::case::direction_density;
 use etalon_core::math::circular::sin_cos_turns;
 use etalon_core::sampling::warp;
-use etalon_stats::{DensityFn, Directions, Mass, Pole, Sample, Sampler};
+use etalon_stats::{DensityFn, Directions, Mass, Point, Pole, Sample, Sampler};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -25,7 +25,7 @@ fn in_lobe(axis: DVec3, [tangent, bitangent]: [DVec3; 2], cos: f64, turns: f64) 
 }
 
 /// Samples from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
-fn lobe(power: f64) -> impl Sampler<[f64; 3]> {
+fn lobe(power: f64) -> impl Sampler {
     let (axis, frame) = mirrored();
     direction_sampler(move |u| Some(in_lobe(axis, frame, (1.0 - u[0]).powf(power), u[1])).filter(|w| w.z > 0.0))
 }
@@ -36,12 +36,12 @@ fn mirrored() -> (DVec3, [DVec3; 2]) {
 }
 
 /// Its pdf with the given factor for (n + 1).
-fn lobe_pdf(factor: f64) -> DensityFn<[f64; 3], impl Fn([f64; 3]) -> f64 + Sync> {
+fn lobe_pdf(factor: f64) -> DensityFn<impl Fn(Point) -> f64 + Sync> {
     direction_density(move |w| factor / TAU * w.dot(mirrored().0).max(0.0).powf(N))
 }
 
 /// A right sampler in proportion to the cosine.
-fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample<[f64; 3]>> + Sync> {
+fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample> + Sync> {
     direction_sampler(|u| Some(warp::cosine_hemisphere(u)))
 }
 

@@ -19,7 +19,7 @@ fn upright(cos: f64, turns: f64) -> DVec3 {
 
 /// Both spheres, chosen by u₂: the upper one with probability `chosen`, which the pdf takes for `stated` (of the upper, of
 /// the lower).
-fn two_spheres(chosen: f64, stated: [f64; 2]) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+fn two_spheres(chosen: f64, stated: [f64; 2]) -> (impl Sampler, impl Density) {
     let draw = move |u: &[f64]| {
         let (side, cos) = if u[2] < chosen { (1.0, ABOVE) } else { (-1.0, BELOW) };
         Some(Sample::new(upright(side * (1.0 - u[0] * (1.0 - cos)), u[1]).to_array()))

@@ -36,7 +36,7 @@ impl Scheme {
     }
 
     /// The sampler, and the pdf by the map's energies.
-    fn build(self) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+    fn build(self) -> (impl Sampler, impl Density) {
         let Self { map, weight, place, solid_angle, look_up } = self;
         let g = map.geometry().clone();
         let (width, height) = (g.width(), g.height());

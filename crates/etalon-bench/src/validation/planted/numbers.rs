@@ -22,16 +22,16 @@ fn azimuth(name: &'static str, spoil: fn(f64) -> f64) -> PlantedFault {
 /// Numbers of a generator of its own, which `draw` makes from a seed.
 struct Own<F>(F);
 
-impl<F: Fn(u32, &mut [f64]) + Sync> Sampler<f64> for Own<F> {
+impl<F: Fn(u32, &mut [f64]) + Sync> Sampler for Own<F> {
     fn dimension(&self) -> usize {
         0
     }
 
-    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample<f64>>>) -> etalon_stats::Result<()> {
+    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         Err(etalon_stats::Error::external("this sampler takes no random numbers"))
     }
 
-    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample<f64>>>) -> etalon_stats::Result<()> {
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let mut numbers = vec![0.0; count];
         (self.0)(seed, &mut numbers);
         out.extend(numbers.into_iter().map(|x| Some(Sample::new(x))));

@@ -68,10 +68,7 @@ fn pdf_bounded(wi: DVec3) -> f64 {
 }
 
 /// Two random numbers for a direction, in a hemisphere where some are lost.
-fn pair(
-    draw: fn([f64; 2]) -> Option<DVec3>,
-    pdf: fn(DVec3) -> f64,
-) -> (impl Sampler<[f64; 3]>, impl Density<[f64; 3]>) {
+fn pair(draw: fn([f64; 2]) -> Option<DVec3>, pdf: fn(DVec3) -> f64) -> (impl Sampler, impl Density) {
     (direction_sampler(draw), direction_density(pdf).with_mass(Mass::AtMostOne))
 }
 

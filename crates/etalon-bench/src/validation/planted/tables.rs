@@ -11,7 +11,7 @@ fn find(cdf: &[f64], u: f64) -> usize {
 }
 
 /// Cells sampled by `cell` against probabilities in proportion to `weights`.
-fn by_weight(weights: Vec<f64>, cell: impl Fn(f64) -> usize + Sync) -> (impl Sampler<usize>, impl Density<usize>) {
+fn by_weight(weights: Vec<f64>, cell: impl Fn(f64) -> usize + Sync) -> (impl Sampler, impl Density) {
     let total: f64 = weights.iter().sum();
     (sampler(1, move |u| Some(Sample::new(cell(u[0])))), density(move |cell: usize| weights[cell] / total))
 }

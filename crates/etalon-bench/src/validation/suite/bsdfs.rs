@@ -323,19 +323,19 @@ fn smooth() -> Vec<(&'static str, Case)> {
     for (side, degrees, wo) in outside.into_iter().chain(inside) {
         cases.push(in_atoms(format!("bsdf/glass/{side}/{degrees}"), glass.clone(), wo, |wo| {
             let r = fresnel(wo);
-            let passing = refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 - r });
+            let passing = refracted(wo).map(|wt| Atom::new(wt.to_array(), 1.0 - r));
             [reflected(wo, r)].into_iter().chain(passing).collect()
         }));
         // Beyond the critical angle there must be no samples.
         cases.push(in_atoms(format!("bsdf/refraction/{side}/{degrees}"), refraction.clone(), wo, |wo| {
-            refracted(wo).map(|wt| Atom { point: wt.to_array(), probability: 1.0 }).into_iter().collect()
+            refracted(wo).map(|wt| Atom::new(wt.to_array(), 1.0)).into_iter().collect()
         }));
     }
     cases
 }
 
-fn reflected(wo: DVec3, probability: f64) -> Atom<[f64; 3]> {
-    Atom { point: [-wo.x, -wo.y, wo.z], probability }
+fn reflected(wo: DVec3, probability: f64) -> Atom {
+    Atom::new([-wo.x, -wo.y, wo.z], probability)
 }
 
 /// Index of refraction of the far side over that of `wo`'s.
@@ -360,7 +360,7 @@ fn fresnel(wo: DVec3) -> f64 {
 }
 
 /// The directions that `bsdf` samples for `wo`: must be the `atoms` for the direction rounded to f32.
-fn in_atoms(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom<[f64; 3]>>) -> (&'static str, Case) {
+fn in_atoms(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom>) -> (&'static str, Case) {
     with_atoms(name, bsdf, wo, move |exact| {
         let atoms = atoms(exact);
         let mass = atoms.iter().map(|atom| atom.probability).sum();
@@ -373,7 +373,7 @@ fn with_atoms(
     name: String,
     bsdf: Bsdf,
     wo: DVec3,
-    law: impl Fn(DVec3) -> (Vec<Atom<[f64; 3]>>, f64) + Send + Sync + 'static,
+    law: impl Fn(DVec3) -> (Vec<Atom>, f64) + Send + Sync + 'static,
 ) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
     let registered = bsdf.name();

@@ -9,22 +9,22 @@ pub struct InLanes<F, const N: usize>(F);
 
 /// The sampler whose `sample` maps `N` pairs of random numbers for each of the first lanes, as many as it is told, to
 /// the samples of these lanes.
-pub fn in_lanes<P, F, const N: usize>(sample: F) -> InLanes<F, N>
+pub fn in_lanes<F, const N: usize>(sample: F) -> InLanes<F, N>
 where
-    F: Fn(&[[Lane; 2]; N], usize) -> Vec<Option<Sample<P>>> + Sync,
+    F: Fn(&[[Lane; 2]; N], usize) -> Vec<Option<Sample>> + Sync,
 {
     InLanes(sample)
 }
 
-impl<P, F, const N: usize> Sampler<P> for InLanes<F, N>
+impl<F, const N: usize> Sampler for InLanes<F, N>
 where
-    F: Fn(&[[Lane; 2]; N], usize) -> Vec<Option<Sample<P>>> + Sync,
+    F: Fn(&[[Lane; 2]; N], usize) -> Vec<Option<Sample>> + Sync,
 {
     fn dimension(&self) -> usize {
         2 * N
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<P>>>) -> Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         for batch in u.chunks(2 * N * LANES) {
             let mut lanes = [[[0.0; LANES]; 2]; N];
             for (i, numbers) in batch.chunks_exact(2 * N).enumerate() {

@@ -119,7 +119,7 @@ fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
 /// Samples towards a light, as the kernel takes them of one light and of lights chosen for each hit, mapped to points of a
 /// domain by `place`. A sample that the two loops do not agree on, or with another weight than radiance 1 over the pdf, is
 /// missing.
-fn samples_towards<P>(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample<P> + Sync) -> impl Sampler<P> {
+fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample + Sync) -> impl Sampler {
     let positions = POINT.to_array().map(|x| [x; LANES]);
     in_lanes(move |[u], count| {
         let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
@@ -161,11 +161,11 @@ fn sphere(name: &str, distance: f32, radius: f32) -> Case {
             let local = DVec3::new(wi.dot(x), wi.dot(y), wi.dot(axis));
             let local = local.to_array();
             // Directions that rounding moves across the edge of the cone count as inside.
-            let beyond = directions.to_chart(local).filter(|chart| (edge..rim).contains(&chart[0]));
-            let point = beyond.map_or(local, |chart| directions.point_at([edge.next_down(), chart[1]]));
+            let beyond = directions.to_chart(local.into()).filter(|chart| (edge..rim).contains(&chart[0]));
+            let point = beyond.map_or(local, |chart| directions.direction_at([edge.next_down(), chart[1]]));
             Sample::with_pdf(point, f64::from(sample.pdf))
         };
-        let inside = move |w: [f64; 3]| directions.to_chart(w).is_some_and(|chart| chart[0] <= edge);
+        let inside = move |w: [f64; 3]| directions.to_chart(w.into()).is_some_and(|chart| chart[0] <= edge);
         let uniform = density(move |w| if inside(w) { pdf } else { 0.0 });
         let steps = if edge < 1.0 { vec![edge] } else { Vec::new() };
         (samples_towards(light, place), uniform.with_steps([steps, Vec::new()]))

@@ -1,6 +1,6 @@
 //! Samples and a pdf from files, for samplers that cannot be called.
 //!
-//! Samples: CSV with a header, one point a row (see [`Coordinates`](super::Coordinates)) and perhaps its pdf in a column `pdf`. The pdf: a grid of
+//! Samples: CSV with a header, one point a row (see [`Space::names`](super::Space::names)) and perhaps its pdf in a column `pdf`. The pdf: a grid of
 //! values, each constant over its part of the domain (see [`GridDensity`]).
 
 mod grid;

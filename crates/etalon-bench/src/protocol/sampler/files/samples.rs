@@ -2,7 +2,6 @@
 
 use super::grid::GridDensity;
 use super::lines::Lines;
-use crate::protocol::sampler::Coordinates;
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::quote;
 use etalon_stats::{Sample, Sampler};
@@ -12,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A file of samples that is read once, from the beginning to the end.
 ///
 /// A pdf in the file is compared with the grid's allowing for rounding of text and f32: what agrees is taken for equal.
-pub struct SampleFile<D> {
-    density: Arc<GridDensity<D>>,
+pub struct SampleFile {
+    density: Arc<GridDensity>,
     reader: Mutex<Reader>,
 }
 
@@ -22,14 +21,13 @@ struct Reader {
     /// Where the point's columns are, in the order of its header, and that of `pdf`.
     columns: Vec<usize>,
     pdf: Option<usize>,
-    header: usize,
     left: u64,
     row: Vec<f64>,
 }
 
-impl<D: Coordinates> SampleFile<D> {
+impl SampleFile {
     /// Opens the file at `path`, which should hold samples of `density`, and counts its rows.
-    pub fn open(path: &Path, density: Arc<GridDensity<D>>) -> Result<Self> {
+    pub fn open(path: &Path, density: Arc<GridDensity>) -> Result<Self> {
         let mut counted = Lines::open(path)?;
         let mut rows = 0u64;
         while counted.next()?.is_some() {
@@ -39,21 +37,22 @@ impl<D: Coordinates> SampleFile<D> {
         let Some(line) = lines.next()? else { return Err(Error::input(path, "the file is empty")) };
         let names: Vec<String> = line.split(',').map(|name| name.trim().to_lowercase()).collect();
         let find = |name: &str| names.iter().position(|other| other == name);
-        let found = D::NAMES.iter().enumerate().find_map(|(header, wanted)| {
-            Some((header, wanted.iter().map(|name| find(name)).collect::<Option<Vec<usize>>>()?))
-        });
+        let headers = density.space().names();
+        let found = headers
+            .iter()
+            .find_map(|wanted| Some((wanted, wanted.iter().map(|name| find(name)).collect::<Option<Vec<usize>>>()?)));
         let Some((header, columns)) = found else {
-            let wanted: Vec<String> = D::NAMES.iter().map(|header| header.join(",")).collect();
+            let wanted: Vec<String> = headers.iter().map(|header| header.join(",")).collect();
             let message = format!("the header {} has no columns {}", quote(&names.join(",")), wanted.join(" or "));
             return Err(lines.error(message));
         };
         let pdf = find("pdf");
         // A column that nobody asked for, or for the second time.
         if let Some(i) = (0..names.len()).find(|i| !columns.contains(i) && pdf != Some(*i)) {
-            let (name, wanted) = (quote(&names[i]), D::NAMES[header].join(","));
+            let (name, wanted) = (quote(&names[i]), header.join(","));
             return Err(lines.error(format!("the column {name} has no meaning beside {wanted} and pdf")));
         }
-        let reader = Reader { lines, columns, pdf, header, left: rows - 1, row: Vec::new() };
+        let reader = Reader { lines, columns, pdf, left: rows - 1, row: Vec::new() };
         Ok(Self { density, reader: Mutex::new(reader) })
     }
 
@@ -80,17 +79,17 @@ impl Reader {
     }
 }
 
-impl<D: Coordinates> Sampler<D::Point> for SampleFile<D> {
+impl Sampler for SampleFile {
     /// The random numbers only count the samples.
     fn dimension(&self) -> usize {
         1
     }
 
-    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample<D::Point>>>) -> etalon_stats::Result<()> {
+    fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let mut reader = self.reader();
         for _ in u {
             let claimed = reader.next()?;
-            let Some(point) = self.density.domain().point(reader.header, &reader.row) else {
+            let Some(point) = self.density.space().point(&reader.row) else {
                 return Err(reader.lines.error("no point of the domain has such numbers").into());
             };
             let agreed = |claimed: f64| match self.density.agrees(point, claimed) {
