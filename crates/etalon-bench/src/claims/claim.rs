@@ -1,7 +1,6 @@
 //! A claim, its findings and its verdict; and the share of one part of the light in all of it, with its standard error.
 
 use etalon_stats::Extremes;
-use serde::Serialize;
 
 /// Standard errors that a number must be away from its bound.
 pub const SIGMAS: f64 = 3.0;
@@ -10,14 +9,6 @@ pub const SIGMAS: f64 = 3.0;
 ///
 /// Source: Hood & Finkelstein, "Sensitivity to Light", in *Handbook of Perception and Human Performance*, 1986.
 pub const VISIBLE: f64 = 0.02;
-
-/// A number measured in two ways.
-pub struct Agreement {
-    /// What it is.
-    pub name: &'static str,
-    /// Difference in standard errors.
-    pub z: f64,
-}
 
 /// What a number must be for the claim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +27,6 @@ pub enum Unit {
     Plain,
     /// A share, in percent.
     Percent,
-    /// A quotient.
-    Times,
     /// An angle in degrees.
     Degrees,
 }
@@ -59,13 +48,25 @@ pub struct Finding {
 
 impl Finding {
     /// A number without an error of chance.
-    pub fn exact(what: impl Into<String>, value: f64, unit: Unit, bound: Bound) -> Self {
-        Self { what: what.into(), value, error: 0.0, unit, bound }
+    pub fn exact(what: impl Into<String>, value: f64, bound: Bound) -> Self {
+        Self::estimated(what, [value, 0.0], bound)
     }
 
     /// A number and its standard error.
-    pub fn estimated(what: impl Into<String>, [value, error]: [f64; 2], unit: Unit, bound: Bound) -> Self {
-        Self { error, ..Self::exact(what, value, unit, bound) }
+    pub fn estimated(what: impl Into<String>, [value, error]: [f64; 2], bound: Bound) -> Self {
+        Self { what: what.into(), value, error, unit: Unit::Plain, bound }
+    }
+
+    /// The same in percent.
+    #[must_use]
+    pub fn in_percent(self) -> Self {
+        Self { unit: Unit::Percent, ..self }
+    }
+
+    /// The same in degrees.
+    #[must_use]
+    pub fn in_degrees(self) -> Self {
+        Self { unit: Unit::Degrees, ..self }
     }
 
     /// Whether it meets the demand; `None` if chance may decide.
@@ -82,8 +83,7 @@ impl Finding {
 }
 
 /// What the findings say of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// All findings meet it.
     Holds,
@@ -92,7 +92,6 @@ pub enum Verdict {
     /// None does.
     DoesNotHold,
     /// There is nothing to measure, or chance may decide.
-    #[default]
     NotTestable,
 }
 
@@ -108,21 +107,40 @@ impl Verdict {
     }
 }
 
+/// What a report says, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Text {
+    /// In the report: a figure, a table or the text.
+    pub place: &'static str,
+    /// What it says.
+    pub claim: &'static str,
+    /// The number that it prints, if it prints one.
+    pub number: &'static str,
+    /// Figures that show it.
+    pub evidence: &'static [&'static str],
+    /// What the numbers mean, or why there are none.
+    pub remark: &'static str,
+}
+
+impl Text {
+    /// The claim with what was measured.
+    pub fn with(self, findings: impl Into<Vec<Finding>>) -> Claim {
+        Claim { text: self, findings: findings.into(), elsewhere: String::new() }
+    }
+
+    /// The first number that it prints.
+    pub fn printed(&self) -> f64 {
+        self.number.parse().unwrap_or(f64::NAN)
+    }
+}
+
 /// A claim with its findings.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Claim {
-    /// In the report: a figure, a table or the text.
-    pub place: &'static str,
     /// What the report says.
-    pub claim: &'static str,
-    /// The number that the report prints, if it prints one.
-    pub number: &'static str,
+    pub text: Text,
     /// What is measured; without findings the claim cannot be tested.
     pub findings: Vec<Finding>,
-    /// What the numbers mean, or why there are none.
-    pub remark: &'static str,
-    /// Figures that show it.
-    pub evidence: &'static [&'static str],
     /// What the findings were measured on, where that is not what the report speaks of; empty where it is. Then the
     /// numbers answer no claim.
     pub elsewhere: String,
@@ -168,32 +186,40 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// The share of one part in both, with the standard errors of both.
+/// The share of a part in the sum of that part and the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Share {
     /// The share.
     pub value: f64,
-    of_part: f64,
-    of_rest: f64,
+    /// Of the part and the rest, relative to their sum.
+    covariance: [[f64; 2]; 2],
 }
 
 impl Share {
-    /// A part and the rest, each with its standard error.
-    pub fn of([part, of_part]: [f64; 2], [rest, of_rest]: [f64; 2]) -> Self {
-        let whole = part + rest;
-        Self { value: part / whole, of_part: of_part / whole, of_rest: of_rest / whole }
+    /// A part and the rest, with the covariance of both.
+    pub fn of([part, rest]: [f64; 2], covariance: [[f64; 2]; 2]) -> Self {
+        let sum = part + rest;
+        Self { value: part / sum, covariance: covariance.map(|row| row.map(|c| c / (sum * sum))) }
     }
 
-    /// The standard error of part − bound · whole, over the whole, which decides on which side of the bound the share is.
+    /// The standard error of part − bound · sum, over the sum, which decides on which side of the bound the share is.
     ///
     /// Source: Fieller, "Some Problems in Interval Estimation", 1954.
     pub fn error_at(&self, bound: f64) -> f64 {
-        ((1.0 - bound) * self.of_part).hypot(bound * self.of_rest)
+        let ([a, b], [[part, both], [_, rest]]) = ([1.0 - bound, -bound], self.covariance);
+        // Rounding may leave a variance of 0 below it.
+        (a * a * part + 2.0 * a * b * both + b * b * rest).at_least(0.0).sqrt()
     }
 
     /// Its standard error.
     pub fn error(&self) -> f64 {
         self.error_at(self.value)
+    }
+
+    /// A finding that it is at least `bound`, or at most.
+    pub fn finding(&self, what: impl Into<String>, bound: Bound) -> Finding {
+        let (Bound::AtLeast(limit) | Bound::AtMost(limit)) = bound;
+        Finding::estimated(what, [self.value, self.error_at(limit)], bound).in_percent()
     }
 }
 
@@ -203,9 +229,8 @@ mod tests {
 
     #[test]
     fn verdicts_follow_from_findings() {
-        let finding =
-            |value, error| Finding { error, ..Finding::exact("light", value, Unit::Percent, Bound::AtLeast(0.5)) };
-        let verdict = |findings: &[Finding]| Claim { findings: findings.to_vec(), ..Claim::default() }.verdict();
+        let finding = |value, error| Finding::estimated("light", [value, error], Bound::AtLeast(0.5));
+        let verdict = |findings: &[Finding]| Text::default().with(findings).verdict();
         let (yes, no, unclear) = (finding(0.9, 0.1), finding(0.1, 0.1), finding(0.6, 0.1));
         assert_eq!(verdict(&[yes.clone(), yes.clone()]), Verdict::Holds);
         assert_eq!(verdict(&[yes.clone(), no.clone()]), Verdict::HoldsPartly);
@@ -213,18 +238,21 @@ mod tests {
         assert_eq!(verdict(&[yes, unclear]), Verdict::NotTestable);
         assert_eq!(verdict(&[finding(f64::NAN, 0.0)]), Verdict::NotTestable);
         assert_eq!(verdict(&[]), Verdict::NotTestable);
-        let claim = |input| Claim { findings: vec![no.clone()], ..Claim::default() }.measured_on(input);
+        let claim = |input| Text::default().with([no.clone()]).measured_on(input);
         assert_eq!(claim(None).answer(), "does not hold");
         assert_eq!(claim(Some("nave")).answer(), "measured on nave");
         assert_eq!(Claim::default().measured_on(Some("nave")).answer(), "not testable");
-        let at_most = |value| Finding::exact("error", value, Unit::Plain, Bound::AtMost(0.0)).holds();
+        let at_most = |value| Finding::exact("error", value, Bound::AtMost(0.0)).holds();
         assert_eq!((at_most(0.0), at_most(1e-9)), (Some(true), Some(false)));
     }
 
     #[test]
     fn the_bound_of_a_share_counts_each_part_as_much_as_it_weighs() {
-        let share = Share::of([1.0, 0.3], [3.0, 2.0]);
-        assert_eq!((share.value, share.error_at(0.0)), (0.25, 0.075));
-        assert!((share.error() - (0.75f64 * 0.075).hypot(0.25 * 0.5)).abs() < 1e-12);
+        let share = |both: f64| Share::of([1.0, 3.0], [[0.09, both], [both, 4.0]]);
+        assert_eq!((share(0.0).value, share(0.0).error_at(0.0)), (0.25, 0.075));
+        assert!((share(0.0).error() - (0.75f64 * 0.075).hypot(0.25 * 0.5)).abs() < 1e-12);
+        // A part that is always a quarter of the sum has no error.
+        let fixed = Share::of([1.0, 3.0], [[1.0, 3.0], [3.0, 9.0]]);
+        assert_eq!(fixed.error(), 0.0);
     }
 }

@@ -5,24 +5,16 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod claim;
-mod copper;
 mod depths;
-mod events;
-mod feature;
-mod features;
-mod glass;
-mod glazing;
-mod gold;
+mod formulas;
 mod map;
-mod metal;
-#[cfg(test)]
-mod tests;
+mod paths;
+mod statues;
+mod texts;
 
-pub use claim::{Agreement, Bound, Claim, Finding, Unit, Verdict};
-pub use copper::sampling_claims;
-pub use depths::{DepthClaims, Effort, depth_claims};
-pub use feature::{Place, PlacePicture};
-pub use glass::glass_claims;
-pub use gold::{StatueInputs, statue_claims};
-pub use map::{MapInputs, map_claims, sampled_shares};
-pub use metal::metal_claims;
+pub use claim::{Bound, Claim, Finding, Text, Unit, Verdict};
+pub use depths::{Agreement, DepthClaims, PlacePicture, depth_claims};
+pub use formulas::{glass_claims, metal_claims};
+pub use map::{MapInputs, map_claims};
+pub use paths::Place;
+pub use statues::{StatueInputs, sampling_claims, statue_claims};

@@ -3,7 +3,8 @@
 use super::depth::tone_mapped;
 use super::text::superscript;
 use crate::figure::{Anchor, Colour, Drawing, Level, Rgb8, Stroke, Text, contact_sheet, theme, wrapped};
-use etalon_bench::claims::{Bound, Claim, Finding, Place, PlacePicture, Unit, Verdict};
+use etalon_bench::claims::{self, Bound, Claim, Finding, Place, PlacePicture, Unit, Verdict};
+use etalon_bench::depth::Depths;
 use etalon_core::math::{Rgb, mean_rgb};
 use etalon_core::raster::Image;
 use serde::Serialize;
@@ -36,42 +37,33 @@ pub struct ClaimRow {
 
 /// A row for each finding, and one for each claim without any.
 pub fn rows(claims: &[Claim]) -> Vec<ClaimRow> {
-    let of = |claim: &Claim| {
-        let row = ClaimRow {
-            place: claim.place,
-            claim: claim.claim,
-            report: claim.number,
-            verdict: claim.answer(),
-            evidence: claim.evidence.join(" "),
-            ..ClaimRow::default()
-        };
-        let finding = |finding: &Finding| {
+    let of_claim = |claim: &Claim| {
+        let claims::Text { place, claim: text, number: report, evidence, remark } = claim.text;
+        let (verdict, evidence, finding) = (claim.answer(), evidence.join(" "), remark.to_owned());
+        let row =
+            ClaimRow { place, claim: text, report, verdict, evidence, finding, value: f64::NAN, ..ClaimRow::default() };
+        let of_finding = |finding: &Finding| {
             let (must_be, bound) = match finding.bound {
                 Bound::AtLeast(bound) => ("at least", bound),
                 Bound::AtMost(bound) => ("at most", bound),
             };
-            ClaimRow {
-                finding: finding.what.clone(),
-                value: finding.value,
-                standard_error: finding.error,
-                must_be,
-                bound,
-                holds: finding.holds().filter(|_| claim.is_judged()),
-                ..row.clone()
-            }
+            let holds = finding.holds().filter(|_| claim.is_judged());
+            let (value, standard_error) = (finding.value, finding.error);
+            ClaimRow { finding: finding.what.clone(), value, standard_error, must_be, bound, holds, ..row.clone() }
         };
-        let findings: Vec<ClaimRow> = claim.findings.iter().map(finding).collect();
-        if findings.is_empty() {
-            vec![ClaimRow { finding: claim.remark.into(), value: f64::NAN, ..row }]
-        } else {
-            findings
-        }
+        if claim.findings.is_empty() { vec![row] } else { claim.findings.iter().map(of_finding).collect() }
     };
-    claims.iter().flat_map(of).collect()
+    claims.iter().flat_map(of_claim).collect()
+}
+
+/// What was measured for a claim, and the remark if there is one.
+pub fn measured(claim: &Claim) -> Vec<String> {
+    let remark = Some(claim.text.remark.to_owned()).filter(|remark| !remark.is_empty());
+    claim.findings.iter().map(sentence).chain(remark).collect()
 }
 
 /// "share of LDSᵣE …: 14.2 % ± 0.1 % (≥ 2 %)".
-pub fn sentence(finding: &Finding) -> String {
+fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
     let bound = match bound {
         Bound::AtLeast(bound) => format!("≥\u{a0}{}", number(*bound, *unit, 3)),
@@ -111,12 +103,12 @@ pub fn place_rows(pictures: &[PlacePicture]) -> Vec<PlaceRow> {
     pictures.iter().map(row).collect()
 }
 
-/// A number with so many significant digits.
+/// A number with n significant digits.
 fn number(value: f64, unit: Unit, digits: i32) -> String {
     let (value, sign) = match unit {
         Unit::Percent => (100.0 * value, "\u{a0}%"),
         Unit::Degrees => (value, "°"),
-        Unit::Plain | Unit::Times => (value, ""),
+        Unit::Plain => (value, ""),
     };
     if value == 0.0 || !value.is_finite() || value.fract() == 0.0 && value.abs() < 1e6 {
         return format!("{value}{sign}").replace('-', "−");
@@ -134,100 +126,92 @@ fn number(value: f64, unit: Unit, digits: i32) -> String {
     format!("{text}{sign}").replace('-', "−")
 }
 
-/// The colour of a verdict.
-fn colour(verdict: Verdict) -> Colour {
-    match verdict {
-        Verdict::Holds => theme::ACCEPTED,
-        Verdict::HoldsPartly => theme::INCONCLUSIVE,
-        Verdict::DoesNotHold => theme::REJECTED,
-        Verdict::NotTestable => theme::NO_VALUE,
-    }
+/// A line of a cell.
+struct Line {
+    text: String,
+    ink: Colour,
+    is_bold: bool,
+    indent: f64,
+    /// Before the text.
+    dot: Option<Colour>,
 }
 
-/// A line of a cell: its text, and the dot before it.
-type Line = (String, Option<Colour>);
+/// The lines of a text in a column.
+fn lines(text: &str, width: f64) -> Vec<Line> {
+    let line = |text| Line { text, ink: theme::INK, is_bold: false, indent: 0.0, dot: None };
+    wrapped(text, width).into_iter().map(line).collect()
+}
 
 /// A table of claims: what the report says and prints, what is measured, the verdict, the figures that show it.
 pub fn table(claims: &[Claim]) -> Drawing {
     let width = 2.0 * EDGE + WIDTHS.iter().sum::<f64>() + GAP * (WIDTHS.len() - 1) as f64;
     let mut sheet = Drawing::new(width, 0.0, 2.0);
-    let left = |column: usize| EDGE + WIDTHS[..column].iter().sum::<f64>() + GAP * column as f64;
-    let rule = |sheet: &mut Drawing, y: f64, stroke: Stroke| sheet.line([[EDGE, y], [width - EDGE, y]], stroke);
+    let lefts = [0, 1, 2, 3, 4].map(|column| EDGE + WIDTHS[..column].iter().sum::<f64>() + GAP * column as f64);
     let heavy = Stroke::solid(theme::INK, theme::LINE);
-    // The head between two rules
+    let heads =
+        HEADS.map(|head| lines(head, f64::INFINITY).into_iter().map(|line| Line { is_bold: true, ..line }).collect());
     let mut y = EDGE;
-    rule(&mut sheet, y, heavy);
-    y += PADDING;
-    for (column, head) in HEADS.into_iter().enumerate() {
-        sheet.text(Text::new([left(column), y], theme::TICK_SIZE, head).held(Anchor::Start, Level::Top).bold());
-    }
-    y += LINE + PADDING - 2.0;
-    rule(&mut sheet, y, Stroke::solid(theme::INK, theme::THIN));
-    for (i, claim) in claims.iter().enumerate() {
-        if i > 0 {
-            rule(&mut sheet, y, theme::GRID);
-        }
-        let cells = cells(claim);
-        let lines = cells.iter().map(Vec::len).max().unwrap_or(1);
-        for (column, cell) in cells.into_iter().enumerate() {
-            let is_verdict = HEADS[column] == "Verdict" && claim.is_judged();
-            let ink = if is_verdict { colour(claim.verdict()) } else { theme::INK };
-            let indent = if HEADS[column] == "Measured" { BULLET } else { 0.0 };
-            for (line, (text, dot)) in cell.into_iter().enumerate() {
-                let top = y + PADDING + LINE * line as f64;
-                let text =
-                    Text::new([left(column) + indent, top], theme::TICK_SIZE, text).held(Anchor::Start, Level::Top);
+    for (i, cells) in std::iter::once(heads).chain(claims.iter().map(cells)).enumerate() {
+        let stroke = [heavy, Stroke::solid(theme::INK, theme::THIN)].get(i).copied().unwrap_or(theme::GRID);
+        sheet.line([[EDGE, y], [width - EDGE, y]], stroke);
+        let height = LINE * cells.iter().map(Vec::len).max().unwrap_or(1) as f64 + 2.0 * PADDING - 4.0;
+        for (left, cell) in lefts.into_iter().zip(cells) {
+            for (n, Line { text, ink, is_bold, indent, dot }) in cell.into_iter().enumerate() {
+                let top = y + PADDING + LINE * n as f64;
+                let text = Text::new([left + indent, top], theme::TICK_SIZE, text).held(Anchor::Start, Level::Top);
                 let text = text.coloured(ink);
-                sheet.text(if is_verdict { text.bold() } else { text });
+                sheet.text(if is_bold { text.bold() } else { text });
                 if let Some(dot) = dot {
-                    sheet.circle([left(column) + 4.0, top + 4.2], 3.2, dot);
+                    sheet.circle([left + 4.0, top + 4.2], 3.2, dot);
                 }
             }
         }
-        y += LINE * lines as f64 + 2.0 * PADDING - 4.0;
+        y += height;
     }
-    rule(&mut sheet, y, heavy);
-    y += PADDING;
+    sheet.line([[EDGE, y], [width - EDGE, y]], heavy);
     // What the dots mean
-    let legend =
-        [(Verdict::Holds, "meets the claim"), (Verdict::DoesNotHold, "does not"), (Verdict::NotTestable, "undecided")];
-    for (i, (verdict, name)) in legend.into_iter().enumerate() {
-        let x = left(2) + 140.0 * i as f64;
-        sheet.circle([x + 4.0, y + 4.2], 3.2, colour(verdict));
-        sheet.text(Text::new([x + BULLET, y], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Top));
+    y += PADDING;
+    let note = |at: [f64; 2], text: &str| Text::new(at, theme::NOTE_SIZE, text).held(Anchor::Start, Level::Top);
+    let legend = [(Some(true), "meets the claim"), (Some(false), "does not"), (None, "undecided")];
+    for (i, (holds, name)) in legend.into_iter().enumerate() {
+        let x = lefts[2] + 140.0 * i as f64;
+        sheet.circle([x + 4.0, y + 4.2], 3.2, dot(holds));
+        sheet.text(note([x + BULLET, y], name));
     }
-    let elsewhere = Text::new(
-        [left(2) + BULLET, y + LINE],
-        theme::NOTE_SIZE,
-        "no dot: measured on another input than the report's",
-    );
-    sheet.text(elsewhere.held(Anchor::Start, Level::Top));
-    let note = "Dots: a number with what the claim demands of it.";
-    sheet.text(Text::new([EDGE, y], theme::NOTE_SIZE, note).held(Anchor::Start, Level::Top));
+    sheet.text(note([EDGE, y], "Dots: a number with what the claim demands of it."));
+    sheet.text(note([lefts[2] + BULLET, y + LINE], "no dot: measured on another input than the report's"));
     sheet.height = (y + 2.0 * LINE + EDGE).ceil();
     sheet
 }
 
+/// The colour of a finding.
+fn dot(holds: Option<bool>) -> Colour {
+    holds.map_or(theme::NO_VALUE, |holds| if holds { theme::ACCEPTED } else { theme::REJECTED })
+}
+
 /// The lines of each column.
 fn cells(claim: &Claim) -> [Vec<Line>; 5] {
-    let plain = |text: &str, column: usize| -> Vec<Line> {
-        wrapped(text, WIDTHS[column]).into_iter().map(|line| (line, None)).collect()
+    let text = &claim.text;
+    let ink = match claim.verdict() {
+        _ if !claim.is_judged() => theme::INK,
+        Verdict::Holds => theme::ACCEPTED,
+        Verdict::HoldsPartly => theme::INCONCLUSIVE,
+        Verdict::DoesNotHold => theme::REJECTED,
+        Verdict::NotTestable => theme::NO_VALUE,
     };
-    let mut measured: Vec<Line> = Vec::new();
-    for finding in &claim.findings {
-        let verdict = match finding.holds() {
-            Some(true) => Verdict::Holds,
-            Some(false) => Verdict::DoesNotHold,
-            None => Verdict::NotTestable,
-        };
-        let dot = claim.is_judged().then(|| colour(verdict));
-        let lines = wrapped(&sentence(finding), WIDTHS[2] - BULLET).into_iter().enumerate();
-        measured.extend(lines.map(|(i, line)| (line, dot.filter(|_| i == 0))));
-    }
-    measured.extend(wrapped(claim.remark, WIDTHS[2] - BULLET).into_iter().map(|line| (line, None)));
-    let evidence = claim.evidence.iter().map(|id| ((*id).to_owned(), None)).collect();
-    let place = [plain(claim.place, 1), plain(claim.number, 1)].concat();
-    [plain(claim.claim, 0), place, measured, plain(&claim.answer(), 3), evidence]
+    let findings = claim.findings.iter().map(|finding| claim.is_judged().then(|| dot(finding.holds())));
+    let sentence = |(text, dot): (String, Option<Colour>)| {
+        let lines = lines(&text, WIDTHS[2] - BULLET).into_iter().enumerate();
+        lines.map(move |(i, line)| Line { indent: BULLET, dot: dot.filter(|_| i == 0), ..line })
+    };
+    let verdict = lines(&claim.answer(), WIDTHS[3]);
+    [
+        lines(text.claim, WIDTHS[0]),
+        [lines(text.place, WIDTHS[1]), lines(text.number, WIDTHS[1])].into_iter().flatten().collect(),
+        measured(claim).into_iter().zip(findings.chain([None])).flat_map(sentence).collect(),
+        verdict.into_iter().map(|line| Line { ink, is_bold: claim.is_judged(), ..line }).collect(),
+        text.evidence.iter().flat_map(|id| lines(id, WIDTHS[4])).collect(),
+    ]
 }
 
 /// A quarter of an image's width is shown of each place, more where the place is larger.
@@ -238,29 +222,24 @@ const MARGIN: usize = 3;
 const AROUND: f64 = 1.25;
 
 /// Each place in the image with all light, framed, beside its class alone.
-pub fn places(pictures: &[PlacePicture], images: impl Fn(u32) -> Option<Image>) -> Drawing {
-    let mut cells: Vec<(String, Rgb8)> = Vec::new();
-    for (i, picture) in pictures.iter().enumerate() {
-        let Some(image) = images(picture.depth) else { continue };
-        let crop = crop(&image, &picture.place);
-        let letter = (b'a' + i as u8) as char;
-        let title = format!("({letter}) {}: all light at depth {}", picture.title, picture.depth);
-        let factor = brightening(&cut(&picture.class, &crop));
-        let class = cut(&picture.class, &crop).map(|p| p * factor);
-        let share = &picture.share;
-        let alone = format!(
-            "{} alone, ×\u{a0}{factor}: {} of the light in the frame",
-            picture.word,
-            with_error([share.value, share.error()], Unit::Percent)
-        );
-        cells.push((title, framed(&tone_mapped(&cut(&image, &crop)), &picture.place, &crop)));
-        cells.push((alone, tone_mapped(&class)));
-    }
-    contact_sheet("", 4, &cells)
+pub fn places(pictures: &[PlacePicture], depths: &Depths) -> Drawing {
+    let cells = pictures.iter().zip('a'..).flat_map(
+        |(PlacePicture { title, word, depth, class, place, share, .. }, letter)| {
+            let image = depths.image(*depth);
+            let part = surroundings(image, place);
+            let title = format!("({letter}) {title}: all light at depth {depth}");
+            let factor = brightening(&cut(class, &part));
+            let share = with_error([share.value, share.error()], Unit::Percent);
+            let alone = format!("{word} alone, ×\u{a0}{factor}: {share} of the light in the frame");
+            let class = cut(class, &part).map(|p| p * factor);
+            [(title, framed(&tone_mapped(&cut(image, &part)), place, &part)), (alone, tone_mapped(&class))]
+        },
+    );
+    contact_sheet("", 4, &cells.collect::<Vec<_>>())
 }
 
 /// A part of an image of 4 to 3 around a place.
-fn crop(image: &Image, place: &Place) -> Place {
+fn surroundings(image: &Image, place: &Place) -> Place {
     let whole = [image.width(), image.height()];
     let size = [0, 1].map(|axis| AROUND * (place.to[axis] - place.from[axis]) as f64);
     let width = size[0].max(size[1] * 4.0 / 3.0).max((whole[0] / SHOWN) as f64).min(whole[0] as f64);

@@ -4,16 +4,13 @@ use super::{depth, proposal, roughness, sampling, sphere};
 use crate::gallery::figure;
 use crate::gallery::prelude::*;
 use crate::view::claims as view;
-use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, Effort, MapInputs, StatueInputs};
-use etalon_bench::depth::DEPTHS;
+use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, MapInputs, StatueInputs};
 use etalon_bench::metal::{self, MetalTable};
 
 /// Standard errors by which two ways to measure a number may differ.
 const SIGMAS: f64 = 4.0;
 /// Roughness of the report's statues of gold.
 const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
-/// Directions sampled to check the shares of the map.
-const DIRECTIONS: usize = 1 << 14;
 
 /// A table of the first report's claims.
 pub fn first() -> Vec<Figure> {
@@ -54,8 +51,7 @@ pub fn places() -> Vec<Figure> {
         reproduces: "Figure 1, what appears at each depth",
         shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone, with its share of \
                     the light and the standard error. Classes: L light, E eye, D diffuse reflection, Sₘ mirror, Sᵣ reflection by the \
-                    outside of glass, Sₜ transmission. The frame \
-                    was found with one half of the samples, its light measured with the other half and that of all other paths with more.",
+                    outside of glass, Sₜ transmission. One set of paths found the frame, another measured its light.",
         matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
         papers: &[papers::HECKBERT],
         beside: Some("claims-second"),
@@ -78,17 +74,14 @@ fn first_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
     let other_map = inputs.other_map().map(|_| inputs.map.file_name());
     claims.extend(claims::map_claims(&of_map)?.into_iter().map(|claim| claim.measured_on(other_map)));
-    let mut checks = vec![undecided(&claims, inputs)];
-    checks.extend(claims::sampled_shares(map, DIRECTIONS, inputs.seed)?.iter().map(agrees));
-    content(Report::First, &claims, checks)
+    content(Report::First, &claims, vec![undecided(&claims, inputs)])
 }
 
 fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> {
     let depths = depth::series(inputs, studies)?;
     let (scene, _) = inputs.spheres();
-    let effort =
-        Effort { to_diffuse: 8, to_specular: 32, from_walls: 2, from_light: inputs.effort.of(1 << 19, 1 << 16) };
-    studies.get("claims", || claims::depth_claims(&scene, &depths, effort, inputs.seed))
+    let paths = inputs.effort.of(1 << 19, 1 << 16);
+    studies.get("claims", || claims::depth_claims(&scene, &depths, paths, inputs.seed))
 }
 
 fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
@@ -109,30 +102,22 @@ fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         (claims::statue_claims(&statues), Some(dragon.to_owned())),
         (claims::sampling_claims(&sampling), unless("CBbunny_microfacet_cu.dae", inputs.copper()?.0.name)),
     ];
-    let claims: Vec<Claim> = groups
-        .into_iter()
-        .flat_map(|(claims, elsewhere)| claims.into_iter().map(move |claim| claim.measured_on(elsewhere.as_deref())))
-        .collect();
-    let mut checks = vec![undecided(&claims, inputs)];
-    checks.extend(of_depths.agreement.iter().map(agrees));
-    if of_depths.agreement.is_empty() {
-        let check = Check::within("light event by event minus the renderer's (standard errors)", 0.0, f64::NAN, SIGMAS);
-        checks.push(check.unless(Some("the scene has no rectangle that emits light")));
-    }
-    content(Report::Second, &claims, checks)
+    let on = |(claims, elsewhere): (Vec<Claim>, Option<String>)| {
+        claims.into_iter().map(move |claim| claim.measured_on(elsewhere.as_deref()))
+    };
+    let claims: Vec<Claim> = groups.into_iter().flat_map(on).collect();
+    let agree = of_depths.agreement.iter().map(|Agreement { name, z }| agrees(name, Some(*z)));
+    // Without a rectangle that emits light
+    let untested = of_depths.agreement.is_empty().then(|| agrees("light", None));
+    content(Report::Second, &claims, [undecided(&claims, inputs)].into_iter().chain(agree).chain(untested).collect())
 }
 
 fn places_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let (of_depths, depths) = (of_depths(inputs, studies)?, depth::series(inputs, studies)?);
-    let image = |depth: u32| DEPTHS.iter().position(|d| *d == depth).map(|i| depths.images[i].clone());
-    let drawing = view::places(&of_depths.pictures, image);
-    let name =
-        |title: &str| format!("light in the frame, event by event minus the renderer, {title} (standard errors)");
-    let seen = of_depths.pictures.iter().map(|picture| Check::within(name(picture.title), 0.0, picture.z, SIGMAS));
-    let unseen = of_depths.unseen.iter().map(|title| {
-        let check = Check::within(name(title), 0.0, f64::NAN, SIGMAS);
-        check.unless(Some("no light of this class was found"))
-    });
+    let drawing = view::places(&of_depths.pictures, &depths);
+    let name = |title: &str| format!("light in the frame, {title}");
+    let seen = of_depths.pictures.iter().map(|picture| agrees(&name(picture.title), Some(picture.z)));
+    let unseen = of_depths.unseen.iter().map(|title| agrees(&name(title), None));
     Content::new(drawing, &view::place_rows(&of_depths.pictures), seen.chain(unseen).collect())
 }
 
@@ -140,18 +125,12 @@ fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Conte
     let content = Content::new(view::table(claims), &view::rows(claims), checks)?;
     let row = |claim: &Claim| figure::Claim {
         report: report.name().to_owned(),
-        place: claim.place.to_owned(),
-        claim: claim.claim.to_owned(),
-        number: claim.number.to_owned(),
-        measured: claim
-            .findings
-            .iter()
-            .map(view::sentence)
-            .chain([claim.remark.to_owned()])
-            .filter(|text| !text.is_empty())
-            .collect(),
+        place: claim.text.place.to_owned(),
+        claim: claim.text.claim.to_owned(),
+        number: claim.text.number.to_owned(),
+        measured: view::measured(claim),
         verdict: claim.answer(),
-        evidence: claim.evidence.iter().map(|id| (*id).to_owned()).collect(),
+        evidence: claim.text.evidence.iter().map(|id| (*id).to_owned()).collect(),
     };
     Ok(Content { claims: claims.iter().map(row).collect(), ..content })
 }
@@ -164,6 +143,9 @@ fn undecided(claims: &[Claim], inputs: &Inputs) -> Check {
     Check::at_most(name, share, inputs.effort.of(0.0, 0.1))
 }
 
-fn agrees(agreement: &Agreement) -> Check {
-    Check::within(format!("{} (standard errors)", agreement.name), 0.0, agreement.z, SIGMAS)
+/// Light that paths measure agrees with the renderer's; skipped where no path found any.
+fn agrees(name: &str, z: Option<f64>) -> Check {
+    let name = format!("{name}, path by path minus the renderer (standard errors)");
+    Check::within(name, 0.0, z.unwrap_or(f64::NAN), SIGMAS)
+        .unless(z.is_none().then_some("no light of this class was found"))
 }
