@@ -1,7 +1,7 @@
 """Checks `etalon compare` against public implementations of its metrics: MSE, relative MSE and both without the worst
-0.1 % against SimpleImageIO, HDR-FLIP against FLIP's authors, each to a relative error of 1e-6 (MAPE and SMAPE against NumPy).
+0.1 % against SimpleImageIO, HDR-FLIP against FLIP's authors, PSNR and SSIM against scikit-image, each to a relative error of 1e-6 (MAPE and SMAPE against NumPy).
 
-    pip install numpy simpleimageio flip-evaluator
+    pip install numpy simpleimageio flip-evaluator scikit-image
     python benches/image_metrics.py [path of etalon]
 
 SimpleImageIO divides (a - b)^2 by b^2 + epsilon in each channel. Without outliers it leaves out floor(n p) of the n channel
@@ -16,6 +16,7 @@ try:
     import numpy as np
     import simpleimageio as sio
     import flip_evaluator as flip
+    from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 except ImportError as error:
     sys.exit(print(f"skipped: {error}"))
 
@@ -26,6 +27,12 @@ def write_pfm(path, image):
     with open(path, "wb") as file:
         file.write(f"PF\n{image.shape[1]} {image.shape[0]}\n-1\n".encode())
         file.write(image[::-1].astype("<f4").tobytes())
+
+
+def shown(image):
+    """Values on a display: clipped to 0..1, encoded by the sRGB curve."""
+    linear = np.clip(image.astype(float), 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def measure(folder, a, b):
@@ -54,6 +61,10 @@ def main():
                 "rel_mse_trimmed": sio.relative_mse_outlier_rejection(a, b, 0.1, 0.01),
                 "mape": np.mean(abs(x - y) / (abs(y) + 0.01)),
                 "smape": np.mean(abs(x - y) / ((abs(x) + abs(y)) / 2 + 0.01)),
+                "psnr": peak_signal_noise_ratio(shown(b), shown(a), data_range=1.0),
+                "ssim": structural_similarity(
+                    shown(a), shown(b), channel_axis=-1, data_range=1.0, gaussian_weights=True, sigma=1.5, use_sample_covariance=False
+                ),
                 "hdr_flip": flip.evaluate(b, a, "HDR", applyMagma=False)[1],
             }
             for name, value in theirs.items():

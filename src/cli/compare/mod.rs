@@ -99,7 +99,7 @@ impl Compare {
         })?;
         // FLIP filters the images once for each exposure, which takes minutes for the largest.
         let is_small = a.pixels().len() <= LARGEST;
-        let flip = is_small.then(|| raster::hdr_flip(&a, &b)).flatten();
+        let shown = is_small.then(|| raster::compare_shown(&a, &b));
         interrupt::check()?;
         if numbers.pixels == 0 {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
@@ -118,7 +118,13 @@ impl Compare {
         };
         clipped.iter().for_each(|text| console.warn(text));
         let explanation = is_small.then(|| explain(&a, &b)).flatten();
-        let output = Output { numbers, hdr_flip: flip, explanation };
+        let output = Output {
+            numbers,
+            hdr_flip: shown.and_then(|shown| shown.hdr_flip),
+            psnr: shown.map(|shown| shown.psnr),
+            ssim: shown.and_then(|shown| shown.ssim),
+            explanation,
+        };
         console.saved(&output, &written, || text(&output));
         Ok(Verdict::Good)
     }
@@ -131,14 +137,18 @@ struct Output {
     numbers: Comparison,
     /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST`] pixels.
     hdr_flip: Option<f64>,
+    /// Missing for images that are equal when shown.
+    psnr: Option<f64>,
+    /// Missing for images without a window of 11 × 11 pixels.
+    ssim: Option<f64>,
     /// What would explain most of the difference.
     explanation: Option<Explanation>,
 }
 
-/// Most pixels of an image for HDR-FLIP and for explanations.
+/// Most pixels of an image for metrics of what is shown and for explanations.
 const LARGEST: usize = 1 << 22;
 
-fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
+fn text(Output { numbers, hdr_flip, psnr, ssim, explanation }: &Output) -> String {
     let trimmed = |value: f64| format!("  {:>9} without the worst 0.1 %", rounded(value, 4));
     let lines = [
         ("mse", numbers.mse, trimmed(numbers.mse_trimmed)),
@@ -147,6 +157,8 @@ fn text(Output { numbers, hdr_flip, explanation }: &Output) -> String {
         ("mape", numbers.mape, trimmed(numbers.mape_trimmed)),
         ("smape", numbers.smape, trimmed(numbers.smape_trimmed)),
         ("hdr_flip", hdr_flip.unwrap_or(f64::NAN), String::new()),
+        ("psnr", psnr.unwrap_or(f64::NAN), "  dB".to_owned()),
+        ("ssim", ssim.unwrap_or(f64::NAN), String::new()),
         ("max_abs", numbers.max_abs, String::new()),
         ("mean_a", numbers.mean_a, String::new()),
         ("mean_b", numbers.mean_b, String::new()),

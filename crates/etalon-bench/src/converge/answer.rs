@@ -90,7 +90,7 @@ mod tests {
     use crate::converge::reference::Reference;
     use crate::converge::strategy::Strategy;
     use etalon_core::math::Rgb;
-    use etalon_core::raster::{Comparison, Image, compare};
+    use etalon_core::raster::{Comparison, Image, compare, compare_shown};
     use etalon_core::scene::Request;
 
     /// Four replicates that take a second each, with squared errors of `mse` · (1 ± spread).
@@ -101,7 +101,7 @@ mod tests {
         let run = |sign: f64| {
             let errors = Comparison { mse: mse * (1.0 + sign * spread), ..compare(&white(), &white()).unwrap() };
             let times = Times { wall: 1.0, cpu: 1.0 };
-            let levels = vec![Measured { spp: 1, times, errors, shown: Some((None, white())) }];
+            let levels = vec![Measured { spp: 1, times, errors, shown: Some((compare_shown(&white(), &white()), white())) }];
             Run { seed: 1, levels, last: None, preparation: 0.0 }
         };
         let contender = Contender::from(name.parse::<Strategy>().unwrap());

@@ -5,7 +5,7 @@ use super::doubling::Times;
 use super::reference::Reference;
 use crate::fit;
 use etalon_core::error::Result;
-use etalon_core::raster::{Comparison, Image};
+use etalon_core::raster::{Comparison, DisplayMetrics, Image};
 use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
@@ -22,7 +22,7 @@ pub struct Measured {
     /// Against the reference.
     pub errors: Comparison,
     /// Mean HDR-FLIP and the image, in the first replicate.
-    pub shown: Option<(Option<f64>, Image)>,
+    pub shown: Option<(DisplayMetrics, Image)>,
 }
 
 /// All replicates at one number of samples. Errors carry 95 % intervals.
@@ -40,6 +40,10 @@ pub struct Level {
     pub rel_mse: Estimate,
     /// Mean HDR-FLIP of the first replicate.
     pub flip: Option<f64>,
+    /// PSNR in dB of the first replicate; see [`DisplayMetrics`].
+    pub psnr: f64,
+    /// SSIM of the first replicate.
+    pub ssim: Option<f64>,
     /// 1 / (MSE · processor time).
     pub efficiency: f64,
 }
@@ -165,7 +169,7 @@ impl Curve {
     /// From at least one replicate, all with the same levels.
     pub fn new(contender: &Contender, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
         let count = runs[0].levels.len();
-        let (flips, images): (Vec<_>, Vec<_>) =
+        let (shown, images): (Vec<DisplayMetrics>, Vec<_>) =
             runs[0].levels.iter_mut().filter_map(|level| level.shown.take()).unzip();
         let everyone: Vec<&Run> = runs.iter().collect();
         let times = TimeFit::new(&everyone).filter(|_| contender.is_timed_from_outside());
@@ -180,7 +184,9 @@ impl Curve {
                 wall_seconds,
                 mse,
                 rel_mse: Estimate::mean(&all(&|m| m.errors.rel_mse)),
-                flip: flips[i],
+                flip: shown[i].hdr_flip,
+                psnr: shown[i].psnr,
+                ssim: shown[i].ssim,
                 efficiency: 1.0 / (mse.value * cpu_seconds),
             }
         };

@@ -8,7 +8,7 @@ use super::recorded;
 use super::reference::Reference;
 use super::result::Convergence;
 use etalon_core::error::Result;
-use etalon_core::raster::{Image, hdr_flip};
+use etalon_core::raster::{Image, compare_shown};
 use etalon_core::scene::{Request, Scene};
 use etalon_stats::Extremes;
 
@@ -174,7 +174,7 @@ impl Setting<'_> {
         }
         let is_first = entry.runs.is_empty();
         *last = Some(image.clone());
-        let shown = is_first.then(|| (hdr_flip(&image, &self.exact), image));
+        let shown = is_first.then(|| (compare_shown(&image, &self.exact), image));
         levels.push(Measured { spp, times, errors, shown });
         *goes_on = true;
         Ok(None)

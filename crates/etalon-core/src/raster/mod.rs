@@ -21,7 +21,7 @@ mod write;
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::Image;
 pub use self::metadata::{BUILD_NAME, Metadata};
-pub use self::metrics::{Comparison, compare, compare_with_halves, hdr_flip};
+pub use self::metrics::{Comparison, DisplayMetrics, compare, compare_shown, compare_with_halves};
 
 pub use self::read::decode_exr;
 pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};

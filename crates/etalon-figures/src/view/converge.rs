@@ -27,6 +27,10 @@ pub struct Row {
     rel_mse_half_width: f64,
     /// Mean HDR-FLIP of the first replicate.
     flip: Option<f64>,
+    /// Of the first replicate, in dB.
+    psnr: f64,
+    /// Of the first replicate.
+    ssim: Option<f64>,
     /// 1 / (MSE · processor seconds).
     efficiency_per_second: f64,
     /// p of RMSE ∝ sppᵖ.
@@ -65,6 +69,8 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
                 rel_mse: level.rel_mse.value,
                 rel_mse_half_width: level.rel_mse.half_width,
                 flip: level.flip,
+                psnr: level.psnr,
+                ssim: level.ssim,
                 efficiency_per_second: level.efficiency,
                 slope: slope.value,
                 slope_half_width: slope.half_width,

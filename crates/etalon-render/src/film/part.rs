@@ -9,9 +9,9 @@ use std::ops::Range;
 /// What has been rendered so far of an image.
 ///
 /// ```
-/// use etalon::math::Rgb;
-/// use etalon::raster::Metadata;
-/// use etalon::render::film::{Film, Part};
+/// use etalon_core::math::Rgb;
+/// use etalon_core::raster::Metadata;
+/// use etalon_render::film::{Film, Part};
 ///
 /// // The second half of 16 samples, which could be interrupted between any two samples and written to a file.
 /// let mut part = Part::new(Film::new(4, 2, None)?, 16, "scene and settings", Metadata::default());
@@ -26,7 +26,7 @@ use std::ops::Range;
 /// }
 /// assert_eq!(part.ranges().to_string(), "8..16 of 16");
 /// assert_eq!(part.film.image().get(0, 0), Rgb::splat(11.5));
-/// # Ok::<(), etalon::Error>(())
+/// # Ok::<(), etalon_core::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {

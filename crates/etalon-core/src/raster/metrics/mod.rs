@@ -1,8 +1,8 @@
-//! Image metrics: MSE, relative MSE, MAPE and SMAPE by their formulas, summed in f64, and HDR-FLIP.
+//! Image metrics: MSE, relative MSE, MAPE and SMAPE by their formulas, summed in f64; metrics of images as they are shown.
 
-mod flip;
+mod display;
 
-pub use self::flip::hdr_flip;
+pub use self::display::{DisplayMetrics, compare_shown};
 
 use super::Image;
 use crate::error::{Error, Result};
