@@ -88,7 +88,7 @@ pub struct Start {
     pub direction: Vec3,
     /// Radiance over [`density`](Self::density).
     pub power: Rgb,
-    /// [`LightTracing::density`] or [`LightTracing::density_of_environment`].
+    /// `LightTracing::density` or `LightTracing::density_of_environment`.
     pub density: f32,
     /// The light; `None` for the environment.
     pub light: Option<u32>,

@@ -101,7 +101,8 @@ mod tests {
         let run = |sign: f64| {
             let errors = Comparison { mse: mse * (1.0 + sign * spread), ..compare(&white(), &white()).unwrap() };
             let times = Times { wall: 1.0, cpu: 1.0 };
-            let levels = vec![Measured { spp: 1, times, errors, shown: Some((compare_shown(&white(), &white()), white())) }];
+            let levels =
+                vec![Measured { spp: 1, times, errors, shown: Some((compare_shown(&white(), &white()), white())) }];
             Run { seed: 1, levels, last: None, preparation: 0.0 }
         };
         let contender = Contender::from(name.parse::<Strategy>().unwrap());

@@ -30,12 +30,12 @@ pub struct Check {
     /// What is compared, with its unit.
     pub name: String,
     pub kind: Kind,
-    /// The expected value, or the limit of [`Kind::AtMost`] and [`Kind::AtLeast`].
+    /// The expected value, or the limit of `Kind::AtMost` and `Kind::AtLeast`.
     #[serde(deserialize_with = "number_or_nan")]
     pub expected: f64,
     #[serde(deserialize_with = "number_or_nan")]
     pub got: f64,
-    /// Of [`Kind::Within`] alone.
+    /// Of `Kind::Within` alone.
     pub tolerance: Option<f64>,
     /// `None` if it is skipped.
     pub pass: Option<bool>,

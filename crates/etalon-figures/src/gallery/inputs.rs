@@ -73,7 +73,7 @@ impl Inputs {
         map.into_iter().chain(scenes.map(|name| (*name).to_owned())).collect()
     }
 
-    /// The input that a figure shows, by its name; empty for [`Shown::Nothing`].
+    /// The input that a figure shows, by its name; empty for `Shown::Nothing`.
     ///
     /// # Errors
     /// Those of the built-in scenes.

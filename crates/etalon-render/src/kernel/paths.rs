@@ -37,7 +37,7 @@ pub struct Points {
     /// Throughput of the path times the surface's albedo.
     pub weight: Lane3,
     pub eta_scale: Lane,
-    /// [`Departure::light_tracing`] of the paths, with the factor of the direction to the viewer.
+    /// `Departure::light_tracing` of the paths, with the factor of the direction to the viewer.
     pub light_tracing: Lane,
     pub slot: [u32; LANES],
     pub path_class: [PathClass; LANES],

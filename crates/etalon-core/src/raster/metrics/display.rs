@@ -149,7 +149,7 @@ mod tests {
         assert_eq!((equal.psnr, equal.ssim), (f64::INFINITY, Some(1.0)));
         // A pattern and its negative have the structure term −1 but for the stabilizer.
         let pattern = |sign: f32| {
-            let value = |x: usize, y: usize| if (x + y) % 2 == 0 { sign } else { -sign };
+            let value = |x: usize, y: usize| if (x + y).is_multiple_of(2) { sign } else { -sign };
             Image::from_fn(24, 24, |x, y| Rgb::splat(if value(x, y) > 0.0 { 1.0 } else { 0.0 }))
         };
         assert!(compare_shown(&pattern(1.0), &pattern(-1.0)).ssim.unwrap() < -0.98);
