@@ -32,7 +32,7 @@ const PAIRS: [usize; 3] = [2, 4, 128];
 const DROPPED: f64 = 1.0 / 1.5;
 /// An efficiency is known once its interval is at most this wide, to each side.
 const KNOWN: f64 = 0.07;
-/// Of a normal distribution, for intervals of 95 %.
+/// Quantile of a normal distribution, for intervals of 95 %.
 const Z: f64 = 1.96;
 /// Processes side by side.
 const WORKERS: usize = 2;
@@ -81,7 +81,7 @@ struct Case {
 /// Two renders with different seeds.
 #[derive(Clone, Copy)]
 struct Pair {
-    /// Of one.
+    /// Seconds of one.
     seconds: f64,
     mse: f64,
 }
@@ -249,7 +249,7 @@ impl Bench {
         ranked
     }
 
-    /// Renders pairs of a combination until there are so many.
+    /// Renders pairs of a combination until there are n.
     fn render(&self, case: &Case, name: &str, spp: u32, count: usize) {
         let key = (case.name.clone(), name.to_owned(), spp);
         loop {

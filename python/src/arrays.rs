@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 pub struct Numbers<T> {
     /// Whose they are: `pdf`, `samples.x`.
     pub name: String,
-    /// Of the array.
+    /// Shape of the array.
     pub shape: Vec<usize>,
     /// Row by row.
     pub values: Vec<T>,

@@ -45,7 +45,7 @@ pub struct Declared {
     mass: DeclaredMass,
     /// Rows and columns of the table in whose cells the pdf is constant.
     table: Option<(usize, usize)>,
-    /// Of the pdfs that samples carry; negative for single precision.
+    /// Precision of the pdfs that samples carry; negative for single precision.
     precision: f64,
     /// Points with their probabilities.
     atoms: Vec<(Vec<f64>, f64)>,
@@ -124,7 +124,7 @@ struct Functions {
     table: Option<[usize; 2]>,
     precision: f64,
     atoms: Vec<Atom>,
-    /// Of `sample` and of `pdf`.
+    /// Calls of `sample` and of `pdf`.
     calls: Arc<[Calls; 2]>,
 }
 

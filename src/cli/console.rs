@@ -113,7 +113,7 @@ impl Console {
     }
 }
 
-/// Replaces what a terminal would obey instead of print: control characters, but for the ends of lines, and marks that turn
+/// Replaces what a terminal would obey instead of print: control characters, except for the ends of lines, and marks that turn
 /// the direction of writing. Names of files and what other programs say may have both.
 fn visible(text: &str, replacement: impl Fn(char) -> String) -> String {
     let mut clean = String::with_capacity(text.len());

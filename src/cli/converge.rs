@@ -309,7 +309,7 @@ fn text(output: &Output<'_>) -> String {
     text
 }
 
-/// A contender's line of the table, but for its end.
+/// A contender's line of the table, except for its end.
 fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
     let Some(level) = curve.levels.last() else { return String::new() };
     let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };

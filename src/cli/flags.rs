@@ -24,9 +24,9 @@ const ALIASES: [(&str, &str); 11] = [
 
 /// The flags of the program by the ids of their arguments.
 pub struct Flags {
-    /// Of the subcommand that was called.
+    /// Flags of the subcommand that was called.
     called: Vec<(String, String)>,
-    /// Of all subcommands.
+    /// Flags of all subcommands.
     all: Vec<(String, String)>,
 }
 

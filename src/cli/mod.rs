@@ -125,7 +125,7 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Runs `work` on a pool of so many threads of its own: another run in this process may have others.
+/// Runs `work` on a pool of n threads of its own: another run in this process may have others.
 fn with_threads(threads: Option<u32>, work: impl FnOnce() -> Result<Verdict> + Send) -> Result<Verdict> {
     /// As the main thread's: `work` itself runs on one of the threads.
     const STACK: usize = 8 << 20;

@@ -77,7 +77,7 @@ pub struct Sweep {
     external: ExternalBsdf,
 }
 
-/// The command that runs a configuration again, but for its last argument.
+/// The command that runs a configuration again, except for its last argument.
 fn replay_by(external: &ExternalBsdf, detect: f64) -> String {
     let exec = external.command().map_or(String::new(), |command| format!(" --exec \"{command}\""));
     let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };

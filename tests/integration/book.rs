@@ -108,7 +108,7 @@ fn columns_and_keys_are_those_of_the_page() {
     assert!(tables > 20, "{tables} tables");
 }
 
-/// Of all that `reproduce` writes, the repository keeps what the pages show.
+/// The repository keeps what the pages show of all that `reproduce` writes.
 #[test]
 fn pictures_shown_are_kept_and_no_others() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -112,7 +112,7 @@ fn covered(name: &str, parameters: [f64; 3], degrees: f64, error: f64, seeds: u6
 #[test]
 fn intervals_without_a_bound_cover_at_grazing_angles() {
     for name in ["compensated-ggx", "ggx-ndf"] {
-        // Of 50 with a risk of 1 %, 4 or more outside have a probability of 0.2 %.
+        // 4 or more of 50 outside with a risk of 1 % have a probability of 0.2 %.
         let covered = covered(name, [0.3, 0.5, 10.0], 89.99, 1e-3, 50);
         assert!(covered > 46, "{name}: {covered} of 50");
     }
@@ -124,7 +124,7 @@ fn intervals_without_a_bound_cover_as_often_as_they_say() {
     for name in ["compensated-ggx", "compensated-beckmann", "ggx-ndf"] {
         for alpha in [1e-3, 0.1, 1.0] {
             for degrees in [60.0, 89.0, 89.99] {
-                // Of 100 with a risk of 1 %, 6 or more outside have a probability of 0.05 %.
+                // 6 or more of 100 outside with a risk of 1 % have a probability of 0.05 %.
                 let covered = covered(name, [alpha, 0.5, 2.5], degrees, 1e-3, 100);
                 assert!(covered > 94, "{name}, alpha = {alpha}, at {degrees} deg: {covered} of 100");
             }

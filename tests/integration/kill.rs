@@ -75,7 +75,7 @@ fn is_part(name: &str) -> bool {
     name.starts_with(".etalon-") && name.ends_with(".part")
 }
 
-/// Every file in a folder is whole, but for hidden temporary ones.
+/// Every file in a folder is whole, except for hidden temporary ones.
 fn assert_whole(folder: &Path) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -34,7 +34,7 @@ pub struct RadianceRow {
     pub mean_r: f64,
     pub mean_g: f64,
     pub mean_b: f64,
-    /// Of all light of the deepest image.
+    /// Share of all light of the deepest image.
     pub share_of_light: f64,
 }
 
@@ -47,11 +47,11 @@ pub struct ClassRow {
     pub class: String,
     /// Kind of object, or "all".
     pub seen_on: &'static str,
-    /// Of all that this depth adds to the image.
+    /// Share of all that this depth adds to the image.
     pub share_of_difference: f64,
-    /// Of all light of the deepest image.
+    /// Share of all light of the deepest image.
     pub share_of_light: f64,
-    /// Of the pixels that show this kind of object, those that the class lights.
+    /// Share of the pixels that show this kind of object in which the class has light.
     pub lit_pixels: f64,
     /// Where on the image, weighted by light.
     pub centroid_x: f64,

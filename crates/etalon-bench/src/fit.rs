@@ -84,7 +84,7 @@ mod tests {
         let [a, b] = relative_line(&exact).unwrap();
         assert!((a.value - 1.5).abs() < 1e-12 && (b.value - 0.25).abs() < 1e-12 && a.half_width < 1e-6);
         assert!(relative_line(&exact[..2]).is_none() && relative_line(&[[1.0, 1.0]; 4]).is_none());
-        // Of many noisy lines, about 95 % of the intervals hold the truth.
+        // About 95 % of the intervals of many noisy lines hold the truth.
         let mut held = [0; 2];
         for trial in 0..400_u32 {
             let noise = |i: u32| {

@@ -71,7 +71,7 @@ pub struct Zone {
 }
 
 impl Zone {
-    /// Of two images by either strategy.
+    /// The row of two images by either strategy.
     fn of(pairs: &[Pair; 2], mask: &[bool]) -> Self {
         let [importance, hemisphere] = pairs.each_ref().map(|pair| ZoneImage::of(pair, mask));
         let z = importance.mean.z(&hemisphere.mean);

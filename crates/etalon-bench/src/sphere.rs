@@ -174,7 +174,7 @@ pub const PBRT_RMSE: [(u32, f64); 4] = [(8, 0.107), (16, 0.066), (32, 0.047), (6
 /// Radiance of the sphere at one normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtNormal {
-    /// Of the sphere.
+    /// Normal of the sphere.
     pub normal: [f64; 3],
     /// As PBRT renders it under the Grace map, R, G, B.
     pub pbrt: [f64; 3],

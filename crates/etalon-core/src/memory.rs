@@ -41,7 +41,7 @@ pub fn granted<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Asks for so many bytes more than the process holds. Nothing is reserved.
+/// Asks for n bytes more than the process holds. Nothing is reserved.
 ///
 /// # Errors
 /// [`Error::Memory`] when they exceed the limit, with `what` they are for.
@@ -49,7 +49,7 @@ pub fn request(bytes: usize, what: impl FnOnce() -> String) -> Result<()> {
     left_after(bytes, what).map(drop)
 }
 
-/// What is left to the limit when so many bytes more are taken.
+/// What is left to the limit when n bytes more are taken.
 fn left_after(bytes: usize, what: impl FnOnce() -> String) -> Result<u64> {
     if GRANTED.get() {
         return Ok(u64::MAX);
@@ -70,7 +70,7 @@ const STEP: usize = 1 << 20;
 /// How many times more than it asks for a small part may take: the system gives some of them a page each.
 const EXCESS: u64 = 64;
 
-/// Asks for so many bytes that stay in use, such as those of one of many things in a file. The process is measured when
+/// Asks for n bytes that stay in use, such as those of one of many things in a file. The process is measured when
 /// they are many, and else now and then.
 ///
 /// # Errors

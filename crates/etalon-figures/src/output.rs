@@ -149,7 +149,7 @@ impl Saving {
     }
 }
 
-/// Default file names are at most so many bytes long, extension included.
+/// Length of the longest default file name in bytes, extension included.
 const LONGEST_NAME: usize = 120;
 /// A dot and three letters.
 const LONGEST_EXTENSION: usize = 4;

@@ -33,7 +33,7 @@ pub enum LightSamples {
 pub struct Departure {
     /// What light samples know of the light that is found next.
     pub light_samples: LightSamples,
-    /// The density of light tracing over that of this path, but for the factors that the next vertices contribute; 0 where light
+    /// The density of light tracing over that of this path, except for the factors that the next vertices contribute; 0 where light
     /// tracing cannot find the path. See [`super::light_tracing`].
     pub light_tracing: f32,
     /// Whether light tracing finds light that is found next: its paths start towards surfaces that are not diffuse, and are
@@ -73,7 +73,7 @@ pub struct EmitterHit {
 }
 
 impl PreparedScene<'_> {
-    /// Whether paths go on to other surfaces after so many scatterings and one more.
+    /// Whether paths go on to other surfaces after n scatterings and one more.
     #[inline]
     pub fn goes_on(&self, scatterings: u32) -> bool {
         scatterings + 1 < self.request.max_depth && !self.is_lone_convex

@@ -215,7 +215,7 @@ type Left<'a> = &'a dyn Fn(usize, u32) -> Range<u32>;
 /// What samples are for.
 #[derive(Clone, Copy)]
 enum Pass<'a> {
-    /// For the image, with so many paths or one each.
+    /// Path counts of the pixels of the final image, or one each.
     Image(Option<&'a PathCounts>),
     /// For the variance of pixels, the first samples again: without light paths.
     Variance,
@@ -255,7 +255,7 @@ struct Sample {
     column: usize,
     /// Its number in its pixel.
     number: u32,
-    /// Of its paths.
+    /// Slots of its paths.
     slots: Range<usize>,
 }
 
@@ -332,7 +332,7 @@ impl<'a> Batch<'a> {
         samples
     }
 
-    /// Traces the light paths of the samples so far, in batches, while at least so many are waiting.
+    /// Traces the light paths of the samples so far, in batches, while at least n are waiting.
     fn trace_light_paths(&mut self, job: &Job, row: &mut Row, at_least: usize) {
         while self.waiting.len() >= at_least {
             let count = self.waiting.len().min(LANES);

@@ -15,7 +15,7 @@ pub struct Lens {
     right: Vec3,
     up: Vec3,
     parallel: bool,
-    /// Of a pixel, on a film from −1 to 1.
+    /// Size of a pixel on a film from −1 to 1.
     step: [f32; 2],
     /// Columns and rows.
     size: [f32; 2],

@@ -184,7 +184,7 @@ impl Dimensions {
         (u64::from(max_depth) + 1) * (u64::from(Self::OTHERS) + rounds as u64) < u64::from(Self::LIGHT_PATHS)
     }
 
-    /// The dimensions of light paths after so many scatterings, 0 for their start: beyond those of camera paths.
+    /// The dimensions of light paths after n scatterings, 0 for their start: beyond those of camera paths.
     pub fn of_light_paths(scatterings: u32) -> Self {
         Self { first: Self::LIGHT_PATHS + scatterings * Self::OTHERS }
     }

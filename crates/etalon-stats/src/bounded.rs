@@ -125,13 +125,13 @@ mod tests {
 
     #[test]
     fn intervals_by_squares_are_those_computed_by_hand() {
-        // Of n zeros: ln(2/risk)/(λ n) times the largest number.
+        // For n zeros: ln(2/risk)/(λ n) times the largest number.
         let mut zeros = EmpiricalBernstein::default();
         assert_eq!(zeros.interval(0.02)[1], f64::INFINITY);
         zeros.add(0.5, 3.0, 1000.0, [0.0; 2]);
         let [mean, half] = zeros.interval(0.02);
         assert!(mean == 0.0 && (half - 3.0 * 100f64.ln() / 500.0).abs() < 1e-12);
-        // Of many numbers of variance σ² and small rates: σ √(2 ln(2/risk)/n), as of the normal distribution's tails.
+        // For many numbers of variance σ² and small rates: σ √(2 ln(2/risk)/n), as of the normal distribution's tails.
         let (n, variance) = (1e8, 1e-2);
         let [rate, half] = EmpiricalBernstein::default().expect(n, 1.0, variance, 0.02);
         assert!((half / (2.0 * variance * 100f64.ln() / n).sqrt() - 1.0).abs() < 0.01, "{rate} {half}");

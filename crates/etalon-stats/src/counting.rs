@@ -11,7 +11,7 @@ use crate::serial::Labels;
 use crate::subdivision::Subdivision;
 use crate::tally::{Counters, Source, Tally};
 
-/// Random points at which integrals are checked: one for so many samples, between a least and a largest number.
+/// Random points at which integrals are checked: one for each four samples, between a least and a largest number.
 const SAMPLES_PER_CHECK: u64 = 4;
 const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then

@@ -50,7 +50,7 @@ impl Estimate {
         Self::new(f(&all), (squares * (n as f64 - 1.0) / n as f64).sqrt(), n as f64 - 1.0)
     }
 
-    /// The same value with the interval of another confidence than 95 %, by Student's t of so many replicates.
+    /// The same value with the interval of another confidence than 95 %, by Student's t of n replicates.
     #[must_use]
     pub fn at_confidence(self, confidence: f64, replicates: usize) -> Self {
         Self::within(self.value, self.standard_error, replicates as f64 - 1.0, confidence)
@@ -98,7 +98,7 @@ mod tests {
         // Mean 2, s = 1, t of 2 degrees of freedom 4.302653.
         let e = Estimate::mean(&[1.0, 2.0, 3.0]);
         assert!((e.value - 2.0).abs() < 1e-15 && (e.half_width - 4.302_653 / 3.0_f64.sqrt()).abs() < 1e-5, "{e:?}");
-        // Of 99 %, 9.924843.
+        // For 99 %, 9.924843.
         let wide = e.at_confidence(0.99, 3);
         assert!((wide.half_width - 9.924_843 / 3.0_f64.sqrt()).abs() < 1e-5 && wide.value == e.value, "{wide:?}");
         assert_eq!(Estimate::mean(&[5.0]).half_width, f64::INFINITY);

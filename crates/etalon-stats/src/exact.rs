@@ -141,7 +141,7 @@ pub fn repeated(domain: &dyn Domain, probes: &[Probe]) -> Option<String> {
 
 /// Finds outcomes of a finite set that never occur although the pdf has them: the others meet more often.
 ///
-/// Of N draws, "no sample" and atoms among them, the samples of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on
+/// In N draws, "no sample" and atoms among them, the samples of outcomes with N p ≤ 1 make (N − 1)/2 Σ p(xᵢ) equal pairs on
 /// average, whatever p is, and nearly a Poisson-distributed number. Cells hold many outcomes and do not see it.
 pub fn collisions(domain: &dyn Domain, probes: &[Probe], draws: u64) -> Option<String> {
     let n = draws as f64;
@@ -186,7 +186,7 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
     let groups: Vec<&[(f64, f64)]> = values.chunk_by(|a, b| a.0 == b.0).collect();
     let (samples, distinct) = (values.len() as f64, groups.len() as f64);
 
-    // Of M equally likely values N samples meet M (1 − e^(−N/M)). Fewer values than the limit are a lattice, if they are
+    // N samples meet, of M equally likely values, M (1 − e^(−N/M)). Fewer values than the limit are a lattice, if they are
     // further apart than single precision has them.
     let met = |m: f64| m * -(-samples / m).exp_m1();
     let mut gaps: Vec<f64> = groups.windows(2).map(|pair| (pair[1][0].0 - pair[0][0].0) / pair[1][0].0).collect();

@@ -160,7 +160,7 @@ impl SerialCounts {
     pub fn stratification(&self) -> Option<f64> {
         const FEWEST: u64 = 8;
         let [batches, samples, squares] = self.batches;
-        // Of B batches of n samples, Σ (L − qn)²/(nq(1 − q)) is chi-square distributed with B − 1 degrees of freedom.
+        // For B batches of n samples, Σ (L − qn)²/(nq(1 − q)) is chi-square distributed with B − 1 degrees of freedom.
         let of_axis = |[lower, products]: [u64; 2]| {
             let q = products as f64 / squares.max(1) as f64;
             let spread = (lower as f64 - q * products as f64).at_least(0.0);

@@ -35,7 +35,7 @@ pub struct Counted<'a> {
 /// The findings.
 #[derive(Debug, Clone, Default)]
 pub struct Structure {
-    /// Of the axes, of the cells, of the ends, and of the order.
+    /// Scales of the axes, the cells, the ends, and the order.
     pub scales: Vec<Scale>,
     /// The p-value of all, that of the cells included.
     pub p: f64,

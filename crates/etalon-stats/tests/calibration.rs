@@ -98,7 +98,7 @@ fn sphere(seed: u64, spoil: Spoil) -> Run {
     run(seed, &Directions::sphere(Pole::Z), &draw, &density(|w| scale * (kappa * (dot(w, axis) - 1.0)).exp()))
 }
 
-/// Runs each kind at so many seeds.
+/// Runs each kind at n seeds.
 fn runs(of_each: u64, spoil: Spoil) -> Vec<Run> {
     let of = |(name, kind): (&str, Kind)| {
         let runs: Vec<Run> = (0..of_each).into_par_iter().map(|seed| kind(seed, spoil)).collect();
@@ -126,7 +126,7 @@ fn rejected(runs: &[Run]) -> usize {
     runs.iter().filter(|run| run.verdict == Verdict::Reject).count()
 }
 
-/// The most of so many runs that a level explains: more have a probability of 0.1 % at most.
+/// The most of n runs that a level explains: more have a probability of 0.1 % at most.
 fn most(runs: &[Run], level: f64) -> usize {
     let count = Binomial::new(level, runs.len() as u64).unwrap();
     (0..runs.len()).find(|&k| count.sf(k as u64) <= 1e-3).unwrap()

@@ -20,7 +20,7 @@ fn direction([u, v]: [f64; 2]) -> [f64; 3] {
     [sin * cos_phi, sin * sin_phi, z]
 }
 
-/// The tests of samples on a line, a square and a sphere that are uniform but for what `spoil` does to their numbers.
+/// The tests of samples on a line, a square and a sphere that are uniform except for what `spoil` does to their numbers.
 fn of_numbers(spoil: fn(f64) -> f64) -> [Outcome; 3] {
     let line = sampler(1, move |u| Some(Sample::new(spoil(u[0]).sqrt())));
     let square = sampler(2, move |u| Some(Sample::new([spoil(u[0]), u[1]])));

@@ -9,20 +9,20 @@ use std::f64::consts::TAU;
 
 const PERIODS: [u32; 5] = [1, 4, 8, 16, 64];
 
-/// The error that is found in ripples of so many periods along an axis, from the scale whose parts they span two to four times.
+/// The error that is found in ripples of n periods along an axis, from the scale whose parts they span two to four times.
 fn stated(outcome: &Outcome, axis: &str, periods: u32) -> f64 {
     let fits = |parts: usize| (2 * periods as usize..4 * periods as usize).contains(&parts);
     let scale = outcome.scales.iter().find(|scale| scale.of == axis && fits(scale.parts));
     scale.and_then(|scale| scale.detectable).unwrap()
 }
 
-/// How many of so many seeds reject `sampler`.
+/// How many of n seeds reject `sampler`.
 fn rejected(seeds: u64, domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> u64 {
     let verdict = |seed| validate(domain, sampler, density, &Protocol { seed, ..Protocol::default() }).unwrap().verdict;
     (1..=seeds).filter(|&seed| verdict(seed) == Verdict::Reject).count() as u64
 }
 
-/// Asserts that errors which are found with 90 % probability are found as often, but for three standard deviations.
+/// Asserts that errors which are found with 90 % probability are found as often, except for three standard deviations.
 fn assert_found(found: u64, runs: u64) {
     let runs = runs as f64;
     assert!(found as f64 >= 0.9 * runs - 3.0 * (0.09 * runs).sqrt(), "{found} of {runs}");

@@ -51,7 +51,7 @@ struct Output {
     drawn: usize,
     /// (R + G + B)/3; none for densities that leave out a part of the light.
     flux_estimate: Option<f64>,
-    /// Of the estimate; none for one sample, too.
+    /// Standard error of the estimate; none for one sample, too.
     flux_standard_error: Option<f64>,
     #[serde(flatten)]
     written: Written,

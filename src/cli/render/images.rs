@@ -11,7 +11,7 @@ pub struct Images {
     target: Target,
     formats: Vec<&'static str>,
     look: Look,
-    /// Of a shard: the suffix of its default name; its file has the sums.
+    /// The suffix of a shard's default name; its file has the sums.
     shard: Option<String>,
 }
 

@@ -26,10 +26,10 @@ pub struct Summary<'a> {
     /// Wall-clock time.
     pub seconds: f64,
     samples_per_second: f64,
-    /// Of the whole process; null where the system does not say.
+    /// Peak of the whole process; null where the system does not say.
     peak_memory_bytes: Option<u64>,
     mean_rgb: [f64; 3],
-    /// Of the mean, if the errors of pixels are independent; null where a pixel has fewer than two samples.
+    /// Standard error of the mean, if the errors of pixels are independent; null where a pixel has fewer than two samples.
     standard_error_mean_rgb: [f64; 3],
     /// Root of the mean over all pixels of the squared standard error.
     standard_error_pixel_rgb: [f64; 3],
@@ -54,7 +54,7 @@ struct PathClass {
 }
 
 impl<'a> Summary<'a> {
-    /// Of a part to which `done` samples (of single pixels) were added in `seconds`.
+    /// The summary of a part to which `done` samples (of single pixels) were added in `seconds`.
     pub fn new(scene: &'a str, request: &Request, part: &Part, done: u64, seconds: f64) -> Self {
         let film = &part.film;
         let mean = mean(&film.image(), |v| v);

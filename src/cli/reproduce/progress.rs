@@ -23,7 +23,7 @@ impl Plan {
         Self { ids, times }
     }
 
-    /// Steps of the bar before the `i`-th figure, so many milliseconds if they are known; after the last one, of all.
+    /// Steps of the bar before the `i`-th figure, in milliseconds if they are known; after the last one, of all.
     fn steps(&self, i: usize) -> u64 {
         if self.times.is_empty() { i as u64 } else { self.times[..i].iter().sum() }
     }

@@ -20,7 +20,7 @@ fn reflectance(declaration: &str) -> Texture {
     textured(&world).reflectance.unwrap()
 }
 
-/// A scene beside an image of 2 × 1 texels, black and white, but for the code 51 of red.
+/// A scene beside an image of 2 × 1 texels, black and white, except for the code 51 of red.
 fn with_image(name: &str, bytes: &[u8], world: &str) -> Result<Imported> {
     read_files(&[("scene.pbrt", in_world(world).as_bytes()), (name, bytes)])
 }

@@ -29,7 +29,7 @@ pub struct Request {
     pub cells: [usize; 2],
     /// The error that every albedo should have at most.
     pub error: f64,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 

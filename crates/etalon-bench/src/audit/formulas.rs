@@ -16,7 +16,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A formula as printed (first of each pair) and corrected (second).
 struct Formula {
-    /// Of its tests.
+    /// Name of its tests.
     name: &'static str,
     title: &'static str,
     report: &'static str,

@@ -191,7 +191,7 @@ pub fn percent(share: f64) -> String {
 pub struct Share {
     /// The share.
     pub value: f64,
-    /// Of the part and the rest, relative to their sum.
+    /// Covariance of the part and the rest, relative to their sum.
     covariance: [[f64; 2]; 2],
 }
 

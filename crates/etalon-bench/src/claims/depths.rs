@@ -100,11 +100,11 @@ pub struct Agreement {
 pub struct DepthClaims {
     /// In the order of the report.
     pub claims: Vec<Claim>,
-    /// Of the claims that are about a place.
+    /// Pictures of the claims that are about a place.
     pub pictures: Vec<PlacePicture>,
     /// Places of which there is no picture: no light of their class was found.
     pub unseen: Vec<&'static str>,
-    /// Of classes that both measure.
+    /// Agreement in the classes that both measure.
     pub agreement: Vec<Agreement>,
 }
 

@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(find(texts::BREWSTER).verdict(), Verdict::Holds);
         assert_eq!(find(texts::TRANSMITTANCE).verdict(), Verdict::Holds);
         assert_eq!(find(texts::SCHLICK_INSIDE).verdict(), Verdict::DoesNotHold);
-        // Of uniform light inside, cos² of the critical angle arrives beyond it.
+        // The share cos² of the critical angle of uniform light inside arrives beyond it.
         assert!((find(texts::UPPER_BOUND).findings[0].value - (1.0 - 1.0 / (ETA * ETA))).abs() < 1e-12);
     }
 

@@ -120,9 +120,9 @@ pub struct PixelLight {
 pub struct Tally<const N: usize> {
     /// Paths through each pixel.
     pub spp: u32,
-    /// Of each kind.
+    /// Sums of each kind.
     pub sum: [f64; N],
-    /// Of these sums.
+    /// Covariance of these sums.
     pub covariance: [[f64; N]; N],
     /// Light of the first kind, pixel by pixel.
     pub pixels: Vec<PixelLight>,
@@ -167,7 +167,7 @@ pub struct View<'a> {
 struct Vertex {
     object: usize,
     point: Vec3,
-    /// Of the shape; on two-sided surfaces `normal` is turned towards the viewer.
+    /// Normal of the shape; on two-sided surfaces `normal` is turned towards the viewer.
     outside: Vec3,
     normal: Vec3,
 }
@@ -287,7 +287,7 @@ impl<'a> View<'a> {
                     (0..N).for_each(|l| covariance[k][l] += light[k] * light[l] / n);
                 }
             }
-            // Of the mean of the samples
+            // The covariance of the mean of the samples
             for k in 0..N {
                 (0..N).for_each(|l| covariance[k][l] = (covariance[k][l] - mean[k] * mean[l]) / (n - 1.0));
             }

@@ -64,7 +64,7 @@ mod tests {
                     let compared = compare(a, b, Plan { level: 0.01, detect: 0.01 }).unwrap();
                     assert!(factor == 1.0 || compared.answer == Answer::Different);
                     let holds = |family: &FamilyResult, test: &Tested| {
-                        // Of a uniform image, the modes have the expectation 0, and tiles that of the image.
+                        // The modes of a uniform image have the expectation 0, and tiles that of the image.
                         let truth = if family.family == Family::LowFrequency { 0.0 } else { f64::from(factor) - 1.0 };
                         let bias = compared.bias(family, test).unwrap();
                         bias.low <= truth && truth <= bias.high

@@ -65,7 +65,7 @@ pub fn noise(exact: &Image, noisy: &Side, blocks: &Blocks, level: f64) -> Option
 
 impl Noise {
     /// What the sides say of each functional if side `k` has this noise: of the same pixels as that of the other side, so that
-    /// each functional has as much more of it. The ratio is no better known than so many pixels tell.
+    /// each functional has as much more of it. The ratio is no better known than the number of pixels allows.
     pub fn allowed_for(&self, observed: &[Vec<[Observed; 3]>], k: usize) -> Vec<Vec<[Observed; 3]>> {
         let mut allowed = observed.to_vec();
         for (i, (channels, noise)) in allowed[k].iter_mut().zip(&observed[1 - k]).enumerate() {
@@ -100,7 +100,7 @@ impl Sums {
     }
 }
 
-/// Of each pixel and channel, the mean variance of pixels about as bright in other blocks: what its own noise has no part in.
+/// For each pixel and channel, the mean variance of pixels about as bright in other blocks: what its own noise has no part in.
 fn typical(exact: &Image, variances: &[[f64; 3]], blocks: &Blocks) -> Vec<[f64; 3]> {
     let of_block = |(block, pixels): (usize, &Vec<usize>)| pixels.iter().map(move |&i| (i, block)).collect::<Vec<_>>();
     let mut pixels: Vec<(usize, usize)> = blocks.pixels.iter().enumerate().flat_map(of_block).collect();
@@ -145,7 +145,7 @@ fn detail(exact: &Image, noisy: &Side, (pixel, near): (usize, [usize; 4]), chann
     let variance = noisy.error().map_or(mean.variance, |error| {
         at(error, pixel).powi(2) + near.iter().map(|&i| at(error, i).powi(2)).sum::<f64>() / 16.0
     });
-    // Of the pixel and of the mean of four.
+    // Roundings of the pixel and of the mean of four.
     let rounding = 1.25 * (PRECISION * gain * at(exact, pixel)).powi(2);
     [(mean.value - gain * detail(exact)).powi(2), variance + rounding]
 }

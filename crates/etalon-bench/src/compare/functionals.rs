@@ -74,7 +74,7 @@ pub struct Layout<'a> {
 pub struct Blocks<'a> {
     size: [usize; 2],
     valid: &'a [bool],
-    /// Of each block, the pixels that count.
+    /// The pixels that count of each block.
     pub pixels: Vec<Vec<usize>>,
 }
 

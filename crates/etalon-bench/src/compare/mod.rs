@@ -188,7 +188,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
     };
     let whole = &families[0];
-    // Of a channel that is black on both sides there is no share.
+    // A channel that is black on both sides has no share.
     let shares = whole.tests.iter().map(|test| relative(test, whole.level(plan))).filter(|share| !share.is_nan());
     let uniform = shares.fold(f64::INFINITY, f64::at_most);
     let uniform_bias = Some(uniform).filter(|bias| bias.is_finite() && whole.dominated == 0);

@@ -18,7 +18,7 @@ pub struct Needed {
     pub noisy: [bool; 2],
 }
 
-/// Not more than so many times the images.
+/// Largest factor of the number of images.
 const MOST: f64 = 1e6;
 
 /// The least numbers for which tests at `level` find a uniform bias of `detect` with 90 % probability, from the means of the image

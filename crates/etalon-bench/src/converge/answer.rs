@@ -30,7 +30,7 @@ pub struct Ratio {
     pub high: f64,
 }
 
-/// Of all other contenders without bias, the one whose efficiency over that of the strategy by default has the largest lower
+/// The contender without bias, other than the default, whose efficiency over that of the strategy by default has the largest lower
 /// end. Fixed lights are no rivals: they are biased, whether this is found or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rival {

@@ -56,7 +56,7 @@ pub struct Fault {
     pub strategy: String,
     /// From 1.
     pub replicate: u32,
-    /// Of the run.
+    /// Seed of the run.
     pub seed: u64,
     /// Samples per pixel.
     pub spp: u32,
@@ -133,7 +133,7 @@ const FIRST_IMAGE: f64 = 1.0 / 3.0;
 /// A replicate while it is rendered.
 pub struct Replicate<'a> {
     source: Source<'a>,
-    /// Of its random numbers.
+    /// Seed of its random numbers.
     pub seed: u64,
     /// Samples per pixel of the last image, 0 before the first.
     pub spp: u32,

@@ -17,7 +17,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Measured {
     /// Samples per pixel.
     pub spp: u32,
-    /// Of rendering them.
+    /// Time to render them.
     pub times: Times,
     /// Against the reference.
     pub errors: Comparison,
@@ -127,7 +127,7 @@ pub struct Curve {
     pub mean_bias: Estimate,
     /// Mean wall-clock time of the preparation: tables, trees; of a renderer, its start-up.
     pub preparation_seconds: f64,
-    /// Of a renderer: start-up and time per sample; `None` for ours, whose preparation is timed by itself, and where the
+    /// Start-up and time per sample of a renderer; `None` for ours, whose preparation is timed by itself, and where the
     /// time does not grow measurably with the samples. Then the whole time counts.
     pub times: Option<TimeFit>,
     /// Each replicate's measurements, without its images.
@@ -150,7 +150,7 @@ pub const BIAS_LEVEL: f64 = 5e-3;
 /// The result of one replicate.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Of its random numbers.
+    /// Seed of its random numbers.
     pub seed: u64,
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,

@@ -69,9 +69,9 @@ pub struct Doubling<'a> {
     job: Job<'a>,
     part: Part,
     spp: u32,
-    /// Of all samples so far, without the preparation.
+    /// Time of all samples so far, without the preparation.
     pub times: Times,
-    /// Of the preparation: tables, trees.
+    /// Time of the preparation: tables, trees.
     pub preparation: Times,
 }
 

@@ -14,7 +14,7 @@ pub struct Plan {
     pub max_spp: Option<u32>,
     /// So many renders of each contender with seeds of their own; `None` for [`REPLICATES`], or fewer if they do not fit.
     pub replicates: Option<u32>,
-    /// Of the first replicate; the others follow it.
+    /// Seed of the first replicate; the others follow it.
     pub seed: u64,
     /// A folder for all images and their times; see [`recorded`](super::recorded).
     pub keep: Option<PathBuf>,
@@ -37,7 +37,7 @@ impl Plan {
         self.max_spp.unwrap_or(MOST_SPP)
     }
 
-    /// Checks the plan for so many contenders.
+    /// Checks the plan for n contenders.
     ///
     /// # Errors
     /// [`Error::Parameter`] for what is out of range, [`Error::Memory`].

@@ -50,7 +50,7 @@ impl Convergence {
     /// The smallest RMSE that every contender without bias has reached.
     pub fn common_rmse(&self) -> f64 {
         let unbiased = self.curves.iter().filter(|curve| curve.verdict != CurveVerdict::Biased);
-        // Of an unbiased estimate of the MSE below 0 there is no root.
+        // An unbiased estimate of the MSE may be below 0 and has no root then.
         let known = |curve: &Curve| {
             curve.levels.iter().map(curve::Level::rmse).filter(|rmse| !rmse.is_nan()).fold(f64::INFINITY, f64::at_most)
         };

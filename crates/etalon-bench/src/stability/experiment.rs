@@ -33,7 +33,7 @@ pub struct Workload {
 }
 
 impl Workload {
-    /// Of the subcommand.
+    /// The effort of the subcommand.
     pub const FULL: Self =
         Self { side: 33, film_samples: 100_000_000, map: [8192, 4096], table_samples: 10_000_000, bounces: 10_000 };
 

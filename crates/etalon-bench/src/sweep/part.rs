@@ -24,7 +24,7 @@ struct Header {
 const FORMAT: u32 = 1;
 /// Most configurations of a part.
 pub const MOST: u64 = 2_000_000;
-/// Most bytes of a part: twice those of so many configurations.
+/// Most bytes of a part: twice those of all its configurations.
 const LARGEST: u64 = 600 << 20;
 /// Memory of a row besides its text and the ends of its fields.
 const ROW_BYTES: usize = 128;
@@ -66,7 +66,7 @@ impl Part {
         Self { shard, description: plan.description.clone(), rows: BTreeMap::new() }
     }
 
-    /// Of which sweep it is.
+    /// The sweep that it belongs to.
     #[must_use]
     pub fn description(&self) -> &Description {
         &self.description

@@ -44,7 +44,7 @@ pub struct Description {
     version: String,
     families: Vec<Described>,
     strategy: String,
-    /// Of each family, at most.
+    /// Most configurations of each family.
     configurations: u64,
     seed: u64,
     detect: f64,

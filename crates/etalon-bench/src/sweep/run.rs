@@ -12,11 +12,11 @@ const BATCH: usize = 64;
 /// How often what is finished is saved.
 const SAVE: Duration = Duration::from_secs(60);
 
-/// Computes what `part` lacks. `save` is called about once a minute and at the end; `done` after so many configurations. Once the
+/// Computes what `part` lacks. `save` is called about once a minute and at the end; `done` with the number of configurations so far. Once the
 /// process is asked to stop, what is finished is saved; the part then lacks the rest.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a part that is too large; those of the checks, but for interruption, and of `save`.
+/// [`Error::Parameter`] for a part that is too large; those of the checks, except interruption, and of `save`.
 pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
     let count = u64::from(part.shard().count);
     if plan.len().div_ceil(count) > MOST {

@@ -26,7 +26,7 @@ pub struct Tested {
 pub struct Validation {
     /// Probability that a run of right samplers rejects any.
     pub level: f64,
-    /// Of the random numbers of all tests.
+    /// Seed of the random numbers of all tests.
     pub seed: u64,
     /// In the order of the cases.
     pub tests: Vec<Tested>,
@@ -89,7 +89,7 @@ impl Validation {
         let mut all: Vec<f64> = self.tests.iter().filter_map(|test| test.outcome.p).collect();
         all.sort_by(f64::total_cmp);
         let ranked = |(i, (p, verdict)): (usize, (f64, Verdict))| {
-            // Of n uniform random numbers the i-th smallest is distributed as Beta(i, n − i + 1).
+            // The i-th smallest of n uniform random numbers is distributed as Beta(i, n − i + 1).
             let beta = Beta::new((i + 1) as f64, (n - i) as f64);
             let quantile = |share: f64| beta.as_ref().map_or(share, |beta| beta.inverse_cdf(share));
             Ranked {
@@ -120,7 +120,7 @@ fn of_each<T: Send>(cases: &[Case], one: impl Fn(&Case) -> Result<T> + Sync) -> 
 /// Runs all `cases` at the level of `protocol`, shared among them, and calls `done` with the name of each finished one.
 ///
 /// # Errors
-/// [`Error::Parameter`] for an impossible protocol; those of [`Case::examine`] but for interruption.
+/// [`Error::Parameter`] for an impossible protocol; those of [`Case::examine`] except interruption.
 pub fn run(cases: &[Case], protocol: &Protocol, done: &(dyn Fn(&str) + Sync)) -> Result<Validation> {
     let start = Instant::now();
     let protocol = Protocol { tests: cases.len(), ..*protocol };

@@ -7,7 +7,7 @@
 //! metal that reflects everything then reflects everything, to the error of the table, 10⁻³, or 2·10⁻³ if it is
 //! anisotropic.
 //!
-//! Of the models in use this is the one whose value is a closed form, deterministic and reciprocal, so that light tracing may
+//! This is the one of the models in use whose value is a closed form, deterministic and reciprocal, so that light tracing may
 //! use it and tests can check it. Scaling the single scattering up instead (Turquin, "Practical Multiple Scattering
 //! Compensation for Microfacet Models", 2019) is not reciprocal; random walks between the facets (Heitz et al., SIGGRAPH
 //! 2016) have no value in closed form.

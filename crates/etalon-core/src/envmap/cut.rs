@@ -63,7 +63,7 @@ type Ordered = i64;
 
 fn ordered(x: f64) -> Ordered {
     let bits = x.to_bits().cast_signed();
-    // Of negative numbers those with larger bits are smaller.
+    // Negative numbers with larger bits are smaller.
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 

@@ -20,7 +20,7 @@ pub struct Irradiance {
     pub error: DVec3,
 }
 
-/// A bright texel on the horizon is cut into so many parts each way.
+/// A bright texel on the horizon is cut into this number of parts each way.
 const PARTS: usize = 8;
 
 /// The tree of blocks of a map.

@@ -118,7 +118,7 @@ impl EnvMap {
         (0..self.image.height()).map(row).sum::<f64>() / (4.0 * PI)
     }
 
-    /// Asks for the memory of a table that takes so many bytes for each texel.
+    /// Asks for the memory of a table that takes n bytes for each texel.
     ///
     /// # Errors
     /// [`Error::Memory`](crate::Error::Memory).

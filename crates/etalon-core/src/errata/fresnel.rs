@@ -65,7 +65,7 @@ mod tests {
             let c = degrees.to_radians().cos();
             assert!((wrong(c) - wrong_value).abs() < 5e-4 && (exact(c) - truth).abs() < 5e-4, "{degrees}");
         }
-        // Of uniform light from inside: ∫ F 2c dc.
+        // For uniform light from inside: ∫ F 2c dc.
         let mean = |f: &dyn Fn(f64) -> f64| {
             (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).map(|c| 2.0 * c * f(c)).sum::<f64>() / f64::from(n)
         };

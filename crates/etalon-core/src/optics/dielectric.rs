@@ -7,7 +7,7 @@
 //! * F = r⊥² (1 + (r∥/r⊥)²) / 2
 //!
 //! The textbook form (g − c)/(g + c) subtracts nearly equal numbers as η → 1: at η = 1.0003 its error is 5·10⁻⁴ in
-//! f32; that of this form is below 10⁻⁶ for η from 10⁻³ to 10³, but for the degree next to the critical angle. There dF/dc is infinite, so no formula can be
+//! f32; that of this form is below 10⁻⁶ for η from 10⁻³ to 10³, except for the degree next to the critical angle. There dF/dc is infinite, so no formula can be
 //! accurate in terms of the rounded cosine; g is returned so that callers need not compute it again.
 
 use super::incidence;

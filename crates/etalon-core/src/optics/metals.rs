@@ -64,7 +64,7 @@ macro_rules! metals {
         /// metals", Phys. Rev. B 6, 4370 (1972), for silver, gold and copper; Rakić, "Algorithm for the determination of
         /// intrinsic optical constants of metal films: application to aluminum", Appl. Opt. 34, 4755 (1995). Iron is Table 1
         /// of the second report: Johnson & Christy, "Optical constants of transition metals", Phys. Rev. B 9, 5056 (1974),
-        /// but for k at 466 nm, which is 0.002 larger.
+        /// except for k at 466 nm, which is 0.002 larger.
         pub const METALS: &[&Metal] = &[$($constant),*];
     };
 }

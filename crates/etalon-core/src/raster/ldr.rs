@@ -74,7 +74,7 @@ const UNREAD: [&[u8; 4]; 4] = [b"iCCP", b"iTXt", b"tEXt", b"zTXt"];
 fn remove_chunks(bytes: &mut Vec<u8>, kinds: &[&[u8; 4]]) {
     let start = SIGNATURE.min(bytes.len());
     let (mut read, mut kept) = (start, start);
-    // A length, a kind, so many bytes, and a checksum.
+    // A length, a kind, bytes of this length, and a checksum.
     while let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(read..).and_then(<[u8]>::first_chunk::<8>) {
         let next = bytes.len().min(read + 12 + u32::from_be_bytes([a, b, c, d]) as usize);
         if !kinds.contains(&kind) {

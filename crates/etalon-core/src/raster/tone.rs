@@ -60,7 +60,7 @@ pub fn to_rgb8(image: &Image, tone: &ToneMap) -> Vec<u8> {
 
 /// An exposure for displaying a high-dynamic-range image, in stops.
 ///
-/// Of the finite, positive pixels, sorted by luminance 0.2126 R + 0.7152 G + 0.0722 B, the geometric mean of the middle
+/// The finite, positive pixels are sorted by luminance 0.2126 R + 0.7152 G + 0.0722 B, and the geometric mean of the middle
 /// four fifths is brought to 0.18, so that neither a sun nor a black border counts; but not so far that more than the
 /// brightest tenth exceeds 1. 0 when there is no such pixel.
 #[must_use]

@@ -24,7 +24,7 @@ pub struct SphericalTriangle<T> {
     b_length: T,
     /// The edges from a to b and to c.
     edges: [[T; 3]; 2],
-    /// Of the edge from a to c: its length, and its component along a.
+    /// Length of the edge from a to c, and its component along a.
     length: T,
     along: T,
     /// With the unit vector b' along b: the triple product of a, b' and the edge; 1 + a·b'; (a + b') · edge.

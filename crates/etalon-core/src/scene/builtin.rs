@@ -189,7 +189,7 @@ enum Maker {
     /// It needs an environment map, which it brightens by this factor.
     UnderMap(fn(Environment) -> (Scene, Request), f32),
     Complete(fn() -> (Scene, Request)),
-    /// Of that metal, in the Cornell box.
+    /// A statue of that metal, in the Cornell box.
     Statue(&'static Metal),
 }
 

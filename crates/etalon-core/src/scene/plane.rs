@@ -7,7 +7,7 @@ use glam::Vec3;
 pub struct Plane {
     /// n, of unit length.
     pub normal: Vec3,
-    /// Of the points along the normal.
+    /// Height of the points along the normal.
     pub height: f32,
 }
 

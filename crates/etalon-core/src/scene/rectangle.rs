@@ -22,7 +22,7 @@ const PERPENDICULAR: f32 = 1e-4;
 
 impl Rectangle {
     /// The rectangle `centre` ± `half_x` ± `half_y`, its front where `half_x` × `half_y` points; `None` when the sides
-    /// have no length or are not perpendicular to 10⁻⁴. Sides that are along an axis but for rounding are taken as along it.
+    /// have no length or are not perpendicular to 10⁻⁴. Sides that are along an axis except for rounding are taken as along it.
     #[must_use]
     pub fn new(centre: Vec3, half_x: Vec3, half_y: Vec3) -> Option<Self> {
         let [half_x, half_y] = [half_x, half_y].map(without_rounding);

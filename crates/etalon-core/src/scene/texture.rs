@@ -16,7 +16,7 @@ pub enum Texture {
     Checkerboard {
         /// From (u, v) to (s, t).
         mapping: UvMapping,
-        /// Of the squares.
+        /// Textures of the squares.
         textures: Arc<[Texture; 2]>,
     },
     /// The product of two textures.

@@ -146,7 +146,7 @@ fn outlines(text: &Text) -> Option<Path> {
         let tables = run.face.tables();
         outlines.scale = (run.size / f64::from(tables.units_per_em())) as f32;
         for c in run.text.chars() {
-            // What has no glyph shows the font's empty box, but for control characters.
+            // What has no glyph shows the font's empty box, except for control characters.
             let c = if c.is_control() { ' ' } else { c };
             outlines.at = [x as f32, -run.rise as f32];
             tables.outline_glyph(tables.glyph_index(c).unwrap_or_default(), &mut outlines);

@@ -17,7 +17,7 @@ pub struct Colour {
 impl Colour {
     pub const BLACK: Colour = Colour::rgb(0, 0, 0);
     pub const WHITE: Colour = Colour::rgb(255, 255, 255);
-    /// Of text, frames and ticks.
+    /// The colour of text, frames and ticks.
     pub const INK: Colour = Colour::rgb(38, 38, 38);
 
     pub const fn rgb(r: u8, g: u8, b: u8) -> Self {

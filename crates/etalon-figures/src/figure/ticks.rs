@@ -76,7 +76,7 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
     let exponent = if (1e-3..1e5).contains(&largest) { 0 } else { largest.log10().floor() as i32 };
     let decimals = (decimals + exponent).clamp(0, 15) as usize;
     let multiples = |step: f64| {
-        // A range that ends on a multiple but for rounding has its tick there.
+        // A range that ends on a multiple except for rounding has its tick there.
         let (first, last) = ((lo / step - 1e-6).ceil(), (hi / step + 1e-6).floor());
         let count = (last - first).clamp(-1.0, 10.0 * MOST_STEPS) as i64;
         (0..=count).map(move |i| first + i as f64)
@@ -90,7 +90,7 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
     Ticks { major, minor, exponent }
 }
 
-/// Decades, all or every so many, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
+/// Decades, all or every n-th, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
 /// holds no two decades. Needs `lo > 0`.
 pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);
@@ -100,7 +100,7 @@ pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
     // Label every stride-th decade
     let least = (last - first + 1).unsigned_abs().div_ceil(most.max(2) as u32) as i32;
     let stride = [1, 2, 3, 5, 10, 20, 50, 100, 200].into_iter().find(|&n| n >= least).unwrap_or(500);
-    // Every so many decades counted from 1, so that 1 itself is among them.
+    // Every n-th decade counted from 1, so that 1 itself is among them.
     let labelled = |n: &i32| n.rem_euclid(stride) == 0;
     let major: Vec<Tick> = (first..=last)
         .filter(labelled)

@@ -15,9 +15,9 @@ pub const FORMATS: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"]
 /// Where a figure's counterpart was published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Report {
-    /// Of 2020, about Fresnel reflectance and environment maps.
+    /// The report of 2020, about Fresnel reflectance and environment maps.
     First,
-    /// Of 2022, about path tracing and microfacets.
+    /// The report of 2022, about path tracing and microfacets.
     Second,
     Both,
     Neither,

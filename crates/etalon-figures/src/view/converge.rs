@@ -27,16 +27,16 @@ pub struct Row {
     rel_mse_half_width: f64,
     /// Mean HDR-FLIP of the first replicate.
     flip: Option<f64>,
-    /// Of the first replicate, in dB.
+    /// PSNR of the first replicate, in dB.
     psnr: f64,
-    /// Of the first replicate.
+    /// SSIM of the first replicate.
     ssim: Option<f64>,
     /// 1 / (MSE · processor seconds).
     efficiency_per_second: f64,
     /// p of RMSE ∝ sppᵖ.
     slope: f64,
     slope_half_width: f64,
-    /// Of the last level.
+    /// Squared bias of the last level.
     mean_squared_bias: f64,
     mean_squared_bias_error: f64,
     verdict: &'static str,
@@ -103,7 +103,7 @@ pub struct ReplicateRow {
     /// Without the worst 0.1 % of channel values.
     mse_trimmed: f64,
     rel_mse: f64,
-    /// Of the channel values of the image.
+    /// Mean of the channel values of the image.
     mean: f64,
 }
 

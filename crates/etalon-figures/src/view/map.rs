@@ -173,7 +173,7 @@ impl Display {
         zoom
     }
 
-    /// Black but for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
+    /// Black except for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
     /// than the average of the map.
     pub fn samples_only(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = self.black();

@@ -68,7 +68,7 @@ pub fn p_is(p: f64) -> String {
     if value.starts_with('<') { format!("p {value}") } else { format!("p = {value}") }
 }
 
-/// A number rounded to so many significant digits, with an exponent only if it is very small or large.
+/// A number rounded to n significant digits, with an exponent only if it is very small or large.
 pub fn rounded(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

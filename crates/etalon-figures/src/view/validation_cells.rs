@@ -198,7 +198,7 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
     if atoms > 0 {
         parts.push(format!("at atoms {}", of("atom")));
     }
-    // Most samplers always return a sample; the integral of their pdf is 1 but for rounding.
+    // Most samplers always return a sample; the integral of their pdf is 1 except for rounding.
     if beyond.iter().any(|row| row.kind == "none" && (row.observed > 0 || row.expected >= 0.05)) {
         parts.push(format!("no sample {}", of("none")));
     }

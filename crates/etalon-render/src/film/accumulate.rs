@@ -374,7 +374,7 @@ mod tests {
         });
         let first = film.estimates().next().unwrap();
         assert_eq!(first.mean, Rgb::ONE + 0.5 * value);
-        // Of 2n paths a quarter bring the value: variance v² (1/4 − 1/16), and the mean is the sum over n.
+        // A quarter of 2n paths bring the value: variance v² (1/4 − 1/16), and the mean is the sum over n.
         let expected = value.as_dvec3() * (2.0 * f64::from(n) * (0.25 - 0.0625)).sqrt() / f64::from(n);
         assert!((first.error.as_dvec3() - expected).abs().max_element() < 1e-6, "{:?} {expected:?}", first.error);
         assert_eq!(film.estimates().nth(1).unwrap(), PixelEstimate { mean: Rgb::ONE, error: Rgb::ZERO });

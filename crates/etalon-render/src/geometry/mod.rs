@@ -67,7 +67,7 @@ impl Surface {
     }
 }
 
-/// Up to so many rectangles and spheres are tried one by one. `cargo bench --bench bvh few` compares that with the
+/// Most rectangles and spheres that are tried one by one. `cargo bench --bench bvh few` compares that with the
 /// tree, for 256 incoherent rays and spheres that fill a ninth of a cube: 32 of them one by one are 1.6 times as fast
 /// as the tree, 64 as fast, 128 0.7 times.
 const MOST_SOLIDS: usize = 48;

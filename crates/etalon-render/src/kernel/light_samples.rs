@@ -60,7 +60,7 @@ pub fn sample(
             let mut u = [[0.0; LANES]; 2];
             numbers.fill(scene.arch, slots, dimensions.light(number), sub_sample, &mut u);
             let Some(light) = round.light else {
-                // Of the first sample: choose the lights of all.
+                // With the first sample, choose the lights of all.
                 if sub_sample.0 == 0 {
                     choose_lights(step, round, places, choices);
                 }

@@ -41,11 +41,11 @@ pub struct Scattered {
     pub weight: Lane3,
     /// Per solid angle.
     pub pdf: Lane,
-    /// Of samples: the lobe, the probability with which it was chosen, and the ratio of the indices of refraction.
+    /// For samples, the lobe, the probability with which it was chosen, and the ratio of the indices of refraction.
     lobe: [Lobe; LANES],
     probability: Lane,
     eta: Lane,
-    /// Of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
+    /// Pdf of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
     pub reverse_pdf: Lane,
 }
 

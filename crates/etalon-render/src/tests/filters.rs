@@ -5,7 +5,7 @@ use super::*;
 use crate::film::Film;
 use etalon_stats::estimate::Estimate;
 
-/// The integral of exp(−t²/(2σ²)) up to x, but for a constant.
+/// The integral of exp(−t²/(2σ²)) up to x, except for a constant.
 fn below(x: f64, sigma: f64) -> f64 {
     sigma * (0.5 * std::f64::consts::PI).sqrt() * libm::erf(x / sigma / 2f64.sqrt())
 }
@@ -67,7 +67,7 @@ fn worst(scene: &Scene, film: [f64; 2], share: impl Fn(usize, f64) -> f64) -> f6
     (0..SIZE * SIZE).map(z).fold(0.0, f64::max)
 }
 
-/// Of 1024 pixels none is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 % probability.
+/// None of 1024 pixels is off by six standard errors (by chance 2·10⁻⁶); an error of 0.015 is found with 90 % probability.
 #[test]
 #[ignore = "takes seconds: cargo test -- --ignored"]
 fn the_corner_of_an_emitter_is_its_convolution() {

@@ -33,7 +33,7 @@ fn busy() -> Image {
 
 const ALL: [Sampling; 5] = Sampling::ALL;
 
-/// What `work` makes with so many threads.
+/// What `work` makes on n threads.
 pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(work)
 }

@@ -46,7 +46,7 @@ fn strategies(scene: &Scene) -> Vec<Settings> {
     ALL.into_iter().flat_map(by).collect()
 }
 
-/// Of equal means, one comparison in two million is that far apart; there are about a hundred.
+/// One comparison of equal means in two million is that far apart; there are about a hundred.
 const STANDARD_ERRORS: f64 = 5.0;
 
 #[test]

@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The probability with which the error of an albedo may exceed its bound.
 pub const RISK: f64 = 0.01;
-/// Rounding changes a weight by so many times the square root of the machine epsilon at most: near total reflection, Fresnel's
+/// Rounding changes a weight by at most this multiple of the square root of the machine epsilon: near total reflection, Fresnel's
 /// reflectance grows with the root of the distance from the critical angle, and each lobe has its own rounding.
 const ROUNDING: f64 = 8.0;
 /// The roundings of a sum of lobes, in units of the last place.
@@ -34,7 +34,7 @@ pub enum Basis {
     /// On the weights that were found, of which this is the largest: none is assumed to be much further than those from what its
     /// neighbours let expect.
     Found(f64),
-    /// On the assumption that means have a normal distribution, so that theirs is Student's of so many degrees of freedom, and that no
+    /// On the assumption that means have a normal distribution, so that theirs is Student's of n degrees of freedom, and that no
     /// weight is larger than those that were found.
     Normal(f64),
 }

@@ -128,7 +128,7 @@ impl Light<'_> {
 
 /// The light that the rules of the cubature miss, as samples measure it: what f |cos θᵢ| exceeds their polynomials by.
 struct MissedLight {
-    /// Of each cell.
+    /// Values of each cell.
     cells: Vec<f64>,
     /// The standard error of the sum.
     deviation: f64,

@@ -291,7 +291,7 @@ fn is_false_alarm(bsdf: &dyn super::BatchBsdf, seed: u64) -> bool {
     test("right", bsdf, &[towards(60.0)], &protocol).unwrap().with(Verdict::Reject).count() > 0
 }
 
-/// How many of so many runs reject a right BSDF, at level 1 %.
+/// How many of n runs reject a right BSDF, at level 1 %.
 fn false_alarms(runs: u64) -> usize {
     // Mostly those that take little time.
     let (paint, walk, metal): (&dyn super::BatchBsdf, &dyn super::BatchBsdf, &dyn super::BatchBsdf) =

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Values asked for at a time: enough for a density in another process.
 const POINTS: usize = 1 << 12;
-/// Values summed at a time: many more than there are parts, and in so many batches at most that these fit into memory.
+/// Values summed at a time: many more than there are parts, and in few enough batches to fit into memory.
 const VALUES: usize = 1 << 17;
 const BATCHES: usize = 64;
 
@@ -38,7 +38,7 @@ pub(super) fn sums(
     let [xs, ys] = [0, 1].map(|axis| [&[0.0], &steps[axis][..], &[1.0]].concat());
     let (rows, columns) = (xs.len() - 1, ys.len() - 1);
 
-    // Of each interval along x, the parts of the axis and the rows of parts of cells; of each along y, the parts of the
+    // For each interval along x, the parts of the axis and the rows of parts of cells; of each along y, the parts of the
     // axis and, for each row of the grid, the columns of parts of cells.
     let side = 1 << subdivision.depth;
     let (row_ends, column_ends) = subdivision.grid.ends();

@@ -43,7 +43,7 @@ pub struct Survivors {
     added: u64,
 }
 
-/// Of each check of each family so many survivors are run again, or twice as many as right BSDFs are expected to have, if
+/// Survivors of each check of each family that are run again, or twice as many as right BSDFs are expected to have, if
 /// that is more.
 const FEWEST_RERUN: u64 = 1000;
 
@@ -85,9 +85,9 @@ fn keep(group: &mut Vec<Survivor>, most: usize) {
 /// A survivor after its second run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decided {
-    /// Of the screen.
+    /// What the screen found.
     pub survivor: Survivor,
-    /// Of the second run; `None` if the check does not apply any more.
+    /// What the second run found; `None` if the check does not apply any more.
     pub fresh: Option<Finding>,
     /// Whether the fresh p-value is rejected at the level of all together.
     pub is_rejected: bool,

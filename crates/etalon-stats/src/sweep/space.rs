@@ -25,12 +25,12 @@ pub struct Space {
     strategy: Strategy,
     /// 1, or 2 if light is transmitted: `wo` lies above the surface, or on either side.
     sides: u64,
-    /// Of the grid: values of each parameter, and angles on each side.
+    /// For the grid: values of each parameter, and angles on each side.
     levels: [u64; 2],
-    /// Of the edges: choices of each parameter, then of the angle and of the azimuth.
+    /// For the edges: choices of each parameter, then of the angle and of the azimuth.
     choices: Vec<Vec<Choice>>,
     len: u64,
-    /// Of this family alone.
+    /// Seed of this family alone.
     seed: u64,
 }
 

@@ -180,7 +180,7 @@ fn a_fault_of_unequal_widths_is_found_by_all_and_shrunk() {
         let defaults = shrunk.configuration.values.iter().filter(|value| [0.3, 1.5].contains(*value)).count();
         assert!(shrunk.finding.state == State::Violated && defaults == 2, "{strategy:?}: {shrunk:?}");
     }
-    // The converse is met by edges alone: other strategies set no two values equal, but for ends of the grid.
+    // The converse is met by edges alone: other strategies set no two values equal, except for ends of the grid.
     let fault = |values: &[f64]| if values[0] == values[1] && values[0] < 1.0 { [1.1, 1.0] } else { RIGHT };
     let family = Planted { transmission: false, fault };
     assert_eq!(found(&family, Strategy::Random, "jacobian").0, 0);

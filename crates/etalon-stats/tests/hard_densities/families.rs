@@ -310,7 +310,7 @@ impl Lobe {
     }
 
     fn sample(&self, [u, v]: [f64; 2]) -> Vector {
-        // 1 − cos θ is exponentially distributed but for what is beyond the opposite pole: e^(−2κ).
+        // 1 − cos θ is exponentially distributed except for what is beyond the opposite pole: e^(−2κ).
         let below = -(-u).ln_1p() / self.kappa;
         let sin = (below * (2.0 - below)).max(0.0).sqrt();
         let (s, c) = (TAU * v).sin_cos();

@@ -26,7 +26,7 @@ fn a_hundred_hard_densities() {
     assert_decided(0..5, 4);
 }
 
-/// Tests the densities of each family with the parameters of these seeds, of which at most so many may be rejected.
+/// Tests the densities of each family with the parameters of these seeds, of which at most n may be rejected.
 fn assert_decided(seeds: Range<u64>, most_rejected: u32) {
     let cases: Vec<(usize, u64)> =
         (0..FAMILIES.len()).flat_map(|family| seeds.clone().map(move |seed| (family, seed))).collect();

@@ -293,7 +293,7 @@ fn blurred(rng: &mut CounterRng, size: [usize; 2]) -> Image {
     Image::from_fn(size[0], size[1], |x, y| near(x, y).map(|(x, y)| sharp.get(x, y)).sum::<Rgb>() / 25.0)
 }
 
-/// Of `runs` comparisons with an image that is declared exact, how many find noise, and how many are different.
+/// How many of `runs` comparisons with an image that is declared exact find noise, and how many are different.
 fn against_one(runs: u64, make: fn(&mut CounterRng, [usize; 2]) -> Image, n: usize, noises: [f32; 2]) -> [usize; 2] {
     let compared = |run: u64| {
         let rng = &mut CounterRng::new(23, run);

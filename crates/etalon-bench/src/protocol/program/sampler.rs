@@ -40,7 +40,7 @@ struct Description {
     table: Option<[usize; 2]>,
     /// Whether it has the inverse of its sampler.
     invert: bool,
-    /// Of the pdfs that samples carry.
+    /// Precision of the pdfs that samples carry.
     precision: f64,
 }
 

@@ -94,7 +94,7 @@ impl Space {
         matches!(self, Self::Square(_))
     }
 
-    /// The lines of the chart between the cells of a table with so many rows and columns.
+    /// The lines of the chart between the cells of a table of this size.
     #[must_use]
     pub fn steps(&self, [rows, columns]: [usize; 2]) -> [Vec<f64>; 2] {
         let (first, second) = if self.is_transposed() { (columns, rows) } else { (rows, columns) };

@@ -45,10 +45,10 @@ impl By {
 /// The result of one planted fault.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
-    /// Of the fault.
+    /// Name of the fault.
     pub name: &'static str,
     pub mistake: &'static str,
-    /// Of the test with the mistake.
+    /// Result of the test with the mistake.
     #[serde(flatten)]
     pub outcome: Outcome,
     /// What detected it; `None` if nothing did.

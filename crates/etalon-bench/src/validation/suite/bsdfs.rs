@@ -225,7 +225,7 @@ fn coat_probability(cos: f64, albedo: f64) -> f64 {
     f / (f + base)
 }
 
-/// One sample in so many is compared, to the last bit, with that of the scalar code.
+/// One sample in this number is compared, to the last bit, with that of the scalar code.
 const COMPARED: usize = 8;
 
 /// The directions that `bsdf` samples for `wo`, with the BSDF's name in the registry.

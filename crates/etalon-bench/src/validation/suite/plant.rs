@@ -34,11 +34,11 @@ impl Plant {
 /// Camera paths from another render than light paths: each render alone weights both consistently.
 #[derive(Debug, Clone, Copy)]
 pub struct Split {
-    /// Of the camera paths.
+    /// Settings of the camera paths.
     pub settings: Settings,
-    /// Of the camera paths.
+    /// Light samples of the camera paths.
     pub light_samples: u32,
-    /// Their film is so many times as wide as the image, which is in its middle.
+    /// Width of their film over that of the image, which is in its middle.
     pub widths: usize,
     /// Factor on the contributions of light paths.
     pub factor: f64,

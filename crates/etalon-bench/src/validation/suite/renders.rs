@@ -50,7 +50,7 @@ pub struct RenderTest {
     pub scene: Scene,
     /// Resolution and depth; the samples per pixel follow from the protocol.
     pub request: Request,
-    /// Of the renderer; seed and random numbers follow from the protocol.
+    /// Settings of the renderer; seed and random numbers follow from the protocol.
     pub settings: Settings,
     /// What the image is compared with.
     pub truth: Truth,

@@ -90,7 +90,7 @@ impl Spread {
 
 /// The light of all blocks, component by component.
 struct Lights {
-    /// Of [`Spread::mean`] and [`Spread::axis`], x, y and z.
+    /// x, y and z of [`Spread::mean`] and [`Spread::axis`].
     mean: [Vec<f32>; 3],
     axis: [Vec<f32>; 3],
     variance: Vec<f32>,

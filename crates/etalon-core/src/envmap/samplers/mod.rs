@@ -48,7 +48,7 @@ impl MapSampling {
         Self { entry, regions: 0 }
     }
 
-    /// A sampler of so many regions, if it takes a number of them.
+    /// A sampler of n regions, if it takes a number of them.
     #[must_use]
     pub const fn with_regions(entry: &'static Entry, regions: RegionCount) -> Self {
         Self { entry, regions: if entry.has_fixed_lights() { regions } else { 0 } }

@@ -70,7 +70,7 @@ impl Synthetic {
     /// # Errors
     /// [`Error::Memory`](crate::error::Error::Memory).
     pub fn request(self) -> Result<()> {
-        // Of the largest map: the image, and once more while it is decoded and rounded.
+        // The largest map takes the image, and once more while it is decoded and rounded.
         memory::request(3 * 1024 * 512 * size_of::<Rgb>(), || format!("the map {}", self.name()))
     }
 

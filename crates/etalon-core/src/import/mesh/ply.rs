@@ -42,7 +42,7 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
 #[derive(Default)]
 struct Vertices {
     positions: Vec<Vec3>,
-    /// Of any length; empty without.
+    /// Normals of any length; empty without.
     normals: Vec<[f64; 3]>,
     /// Empty without.
     uv: Vec<Vec2>,

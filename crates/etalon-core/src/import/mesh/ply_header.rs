@@ -15,7 +15,7 @@ pub enum Encoding {
     BigEndian,
 }
 
-/// A type of number: its size in a binary file in bytes, and the number from so many of them, the lowest first.
+/// A type of number: its size in a binary file in bytes, and the number from its bytes, the lowest first.
 #[derive(Debug, Clone, Copy)]
 pub struct Scalar {
     pub size: usize,
@@ -73,7 +73,7 @@ pub struct Header {
 }
 
 impl Element {
-    /// Fewest bytes that a row takes. In text each number has a digit and, but for the last one in the file, a space.
+    /// Fewest bytes that a row takes. In text each number has a digit and, except for the last one in the file, a space.
     pub fn least_bytes(&self, encoding: Encoding) -> usize {
         let size = |p: &Property| if encoding == Encoding::Ascii { 2 } else { p.length.unwrap_or(p.scalar).size };
         self.properties.iter().map(size).sum()

@@ -102,7 +102,7 @@ impl Reader<'_> {
                 format!("{}: the coat's absorption is left out: {share:.2} % straight through it and back", p.owner);
             self.warnings.push(p.place("thickness").warning(&message));
         }
-        // Settings of pbrt's random walk, without effect on its mean but for the longest paths.
+        // Settings of pbrt's random walk, without effect on its mean except for the longest paths.
         p.float("g", &ANY)?;
         p.integer("maxdepth", 0..=u32::MAX)?;
         p.integer("nsamples", 0..=u32::MAX)?;
@@ -186,7 +186,7 @@ const ROUGH_ALPHA: f32 = 0.5;
 /// A length that may be 0.
 const LENGTH: Rule = Rule(|x| x >= 0.0, "not negative");
 
-/// α along u and v for two roughnesses. Two of 0 are a smooth surface, but for pbrt-v3's metal. Where only one α is below
+/// α along u and v for two roughnesses. Two of 0 are a smooth surface, except for pbrt-v3's metal. Where only one α is below
 /// [`SMOOTH_ALPHA`], it is raised to that, as in pbrt.
 fn widths([u, v]: [f64; 2], scale: RoughnessScale, is_smooth_at_0: bool) -> [f32; 2] {
     if [u, v] == [0.0; 2] && is_smooth_at_0 {

@@ -160,7 +160,7 @@ impl Setup {
                 (1, all_lights)
             }
             "path" | "volpath" => (depth + u32::from(v2), false),
-            // They estimate what path tracing does, but for Whitted's, which leaves out light between diffuse surfaces.
+            // They estimate what path tracing does, except for Whitted's, which leaves out light between diffuse surfaces.
             kind if OTHER_INTEGRATORS.contains(&kind) => {
                 warnings.push(p.at.warning(&format!("{}: read as \"path\"", p.owner)));
                 (depth + u32::from(v2), false)

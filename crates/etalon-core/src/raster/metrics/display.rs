@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn constant_and_inverted_images_have_their_closed_forms() {
-        // Of constants: no structure to compare, the luminance term alone.
+        // Constants have no structure to compare, the luminance term alone.
         let grey = |v: f32| Image::from_fn(16, 12, |_, _| Rgb::splat(v));
         let [a, b] = [0.2, 0.5].map(|v| f64::from(srgb_from_linear(v)));
         let metrics = compare_shown(&grey(0.2), &grey(0.5));
@@ -147,7 +147,7 @@ mod tests {
         assert!((metrics.ssim.unwrap() - (2.0 * a * b + 1e-4) / (a * a + b * b + 1e-4)).abs() < 1e-6, "{metrics:?}");
         let equal = compare_shown(&grey(0.2), &grey(0.2));
         assert_eq!((equal.psnr, equal.ssim), (f64::INFINITY, Some(1.0)));
-        // A pattern and its negative have the structure term −1 but for the stabilizer.
+        // A pattern and its negative have the structure term −1 except for the stabilizer.
         let pattern = |sign: f32| {
             let value = |x: usize, y: usize| if (x + y).is_multiple_of(2) { sign } else { -sign };
             Image::from_fn(24, 24, |x, y| Rgb::splat(if value(x, y) > 0.0 { 1.0 } else { 0.0 }))

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 
 /// Keeps dark pixels from outweighing all others in the relative metrics.
 const EPSILON: f64 = 0.01;
-/// One channel value in so many is left out of the metrics without the worst 0.1 %.
+/// One channel value in this number is left out of the metrics without the worst 0.1 %.
 const WORST: usize = 1000;
 
 /// How image `a` differs from the reference `b`.
@@ -177,13 +177,13 @@ mod tests {
         // |a - b| by |b| + 0.01, and by the mean of |a| and |b| plus 0.01.
         assert!((c.mape - (1.0 / 1.01 + 0.5 / 0.01 + 2.0 / 2.01) / 4.0).abs() < 1e-13, "{}", c.mape);
         assert!((c.smape - (1.0 / 1.51 + 0.5 / 0.26 + 2.0 / 1.01) / 4.0).abs() < 1e-13, "{}", c.smape);
-        // Of 12 values a thousandth is none.
+        // A thousandth of 12 values is none.
         assert!((c.mse_trimmed - c.mse).abs() < 1e-15 && (c.mape_trimmed - c.mape).abs() < 1e-13);
     }
 
     #[test]
     fn the_worst_thousandth_is_left_out() {
-        // 3000 values off by 0.5, but for one pixel: its two largest and one more value are the worst three.
+        // 3000 values off by 0.5, except for one pixel: its two largest and one more value are the worst three.
         let mut a = Image::from_fn(50, 20, |_, _| Rgb::splat(1.5));
         a.pixels_mut()[77] = Rgb::new(101.0, 3.0, 1.25);
         a.pixels_mut()[78] = Rgb::new(1.5, 2.0, 1.5);

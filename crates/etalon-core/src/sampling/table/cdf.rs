@@ -85,13 +85,13 @@ pub(super) fn inside(offset: f64) -> f64 {
     offset.clamp(BORDER, 1.0 - BORDER)
 }
 
-/// Values in the table of so many cells.
+/// Values in the table of n cells.
 #[inline]
 pub(super) fn cdf_len(cells: usize) -> usize {
     cells + 1 + PROBES
 }
 
-/// Entries in the guide of so many cells.
+/// Entries in the guide of n cells.
 #[inline]
 pub(super) fn guide_len(cells: usize) -> usize {
     cells.next_power_of_two() + 2

@@ -171,7 +171,7 @@ impl Bvh {
     }
 }
 
-/// Of several rays, so many are traversed alternately: while one waits for memory, the others continue.
+/// Rays that are traversed alternately: while one waits for memory, the others continue.
 const IN_FLIGHT: usize = 8;
 
 #[inline(always)]

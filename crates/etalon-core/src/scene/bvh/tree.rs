@@ -42,7 +42,7 @@ pub struct Triangles {
     pub corner: [[[f32; WIDTH]; 3]; 3],
     /// Unit normals, by axis.
     pub normal: [[f32; WIDTH]; 3],
-    /// Of their planes.
+    /// Height of their planes.
     pub height: [f32; WIDTH],
     /// [`Plane::error`].
     pub error: [f32; WIDTH],

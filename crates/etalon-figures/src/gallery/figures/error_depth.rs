@@ -133,12 +133,12 @@ struct DepthRow {
     depth: u32,
     spp: u32,
     replicates: u32,
-    /// Of the light of the deepest image.
+    /// Share of the light of the deepest image.
     missing_share: f64,
     missing_share_half_width: f64,
     cpu_seconds: f64,
     cpu_seconds_half_width: f64,
-    /// Of the time of the deepest image.
+    /// Share of the time of the deepest image.
     time_share: f64,
 }
 

@@ -18,7 +18,7 @@ pub const LIMIT: f64 = 120.0;
 /// Strategies whose Sobol' points must converge faster than independent random numbers.
 const FASTER_ON_SPHERE: [&str; 4] = ["light", "mis", "mis-cosine-compensated", "light-cosine"];
 
-/// A plan of so many samples per pixel and replicates.
+/// A plan of `spp` samples per pixel and replicates.
 pub fn plan(inputs: &Inputs, max_spp: u32, replicates: u32) -> Plan {
     Plan { budget: LIMIT, max_spp: Some(max_spp), replicates: Some(replicates), seed: inputs.seed, keep: None }
 }
@@ -131,10 +131,10 @@ pub fn stopped(result: &Convergence) -> Check {
     Check::equal("strategies stopped by the time limit", 0.0, result.cut.len() as f64)
 }
 
-/// The default is at most so many times less efficient than the best strategy without bias.
+/// Largest factor by which the default is less efficient than the best strategy without bias.
 const WORSE: f64 = 1.15;
 
-/// What renders by default is as efficient as the best strategy, but for [`WORSE`] and chance.
+/// What renders by default is as efficient as the best strategy, except for [`WORSE`] and chance.
 pub fn default_against_best(result: &Convergence) -> Check {
     let default = Answer::of(result, 0.99).and_then(|answer| answer.default);
     let upper = default.map_or(f64::NAN, |rival| 1.0 / rival.low);

@@ -80,7 +80,7 @@ struct RoughnessLevel {
     replicates: u32,
     /// Mean over the pixels of the variance of a pixel's mean, channels averaged.
     mse: Estimate,
-    /// Of one replicate.
+    /// Time of one replicate.
     cpu_seconds: Estimate,
     /// 1 / (MSE · processor time).
     efficiency: Estimate,

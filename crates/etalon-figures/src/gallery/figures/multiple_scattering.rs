@@ -110,7 +110,7 @@ const DISTRIBUTIONS: [(&str, Distribution); 2] = [("GGX", Distribution::Ggx), ("
 /// Directions of the albedos, in degrees from the normal.
 const THETAS_DEG: [f64; 3] = [0.0, 60.0, 85.0];
 
-/// The albedos for all distributions and directions over `alphas`, each by so many samples.
+/// The albedos for all distributions and directions over `alphas`, each by n samples.
 fn albedos(alphas: &[f32], samples: u32) -> Vec<AlbedoRow> {
     let mut rows = Vec::new();
     for (distribution, kind) in DISTRIBUTIONS {

@@ -87,10 +87,10 @@ impl Many {
     }
 }
 
-/// The cost of a render of so many primitives. Field names are the CSV columns.
+/// The cost of a render of n primitives. Field names are the CSV columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 struct Cost {
-    /// Of what.
+    /// Kind of primitive.
     many: Many,
     /// How many.
     count: usize,

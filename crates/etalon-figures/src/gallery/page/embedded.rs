@@ -13,7 +13,7 @@ use std::path::Path;
 const LARGEST_PNG: usize = 30_000;
 /// Wider images are reduced to this width in pixels.
 const WIDEST: u32 = 1200;
-/// Of JPEG: differs from the PNG by less than the noise of the images.
+/// Quality of JPEG images: differs from the PNG by less than the noise of the images.
 const QUALITY: u8 = 76;
 /// Width and height of a thumbnail in pixels.
 const THUMBNAIL: [u32; 2] = [256, 192];

@@ -35,7 +35,7 @@ pub struct Weights<'a> {
 }
 
 impl<'a> Weights<'a> {
-    /// Of this channel.
+    /// The integrand of this channel.
     pub fn new(mapped: &'a Mapped<'a>, channel: usize) -> Self {
         Self { mapped, channel, equal: [true; 3], extremes: [0.0; 2] }
     }
@@ -169,7 +169,7 @@ struct Stratum {
     largest_difference: f64,
     /// The largest that was found.
     most: f64,
-    /// Of the distances that were measured.
+    /// Sum of the squares of the distances that were measured.
     squares: f64,
     count: f64,
 }

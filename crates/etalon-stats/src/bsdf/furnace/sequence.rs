@@ -80,7 +80,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
         largest[channel] = found.iter().map(|[_, most]| most[channel]).fold(largest[channel], f64::at_least);
         let mean = found.iter().map(|[mean, _]| mean[channel]).sum::<f64>() / n;
         let variance = found.iter().map(|[other, _]| (other[channel] - mean).powi(2)).sum::<f64>() / freedom;
-        // Of independent points none would be in a part of this size with probability `RISK`; weights are as large as the largest there.
+        // None of independent points would be in a part of this size with probability `RISK`; weights are as large as the largest there.
         let unseen = -RISK.ln() / (n * points);
         let rounding = PLACES * properties.precision * mean.abs() + rounded[channel];
         albedo.value[channel] = mean;

@@ -121,7 +121,7 @@ fn kinks_edges_and_rare_large_weights_are_within_the_bound() {
     for (function, exact) in functions {
         let weight = move |_: usize, at: [f64; 2]| function(at);
         let bsdf = Weights { weight, largest: Some(1.0), map: Some([1, 2]), precision: f64::EPSILON };
-        // Of 20 with a risk of 1 %, 3 or more have a probability of 0.1 %.
+        // 3 or more of 20 with a risk of 1 % have a probability of 0.1 %.
         let outside = (0..20).filter(|&seed| {
             let found = albedo(&bsdf, 1e-3, seed);
             assert!(found.error[0] <= 1e-3, "{found:?}");
@@ -195,7 +195,7 @@ fn poles_at_the_border_are_within_the_bound() {
         assert!(found.error[0] < 1e-2, "{found:?}");
         (found.value[0] - 1.0).abs() > found.error[0]
     });
-    // Of 20 with a risk of 1 %, 3 or more have a probability of 0.1 %.
+    // 3 or more of 20 with a risk of 1 % have a probability of 0.1 %.
     assert!(outside.count() < 3);
 }
 
@@ -208,7 +208,7 @@ fn other_bsdfs_are_averaged() {
         assert_eq!(found.basis, Basis::Normal(15.0));
         (found.value[0] - (0.5 + 0.5 / 3.0)).abs() > found.error[0]
     });
-    // Of 200 with a risk of 1 %, 7 or more have a probability of 0.4 %.
+    // 7 or more of 200 with a risk of 1 % have a probability of 0.4 %.
     assert!(outside.count() < 7);
 }
 
