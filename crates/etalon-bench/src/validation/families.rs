@@ -1,7 +1,7 @@
 //! Families of BSDFs: every BSDF of the registry over its parameters.
 
 use super::scattering::Scattering;
-use etalon_core::bsdf::NormalSampling;
+use etalon_core::bsdf::{Bsdf, NormalSampling};
 use etalon_core::error::{Error, Result};
 use etalon_core::math::Rgb;
 use etalon_core::scene::{Conductor, Dielectric, Distribution, Material, SMOOTH_ALPHA, ScatterModel};
@@ -30,6 +30,12 @@ pub struct Facets {
 impl Family {
     fn material(&self, values: &[f64]) -> Material {
         (self.material)(&values.iter().map(|&value| value as f32).collect::<Vec<f32>>())
+    }
+
+    /// The BSDF with these values of the parameters.
+    #[must_use]
+    pub fn bsdf(&self, values: &[f64]) -> Bsdf {
+        self.material(values).bsdf(self.model)
     }
 
     /// The microfacets of the BSDF with these parameters, if it is a rough metal or dielectric.
