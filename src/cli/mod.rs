@@ -87,7 +87,7 @@ enum Command {
 ///
 /// It sets what belongs to the whole process: handlers of signals, the number of threads, the limit of memory.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
-    crate::BUILD.state();
+    crate::BUILD.declare();
     // Parse the arguments
     let mut command = Cli::command();
     command.build();

@@ -1,4 +1,4 @@
-//! The build of the program that runs, which results carry. The program states it once, at its start.
+//! The build of the program that runs: its results name it. The program declares it once, at its start.
 
 use std::sync::OnceLock;
 
@@ -8,26 +8,27 @@ pub struct Build {
     pub version: &'static str,
     /// A hash of all sources and of the versions of dependencies.
     pub sources: &'static str,
-    /// The commit; empty where there was no repository.
+    /// The first digits of the commit; empty where it is not known.
     pub commit: &'static str,
 }
 
 static BUILD: OnceLock<Build> = OnceLock::new();
 
 impl Build {
-    /// States the build of this program; a second statement in one process changes nothing.
-    pub fn state(self) {
+    /// Declares the build of this program; only the first declaration in a process counts.
+    pub fn declare(self) {
         BUILD.get_or_init(|| self);
     }
 
-    /// The build of this program; of a program that states none, the version of this crate alone.
+    /// The declared build of this program; without a declaration the version of this crate alone, so that two builds of such a
+    /// program are not told apart.
     #[must_use]
     pub fn current() -> Self {
         let unknown = Self { version: env!("CARGO_PKG_VERSION"), sources: "", commit: "" };
         BUILD.get().copied().unwrap_or(unknown)
     }
 
-    /// The version with the hash of the sources: parts of two builds are not merged, for one may draw other samples than the other.
+    /// The version with the hash of the sources. Parts whose ids differ are not merged: one build may draw other samples than another.
     #[must_use]
     pub fn id(self) -> String {
         format!("{}+{}", self.version, self.sources)

@@ -1,9 +1,6 @@
 //! Rendering: the integrator, what of it a scene needs, and the film.
-//!
-//! Files from the bottom up, each importing from those before it: settings, fingerprint, wide, mis, film, solids, lanes, geometry,
-//! sample_lanes, lens, shading_normal, cut_lights, light_tree, light_sample, triangle_light, lights, light_lanes, light_selection, shaders, needs, environment, light_tracing,
-//! prepared, departure, reference, kernel, adaptive, job, choice.
 
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
 mod adaptive;

@@ -7,6 +7,7 @@
 //! [`assert_samples_follow_pdf`] is for tests; [`validate`] returns an [`Outcome`], [`decide`] judges many.
 //!
 #![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 #![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -4,8 +4,8 @@ use std::fmt;
 
 /// A point of a domain: an integer, or one to three coordinates.
 ///
-/// `usize`, `f64`, `[f64; 2]` and `[f64; 3]` convert to points and back. A point of another kind gives NaN or `usize::MAX`, which
-/// lies in no domain.
+/// `usize` (to 2⁵³), `f64`, `[f64; 2]` and `[f64; 3]` convert to points and back. Converted to another kind than its own, a point
+/// becomes NaN or `usize::MAX`, which lie in no domain.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Point {
     coordinates: [f64; 3],
@@ -15,24 +15,24 @@ pub struct Point {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Integer,
-    Number,
+    Real,
     Pair,
     Triple,
 }
 
 impl Point {
-    /// The coordinates; an integer is one.
+    /// The coordinates; an integer counts as one.
     #[inline]
     #[must_use]
     pub fn coordinates(&self) -> &[f64] {
         match self.kind {
-            Kind::Integer | Kind::Number => &self.coordinates[..1],
+            Kind::Integer | Kind::Real => &self.coordinates[..1],
             Kind::Pair => &self.coordinates[..2],
             Kind::Triple => &self.coordinates,
         }
     }
 
-    /// The integer that it is, if it is one.
+    /// Its value, if it is an integer.
     #[inline]
     #[must_use]
     pub fn integer(&self) -> Option<usize> {
@@ -50,7 +50,7 @@ impl From<usize> for Point {
 impl From<f64> for Point {
     #[inline]
     fn from(x: f64) -> Self {
-        Self { coordinates: [x, 0.0, 0.0], kind: Kind::Number }
+        Self { coordinates: [x, 0.0, 0.0], kind: Kind::Real }
     }
 }
 
@@ -78,7 +78,7 @@ impl From<Point> for usize {
 impl From<Point> for f64 {
     #[inline]
     fn from(point: Point) -> Self {
-        if point.kind == Kind::Number { point.coordinates[0] } else { f64::NAN }
+        if point.kind == Kind::Real { point.coordinates[0] } else { f64::NAN }
     }
 }
 
@@ -101,7 +101,7 @@ impl fmt::Debug for Point {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
             Kind::Integer => usize::from(*self).fmt(f),
-            Kind::Number => self.coordinates[0].fmt(f),
+            Kind::Real => self.coordinates[0].fmt(f),
             Kind::Pair | Kind::Triple => self.coordinates().fmt(f),
         }
     }
@@ -114,7 +114,7 @@ mod tests {
     use crate::text::tuple;
 
     #[test]
-    fn points_of_another_kind_lie_in_no_domain() {
+    fn points_convert_back_and_those_of_another_kind_lie_in_no_domain() {
         let number = Point::from(0.5);
         assert_eq!((f64::from(number), usize::from(Point::from(3_usize))), (0.5, 3));
         assert!(<[f64; 3]>::from(number).iter().all(|x| x.is_nan()));

@@ -1,4 +1,4 @@
-//! Domains that an external sampler can have: their names, their points as words and as rows of a table, the cells of tables of pdfs.
+//! Domains that an external sampler can have: their names, their points as fields of a line, the cells of tables of pdfs.
 
 use etalon_core::error::{Error, Result};
 use etalon_core::import::number::number;
@@ -11,7 +11,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Space {
     /// Unit vectors, or angles in radians: θ from the pole, and φ. Tables of pdfs: equal steps of θ from the pole in rows, of φ
-    /// from +x towards +y in columns.
+    /// from +x towards +y (for the pole +y: towards +z) in columns.
     Directions(Directions),
     /// Tables of pdfs: equal steps of y in rows, of x in columns.
     Square(Square),
@@ -21,7 +21,7 @@ pub enum Space {
     Discrete(Discrete),
 }
 
-/// The domains of a fixed size, by name; `discrete:N` is the other one. The pole of directions is +z.
+/// The domains of a fixed size, by name; `discrete:N` has a size. The pole of directions is +z.
 const NAMED: [(&str, Space); 4] = [
     ("sphere", Space::Directions(Directions { pole: Pole::Z, half: false })),
     ("hemisphere", Space::Directions(Directions { pole: Pole::Z, half: true })),
@@ -31,7 +31,7 @@ const NAMED: [(&str, Space); 4] = [
 /// The names, for messages.
 pub const HINT: &str = "domains: sphere, hemisphere, square, line, discrete:N";
 /// Most points of a finite set.
-const OUTCOMES: usize = 1 << 20;
+const MOST_OUTCOMES: usize = 1 << 20;
 
 impl Space {
     /// The domain itself.
@@ -62,7 +62,8 @@ impl Space {
         self.names()[0].len()
     }
 
-    /// The point with coordinates of one of the lists of [`names`](Self::names); `None` if no point can have them.
+    /// The point with coordinates of one of the lists of [`names`](Self::names); `None` if their number is
+    /// another, or an outcome is not an integer. The point need not lie in the domain.
     #[must_use]
     pub fn point(&self, coordinates: &[f64]) -> Option<Point> {
         Some(match (self, coordinates) {
@@ -82,7 +83,7 @@ impl Space {
         })
     }
 
-    /// The point that is written in words; a coordinate may be NaN, which no point of the domain has.
+    /// [`point`](Self::point) from the fields of a line, of the first list of [`names`](Self::names).
     #[must_use]
     pub fn read(&self, words: &[&str]) -> Option<Point> {
         let numbers: Vec<f64> = words.iter().map(|word| number(word)).collect::<Option<_>>()?;
@@ -99,7 +100,7 @@ impl Space {
     pub fn steps(&self, [rows, columns]: [usize; 2]) -> [Vec<f64>; 2] {
         let (first, second) = if self.is_transposed() { (columns, rows) } else { (rows, columns) };
         let divide = |n: usize| (1..n).map(move |i| i as f64 / n as f64);
-        // Equal steps of θ. 1 − cos θ without the subtraction.
+        // Equal steps of θ: the chart's coordinate is sin² (θ/2), twice that for a hemisphere.
         let along_first = |t: f64| match self {
             Self::Directions(Directions { half: true, .. }) => 2.0 * (0.25 * PI * t).sin().powi(2),
             Self::Directions(_) => (0.5 * PI * t).sin().powi(2),
@@ -134,8 +135,8 @@ impl FromStr for Space {
         }
         let error = |message: String| Error::parameter("domain", message).with_hint(HINT);
         let count = text.strip_prefix("discrete:").ok_or_else(|| error(format!("unknown domain {text:?}")))?;
-        let outcomes = count.parse().ok().filter(|n| (1..=OUTCOMES).contains(n));
-        let outcomes = outcomes.ok_or_else(|| error(format!("{text:?} needs a number from 1 to {OUTCOMES}")))?;
+        let outcomes = count.parse().ok().filter(|n| (1..=MOST_OUTCOMES).contains(n));
+        let outcomes = outcomes.ok_or_else(|| error(format!("{text:?} needs a number from 1 to {MOST_OUTCOMES}")))?;
         Ok(Self::Discrete(Discrete { outcomes }))
     }
 }

@@ -1,4 +1,5 @@
-//! Metrics of images as they are shown: HDR-FLIP, and PSNR and SSIM of values clipped to 0..1 and encoded by the sRGB curve.
+//! Metrics of what a viewer sees: HDR-FLIP of linear radiance over exposures; PSNR and SSIM of values clipped to 0..1 and encoded by
+//! the sRGB curve.
 //!
 //! Sources: Andersson et al., "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics 2021; Wang et al., "Image
 //! Quality Assessment: From Error Visibility to Structural Similarity", IEEE Transactions on Image Processing 13(4), 2004.
@@ -8,7 +9,7 @@ use flip_rs::{HdrOptions, RgbImage};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How different an image and its reference look. Pixels that are not finite in either image are black in both.
+/// How different an image and its reference look. A pixel that is not finite in one of them is black, and so equal, in both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayMetrics {
     /// Mean HDR-FLIP over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
@@ -32,13 +33,13 @@ pub fn compare_shown(image: &Image, reference: &Image) -> DisplayMetrics {
 
 /// The values of each channel of `image` on a display, black where it or `other` is not finite.
 fn shown(image: &Image, other: &Image) -> [Vec<f32>; 3] {
-    let shown = |channel: usize| {
+    let of_channel = |channel: usize| {
         let value = |(p, q): (&Vec3, &Vec3)| {
             if p.is_finite() && q.is_finite() { srgb_from_linear(p[channel].clamp(0.0, 1.0)) } else { 0.0 }
         };
         image.pixels().iter().zip(other.pixels()).map(value).collect()
     };
-    [0, 1, 2].map(shown)
+    [0, 1, 2].map(of_channel)
 }
 
 /// Side of a window, and the standard deviation of its weights, in pixels.
@@ -47,7 +48,7 @@ const SIGMA: f64 = 1.5;
 /// What keeps the quotients of dark or smooth windows finite: (0.01 L)² and (0.03 L)² for values from 0 to L = 1.
 const STABILIZERS: [f64; 2] = [1e-4, 9e-4];
 
-/// Mean over channels and windows of (2 μₐμ_b + C₁)(2 σₐ_b + C₂) / ((μₐ² + μ_b² + C₁)(σₐ² + σ_b² + C₂)).
+/// Mean over channels and windows of (2 μa μb + C₁)(2 σab + C₂) / ((μa² + μb² + C₁)(σa² + σb² + C₂)), with the C of [`STABILIZERS`].
 fn ssim(a: &[Vec<f32>; 3], b: &[Vec<f32>; 3], [width, height]: [usize; 2]) -> Option<f64> {
     let (columns, rows) = (width.checked_sub(WINDOW - 1)?, height.checked_sub(WINDOW - 1)?);
     let weights: [f64; WINDOW] = std::array::from_fn(|i| {
@@ -97,12 +98,11 @@ fn similarity([a, b, aa, bb, ab]: [f64; 5]) -> f64 {
     luminance * structure
 }
 
-/// Mean HDR-FLIP over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
-/// a black reference. Pixels that are not finite in either image are black in both.
+/// [`DisplayMetrics::hdr_flip`], at the default of 67 pixels per degree.
 fn hdr_flip(image: &Image, reference: &Image) -> Option<f64> {
     let pairs = || image.pixels().iter().zip(reference.pixels());
-    let usable = |pair: &(&glam::Vec3, &glam::Vec3)| pair.0.is_finite() && pair.1.is_finite();
-    let rgb = |which: fn((&glam::Vec3, &glam::Vec3)) -> [f32; 3]| {
+    let usable = |pair: &(&Vec3, &Vec3)| pair.0.is_finite() && pair.1.is_finite();
+    let rgb = |which: fn((&Vec3, &Vec3)) -> [f32; 3]| {
         let values = pairs().flat_map(|pair| if usable(&pair) { which(pair) } else { [0.0; 3] }).collect();
         RgbImage::new(image.width(), image.height(), values).ok()
     };
@@ -119,7 +119,7 @@ mod tests {
     use crate::math::Rgb;
 
     #[test]
-    fn it_is_zero_for_equal_images_and_grows_with_noise() {
+    fn flip_is_zero_for_equal_images_and_grows_with_noise() {
         let noisy = |noise: f32| {
             Image::from_fn(32, 24, |x, y| {
                 let sign = if (x * 7 + y * 13) % 5 < 2 { 1.0 } else { -0.66 };
