@@ -3,8 +3,8 @@
 use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE, TEXTBOOK, Workload};
 use super::number::Number;
 use super::precise::Precise;
+use etalon_core::envmap::cut::SummedArea;
 use etalon_core::envmap::latlong::Block;
-use etalon_core::envmap::sat::SummedArea;
 use etalon_core::error::Result;
 use etalon_core::math::Rgb;
 use etalon_render::film::Film;

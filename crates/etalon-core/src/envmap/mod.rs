@@ -8,7 +8,6 @@ pub mod irradiance;
 pub mod latlong;
 mod map;
 pub mod samplers;
-pub mod sat;
 pub mod synthetic;
 
 pub use grace::Grace;

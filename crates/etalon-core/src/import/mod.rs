@@ -6,7 +6,6 @@ pub mod mesh;
 pub mod number;
 pub mod pbrt;
 pub mod place;
-mod rule;
 mod shape;
 mod transform;
 

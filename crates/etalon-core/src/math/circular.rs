@@ -1,7 +1,7 @@
 //! Circular functions as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same bits.
 
 use super::Real;
-use super::polynomial::polynomial;
+use super::elementary::polynomial;
 pub use etalon_random::turns;
 use std::f32::consts::PI as PI32;
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! Exponential and logarithm as straight-line arithmetic: a loop over them vectorizes, and every machine gets the same
-//! bits, which the system's own functions do not guarantee.
+//! bits, which the system's own functions do not guarantee. Evaluation of polynomials.
 
-use super::polynomial::polynomial;
+use num_traits::Float;
 use std::f64::consts::{LN_2, LOG2_E};
 
 /// exp(x) for −708 ≤ x ≤ 709, to 2 units of the last place. Source of the scheme: Cody & Waite, *Software Manual for the
@@ -94,6 +94,23 @@ const fn odd_reciprocals() -> [f64; 12] {
         i += 1;
     }
     terms
+}
+
+/// The polynomial of ascending coefficients, a multiple of four of them, at `t`.
+///
+/// Four Horner chains in t⁴ side by side take a third of the time of one.
+#[inline(always)]
+pub fn polynomial<T: Float, const N: usize>(coefficients: &[T; N], t: T) -> T {
+    const { assert!(N.is_multiple_of(4)) };
+    let t2 = t * t;
+    let t4 = t2 * t2;
+    let mut sums = [T::zero(); 4];
+    for four in coefficients.as_chunks::<4>().0.iter().rev() {
+        for i in 0..4 {
+            sums[i] = sums[i] * t4 + four[i];
+        }
+    }
+    (sums[0] + sums[1] * t) + t2 * (sums[2] + sums[3] * t)
 }
 
 #[cfg(test)]

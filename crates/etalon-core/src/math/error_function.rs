@@ -5,7 +5,7 @@
 //! (1 + 2x) exp(x²) erfc(x) in 0 ≤ x < ∞", Mathematics of Computation 36, 1981; the coefficients are Chebyshev fits of
 //! this project, made at 40 digits.
 
-use super::polynomial::polynomial;
+use super::elementary::polynomial;
 use num_traits::Float;
 
 /// Ascending coefficients for f32: they leave an error of 2·10⁻⁸.

@@ -6,7 +6,6 @@ pub mod error_function;
 mod frame;
 pub mod hash;
 mod map_array;
-pub mod polynomial;
 mod real;
 mod rgb;
 

@@ -13,7 +13,6 @@ mod metrics;
 mod pfm;
 mod primaries;
 mod read;
-mod resize;
 mod rgbe;
 mod tone;
 mod write;
@@ -22,10 +21,6 @@ pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, writ
 pub use self::image::Image;
 pub use self::metadata::{BUILD_NAME, Metadata};
 pub use self::metrics::{Comparison, DisplayMetrics, compare, compare_shown, compare_with_halves};
-
-pub use self::read::decode_exr;
-pub use self::read::{ReadOptions, read, read_lat_long, read_with_notes};
-pub use self::tone::linear_from_srgb;
-pub use self::tone::srgb_from_linear;
-pub use self::tone::{ToneMap, auto_exposure, to_rgb8};
+pub use self::read::{ReadOptions, decode_exr, read, read_lat_long, read_with_notes};
+pub use self::tone::{ToneMap, auto_exposure, linear_from_srgb, srgb_from_linear, to_rgb8};
 pub use self::write::{WriteOptions, write, write_with};

@@ -8,7 +8,6 @@ pub mod first_hit;
 pub mod light;
 pub mod material;
 pub mod mesh;
-mod plane;
 pub mod rectangle;
 pub mod scattering;
 pub mod sphere;
@@ -26,8 +25,7 @@ pub use material::{
     Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material, SMOOTH_ALPHA, Textured, least_alpha,
 };
 pub use mesh::{Mesh, Surface};
-pub use plane::Plane;
-pub use rectangle::Rectangle;
+pub use rectangle::{Plane, Rectangle};
 pub use scattering::ScatterModel;
 pub use sphere::Sphere;
 pub use texture::{ImageTexture, RoughnessScale, Texels, Texture, UvMapping, Wrap};

@@ -6,7 +6,7 @@
 //! f64 and in their textbook form, independently of the materials' code.
 
 use super::super::case::Case;
-use super::in_lanes::in_lanes;
+use super::inputs::in_lanes;
 use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
 use crate::validation::case::direction_density;
 use etalon_core::bsdf::{Bsdf, BsdfSample, NormalSampling, Scatter};

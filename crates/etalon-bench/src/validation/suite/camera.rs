@@ -4,7 +4,7 @@
 //! the area that the film covers at the point, which is also what light paths are connected to the camera with.
 
 use super::super::case::Case;
-use super::in_lanes::in_lanes;
+use super::inputs::in_lanes;
 use etalon_core::scene::{Camera, Projection};
 use etalon_render::probe::{Lane, Lens, Rays, at};
 use etalon_stats::{Sample, Square, density};

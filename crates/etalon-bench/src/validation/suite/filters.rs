@@ -1,7 +1,7 @@
 //! Test cases: pixel filters. Camera rays sample film positions around a pixel, and light paths are weighted with the pdf.
 
 use super::super::case::Case;
-use super::in_lanes::in_lanes;
+use super::inputs::in_lanes;
 use etalon_core::scene::{Camera, PixelFilter, Projection};
 use etalon_render::probe::{Lane, Lens, Rays, at};
 use etalon_stats::{Sample, Square, density};

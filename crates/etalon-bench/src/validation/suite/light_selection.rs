@@ -1,7 +1,7 @@
 //! Test cases: which of many lights is chosen, by the light tree as the kernel asks it.
 
 use super::super::case::Case;
-use super::in_lanes::in_lanes;
+use super::inputs::in_lanes;
 use etalon_core::math::Rgb;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::scene::{

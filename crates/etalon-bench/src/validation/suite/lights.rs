@@ -2,7 +2,7 @@
 //! sky as the kernel samples directions towards them, in lanes.
 
 use super::super::case::Case;
-use super::in_lanes::in_lanes;
+use super::inputs::in_lanes;
 use super::inputs::short;
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Real, Rgb};

@@ -5,7 +5,6 @@ mod bsdfs;
 pub mod camera;
 mod exact_images;
 pub mod filters;
-mod in_lanes;
 pub(super) mod inputs;
 pub mod light_paths;
 pub mod light_selection;

@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::import::imported::{MAX_WARNINGS, further_warnings};
+use crate::import::number::Rule;
 use crate::import::number::finite;
 use crate::import::place::{At, quote};
-use crate::import::rule::Rule;
 use crate::math::Rgb;
 use crate::memory;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};

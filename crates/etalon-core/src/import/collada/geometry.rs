@@ -2,7 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::Result;
-use crate::import::rule::POSITIVE;
+use crate::import::number::POSITIVE;
 use crate::import::shape::{fan, simplest, sphere};
 use crate::import::transform::in_range;
 use crate::memory;

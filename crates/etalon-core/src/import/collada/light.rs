@@ -2,7 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements};
 use crate::error::Result;
-use crate::import::rule::LIGHT;
+use crate::import::number::LIGHT;
 use crate::import::transform::in_range;
 use crate::math::Rgb;
 use crate::scene::{Emission, EmitterVisibility, Falloff, Light, Material, Object, Rectangle, Shape};

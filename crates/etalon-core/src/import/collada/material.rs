@@ -2,7 +2,7 @@
 
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
-use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
+use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
 use crate::math::Rgb;
 use crate::scene::{Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material};
 

@@ -3,8 +3,8 @@
 
 use super::document::{Document, Element, elements, find};
 use crate::error::Result;
+use crate::import::number::{ANGLE, ANY, Rule};
 use crate::import::place::quote;
-use crate::import::rule::{ANGLE, ANY, Rule};
 use crate::import::transform::{affine, in_range, rotate};
 use crate::scene::{Camera, Projection};
 use glam::{DMat3, DMat4, DVec3};

@@ -2,7 +2,7 @@
 
 use super::params::Params;
 use crate::error::Result;
-use crate::import::rule::Rule;
+use crate::import::number::Rule;
 use crate::sampling::filter::RANGE;
 use crate::scene::{FilterShape, PixelFilter};
 

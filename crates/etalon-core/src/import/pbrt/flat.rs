@@ -2,7 +2,7 @@
 
 use super::params::Params;
 use crate::error::Result;
-use crate::import::rule::{ANY, POSITIVE};
+use crate::import::number::{ANY, POSITIVE};
 use crate::memory;
 use glam::{DVec3, Vec2};
 use std::f64::consts::TAU;

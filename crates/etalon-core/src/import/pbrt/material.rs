@@ -2,10 +2,10 @@
 
 use super::params::Params;
 use super::reader::{GREY, Reader};
-use super::textures::Values;
+use super::texture::Values;
 use crate::error::{Error, Result};
+use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::import::place::quote;
-use crate::import::rule::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::math::Rgb;
 use crate::optics::metals;
 use crate::scene::{

@@ -36,7 +36,6 @@ mod setup;
 mod shape;
 mod spectrum;
 mod texture;
-mod textures;
 
 use super::{Imported, SceneOptions};
 use crate::error::{Error, Result};

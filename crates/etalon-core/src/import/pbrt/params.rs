@@ -2,8 +2,8 @@
 
 use super::lexer::{Lexer, Token};
 use crate::error::{Error, Result};
+use crate::import::number::{ANY, Rule};
 use crate::import::place::{At, quote};
-use crate::import::rule::{ANY, Rule};
 use crate::math::Rgb;
 use crate::memory;
 use std::cell::RefCell;
@@ -270,7 +270,7 @@ impl Param {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::rule::POSITIVE;
+    use crate::import::number::POSITIVE;
     use std::path::Path;
     use std::rc::Rc;
 

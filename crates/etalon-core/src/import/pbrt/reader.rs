@@ -3,7 +3,7 @@
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::setup::Setup;
-use super::textures::Textures;
+use super::texture::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::imported::{MAX_WARNINGS, further_warnings};

@@ -3,8 +3,8 @@
 use super::filter::Filter;
 use super::params::Params;
 use crate::error::Result;
+use crate::import::number::{ANGLE, ANY, POSITIVE, Rule};
 use crate::import::place::{At, quote};
-use crate::import::rule::{ANGLE, ANY, POSITIVE, Rule};
 use crate::import::transform::{self, in_range, in_size_range};
 use crate::scene::{Camera, FilterShape, PixelFilter, Projection, Request};
 use glam::DMat4;

@@ -1,17 +1,19 @@
-//! `Texture`: constants, images, checkerboards, products and mixes over (u, v); and parameters that name one.
+//! `Texture`: constants, images, checkerboards, products and mixes over (u, v); parameters that name one; the textures that
+//! a file has named so far, and the images that they share.
 
-use super::lexer::Lexer;
-use super::params::Params;
-use super::reader::Reader;
-use super::textures::{MAX_TEXTURE_PIXELS, Named, TexelsKey, Values};
 use crate::error::{Error, Result};
+use crate::import::number::{FRACTION, Rule};
+use crate::import::pbrt::lexer::Lexer;
+use crate::import::pbrt::params::Params;
+use crate::import::pbrt::reader::Reader;
 use crate::import::place::{At, quote};
-use crate::import::rule::{FRACTION, Rule};
 use crate::math::{Rgb, mean_rgb};
 use crate::memory;
 use crate::raster::{ReadOptions, read_with_notes};
 use crate::scene::{ImageTexture, Texels, Texture, UvMapping, Wrap};
 use glam::DVec2;
+use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Most textures inside a texture, each counted as often as it is named.
@@ -199,4 +201,39 @@ fn mapping(p: &Params) -> Result<UvMapping> {
 fn out_of_range(p: &Params, name: &str, [low, high]: [f32; 2]) -> Error {
     let message = format!("{}: the texture of {name} has values from {low} to {high}", p.owner);
     p.place(name).input(message).with_hint("they must be from 0 to 1: change the texture's scale")
+}
+
+/// Most pixels in a scene's images for textures, all together: 3 GiB.
+pub const MAX_TEXTURE_PIXELS: u64 = 1 << 28;
+
+/// The textures so far.
+pub struct Textures {
+    pub named: HashMap<(Values, String), Named>,
+    /// The images that have been read.
+    pub texels: HashMap<TexelsKey, Arc<Texels>>,
+    /// How many more pixels may be read.
+    pub pixels: u64,
+}
+
+/// A texture, and how many textures it is made of.
+#[derive(Clone)]
+pub struct Named {
+    pub texture: Texture,
+    pub parts: usize,
+}
+
+/// Whether a texture is of colours or of numbers; a name may stand for one of each.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Values {
+    Spectrum,
+    Float,
+}
+
+/// What identifies the texels of an image: its file, what they are, and whether its codes are linear.
+pub type TexelsKey = (PathBuf, Values, bool);
+
+impl Default for Textures {
+    fn default() -> Self {
+        Self { named: HashMap::new(), texels: HashMap::new(), pixels: MAX_TEXTURE_PIXELS }
+    }
 }

@@ -1,6 +1,6 @@
 //! Slopes of a Beckmann surface of α = 1, sampled by inversion: across the view, and along it by visibility.
 
-use crate::math::polynomial::polynomial;
+use crate::math::elementary::polynomial;
 use crate::math::{Real, map_array};
 use std::f64::consts::FRAC_2_SQRT_PI;
 
