@@ -21,7 +21,7 @@ impl Build {
     }
 
     /// The declared build of this program; without a declaration the version of this crate alone, so that two builds of such a
-    /// program are not told apart.
+    /// program are not distinguished.
     #[must_use]
     pub fn current() -> Self {
         let unknown = Self { version: env!("CARGO_PKG_VERSION"), sources: "", commit: "" };
