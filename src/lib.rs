@@ -12,7 +12,7 @@
 //! | [`render`] (`etalon_render`) | the path tracer and its film |
 //! | `etalon_core` | [`import`], [`export`], [`scene`], [`bsdf`], [`envmap`], [`raster`], [`errata`], [`sampling`], [`optics`], [`math`] |
 //! | [`etalon_stats`] | statistical tests of samplers; knows nothing of rendering |
-//! | [`etalon_random`] | hash functions and random streams |
+//! | `etalon_random` | hash functions and random streams, re-exported by [`sampling`] |
 
 // Only the command line prints.
 #![warn(missing_docs)]
@@ -24,8 +24,9 @@ pub mod summary;
 pub use etalon_bench as study;
 pub use etalon_bench::protocol;
 pub use etalon_core::build::Build;
-pub use etalon_core::{Error, Result};
-pub use etalon_core::{bsdf, envmap, errata, export, import, interrupt, math, memory, optics, raster, sampling, scene};
+pub use etalon_core::{
+    Error, Result, bsdf, envmap, errata, export, import, interrupt, math, memory, optics, raster, sampling, scene,
+};
 pub use etalon_render as render;
 
 /// What this program is built from.

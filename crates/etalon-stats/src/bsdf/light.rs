@@ -2,7 +2,7 @@
 
 use super::contract::{Direction, Spectrum};
 use super::subject::Subject;
-use super::vector::sphere;
+use super::vector::{directions, sphere};
 use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid};
 use crate::density::Density;
 use crate::domain::Domain;
@@ -211,8 +211,7 @@ impl Light<'_> {
 
 impl Density for Light<'_> {
     fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
-        let directions: Vec<Direction> = points.iter().map(|point| Direction::from(*point)).collect();
-        out.extend(self.at(&directions, &[])?);
+        out.extend(self.at(&directions(points), &[])?);
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes.
 
-use super::contract::{BsdfSample, Density as Probability, Direction, PdfKind};
+use super::contract::{BsdfSample, Density as Probability, PdfKind};
 use super::subject::Subject;
-use super::vector::sphere;
+use super::vector::{directions, sphere};
 use crate::density::{Atom, Density, Mass};
 use crate::error::Result;
 use crate::examine::examine;
@@ -31,8 +31,7 @@ impl Sampler for Scattering<'_> {
 
 impl Density for Scattering<'_> {
     fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
-        let directions: Vec<Direction> = points.iter().map(|point| Direction::from(*point)).collect();
-        out.extend(self.0.bsdf.pdf(&self.0.pairs(&directions))?);
+        out.extend(self.0.bsdf.pdf(&self.0.pairs(&directions(points)))?);
         Ok(())
     }
 

@@ -2,10 +2,16 @@
 
 use super::contract::Direction;
 use crate::domain::{Directions, Domain, Pole};
+use crate::point::Point;
 
 /// The sphere of all directions, with the chart in which cells are rectangles.
 pub fn sphere() -> Directions {
     Directions::sphere(Pole::Z)
+}
+
+/// Points of the sphere as directions.
+pub fn directions(points: &[Point]) -> Vec<Direction> {
+    points.iter().map(|point| Direction::from(*point)).collect()
 }
 
 pub fn dot(a: Direction, b: Direction) -> f64 {
