@@ -108,8 +108,8 @@ mod tests {
     fn lines_of_all_figures_are_at_most_100_columns_wide() {
         let all = registry();
         let id = all.iter().map(|figure| figure.id.len()).max().unwrap();
-        for entry in &all {
-            let text = Lines { id, verbose: true }.of(&figure(entry.id, &["csv", "svg", "png", "pdf"], checks()));
+        for entry in all {
+            let text = Lines { id, verbose: true }.of(&figure(&entry.id, &["csv", "svg", "png", "pdf"], checks()));
             assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
         }
     }

@@ -84,7 +84,7 @@ impl Reproduce {
         if self.list {
             let figures = gallery::registry();
             let list: Vec<Listed> =
-                figures.iter().map(|f| Listed { id: f.id, title: f.title, answers: f.counterpart() }).collect();
+                figures.iter().map(|f| Listed { id: &f.id, title: &f.title, answers: f.counterpart() }).collect();
             console.result(&BTreeMap::from([("figures", &list)]), || {
                 list.iter().map(|l| format!("{:<24} {} ({})\n", l.id, l.title, l.answers)).collect()
             });
@@ -97,13 +97,13 @@ impl Reproduce {
         Self::check_inputs(folder)?;
         // Times of a former run of the same kind, if there was one in this folder
         let options = self.options(global);
-        let records = gallery::page::read_records(folder, &gallery::registry())?;
+        let records = gallery::page::read_records(folder, gallery::registry())?;
         let seconds = |id: &str| records.get(id).filter(|r| r.setup.options == options).map(|record| record.seconds);
-        let ids: Vec<&'static str> = gallery::selected(&self.only)?.iter().map(|figure| figure.id).collect();
+        let ids: Vec<&'static str> = gallery::selected(&self.only)?.iter().map(|figure| figure.id.as_str()).collect();
         let lines = Lines { id: ids.iter().map(|id| id.len()).max().unwrap_or(0), verbose: self.verbose };
         let progress = Progress::new(console, ids, &seconds);
         let made = gallery::reproduce(&inputs, &self.only, folder, &options, &mut |step| match step {
-            Step::Begin(figure) => progress.begin(figure.id),
+            Step::Begin(figure) => progress.begin(&figure.id),
             Step::Done(figure) => progress.suspend(|| console.part(|| lines.of(figure))),
         })?;
         progress.clear();
@@ -126,7 +126,7 @@ impl Reproduce {
     /// Refuses inputs that one of the figures in `folder` would replace.
     fn check_inputs(folder: &Path) -> Result<()> {
         gallery::registry().iter().try_for_each(|figure| {
-            let stem = folder.join(figure.id);
+            let stem = folder.join(&figure.id);
             gallery::FORMATS.iter().try_for_each(|format| files::check_no_input(&output::with_extension(&stem, format)))
         })
     }
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn commands_of_figures_are_commands_of_the_program() {
         for figure in gallery::registry() {
-            let Some(command) = figure.command else { continue };
+            let Some(command) = &figure.command else { continue };
             let command = command.replace("{map}", "nave");
             let parsed = Cli::command().try_get_matches_from(command.split_whitespace());
             assert!(parsed.is_ok(), "{}: {command}: {}", figure.id, parsed.unwrap_err());

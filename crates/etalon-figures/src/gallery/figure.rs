@@ -1,8 +1,7 @@
-//! What a figure is: an entry of the registry, and the content that it makes.
+//! What a figure is: an entry of the registry, and its content.
 
 use super::check::Check;
-use super::inputs::{Inputs, Shown};
-use super::studies::Studies;
+use super::inputs::Shown;
 use crate::figure::Drawing;
 use crate::output;
 use etalon_core::error::Result;
@@ -13,13 +12,15 @@ use serde::{Deserialize, Serialize};
 pub const FORMATS: [&str; 7] = ["csv", "svg", "pdf", "png", "exr", "pfm", "ppm"];
 
 /// Where a figure's counterpart was published.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Report {
     /// The report of 2020, about Fresnel reflectance and environment maps.
     First,
     /// The report of 2022, about path tracing and microfacets.
     Second,
     Both,
+    #[default]
     Neither,
 }
 
@@ -60,57 +61,39 @@ impl Report {
     }
 }
 
-/// Makes a figure's content from the inputs and from studies that other figures may share.
-pub type Make = Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync>;
-
-/// A figure: its texts, and how it is made.
+/// A figure: its texts, as `figures.json` has them.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Figure {
     /// The name of its files, and of `--only`.
-    pub id: &'static str,
-    pub title: &'static str,
+    pub id: String,
+    pub title: String,
+    #[serde(default)]
     pub report: Report,
     /// The counterpart in that report, with the number of the figure where it has one.
-    pub reproduces: &'static str,
-    /// The part of the gallery that it belongs to; the registry says.
-    pub section: &'static str,
-    /// The input that it shows, which its caption names; the registry says.
+    pub reproduces: String,
+    /// The part of the gallery that it belongs to.
+    pub section: String,
+    /// The input that it shows, which its caption names.
+    #[serde(default)]
     pub input: Shown,
     /// The caption: what is seen.
-    pub shows: &'static str,
+    pub shows: String,
     /// Why that matters, in a sentence.
-    pub matters: &'static str,
+    pub matters: String,
     /// Papers and books for its formulas.
-    pub papers: &'static [&'static str],
+    pub papers: Vec<String>,
     /// The figure to compare it with.
-    pub beside: Option<&'static str>,
+    pub beside: Option<String>,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
     pub command: Option<String>,
-    pub make: Make,
 }
 
 impl Figure {
-    /// A figure without texts yet, for the last line of a literal.
-    pub fn by(make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + Send + Sync + 'static) -> Self {
-        Self {
-            id: "",
-            title: "",
-            report: Report::Neither,
-            reproduces: "",
-            section: "",
-            input: Shown::Nothing,
-            shows: "",
-            matters: "",
-            papers: &[],
-            beside: None,
-            command: None,
-            make: Box::new(make),
-        }
-    }
-
     /// "first report (Imperial College London, 2020): Figure 3, …".
     pub fn counterpart(&self) -> String {
         match self.report {
-            Report::Neither => self.reproduces.to_owned(),
+            Report::Neither => self.reproduces.clone(),
             report => format!("{} ({}): {}", report.name(), report.source(), self.reproduces),
         }
     }

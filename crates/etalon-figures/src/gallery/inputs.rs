@@ -8,6 +8,7 @@ use etalon_core::optics::metals;
 use etalon_core::scene::{Material, Request, Scene, builtin};
 use etalon_render::Settings;
 use etalon_stats::{Protocol, SampleCount};
+use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -30,9 +31,11 @@ impl Effort {
 }
 
 /// The input of a run that a figure shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Shown {
     /// None: formulas, or scenes of its own.
+    #[default]
     Nothing,
     Map,
     /// The box with a mirror and a glass sphere.

@@ -1,14 +1,13 @@
-//! The gallery: every figure with its texts and checks, the run that makes them, and the page that shows them.
+//! The gallery: every figure with its checks and its texts (`figures.json`), the run that makes them, and the page that shows them.
 //!
-//! A figure calls a study, a view and checks; it computes nothing itself. Its file in `figures` has all of it, and
-//! [`registry()`] lists them.
+//! A figure calls a study, a view and checks; it computes nothing itself. Its file in `figures` has all of it,
+//! and [`registry()`] lists them.
 
 mod check;
 mod figure;
 mod figures;
 mod inputs;
 pub mod page;
-pub mod papers;
 mod prelude;
 mod reproduce;
 mod studies;

@@ -1,9 +1,9 @@
 //! What every file of figures uses.
 
 pub use super::check::Check;
-pub use super::figure::{Content, Figure, Printed, Report};
+pub use super::figure::{Content, Printed};
+pub use super::figures::{Maker, maker};
 pub use super::inputs::Inputs;
-pub use super::papers;
 pub use super::studies::Studies;
 pub use etalon_core::error::Result;
 pub use std::rc::Rc;

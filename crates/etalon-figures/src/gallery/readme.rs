@@ -71,7 +71,7 @@ fn text() -> String {
         writeln!(text, "\n## The {}\n\n{citation}\n\n| in the report | here | |\n|---|---|---|", report.name())
             .unwrap();
         let mut before = "";
-        for (label, figure) in of_report(&all, report, labels) {
+        for (label, figure) in of_report(all, report, labels) {
             let Figure { id, title, shows, reproduces, input, .. } = figure;
             let counterpart = reproduces.strip_prefix(label).unwrap_or_default().trim_start_matches(", ");
             let sentence = shows.split_inclusive(". ").next().unwrap_or_default().trim_end();

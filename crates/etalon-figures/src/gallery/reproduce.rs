@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::figure::{Claim, Content, Erratum, Figure, Printed};
-use super::figures::registry;
+use super::figures::{self, registry};
 use super::inputs::Inputs;
 use super::page::{self, Record, Records, Setup};
 use super::studies::Studies;
@@ -46,15 +46,15 @@ pub enum Step<'a> {
 ///
 /// # Errors
 /// [`Error::Parameter`] for an unknown id.
-pub fn selected(ids: &[String]) -> Result<Vec<Figure>> {
+pub fn selected(ids: &[String]) -> Result<Vec<&'static Figure>> {
     let all = registry();
-    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != id.as_str())) {
-        let known: Vec<_> = all.iter().map(|figure| figure.id).collect();
+    if let Some(unknown) = ids.iter().find(|id| all.iter().all(|figure| figure.id != **id)) {
+        let known: Vec<_> = all.iter().map(|figure| figure.id.as_str()).collect();
         return Err(Error::parameter("ids", format!("there is no figure \"{unknown}\""))
             .with_hint(format!("figures: {}", known.join(", "))));
     }
-    let is_wanted = |figure: &Figure| ids.is_empty() || ids.iter().any(|id| id == figure.id);
-    Ok(all.into_iter().filter(is_wanted).collect())
+    let is_wanted = |figure: &&Figure| ids.is_empty() || ids.contains(&figure.id);
+    Ok(all.iter().filter(is_wanted).collect())
 }
 
 /// Makes the figures of `ids` (all when empty) in `folder`; `tell` is called before and after each.
@@ -74,11 +74,11 @@ pub fn reproduce(
 ) -> Result<Reproduction> {
     let (all, wanted) = (registry(), selected(ids)?);
     // Make the figures one by one; after an interruption, keep those that are finished
-    let mut records = page::read_records(folder, &all)?;
+    let mut records = page::read_records(folder, all)?;
     let setup = Setup::of(inputs, options);
     let mut studies = Studies::default();
     let (mut done, mut interrupted) = (Vec::new(), false);
-    for figure in &wanted {
+    for figure in wanted {
         tell(Step::Begin(figure));
         let made = match make(figure, inputs, &mut studies, folder) {
             Err(Error::Interrupted) => {
@@ -91,51 +91,52 @@ pub fn reproduce(
         let Reproduced { seconds, checks, errata, claims, printed, .. } = made.clone();
         let input = inputs.name_of(figure.input)?;
         records.insert(
-            figure.id.to_owned(),
+            figure.id.clone(),
             Record { seconds, input, checks, errata, claims, printed, setup: setup.clone() },
         );
         done.push(made);
     }
     // Checks and page of all recorded figures
     if !done.is_empty() {
-        files::write_bytes(&folder.join("checks.csv"), &checks_table(&all, &records)?)?;
-        page::write(folder, &all, &records)?;
+        files::write_bytes(&folder.join("checks.csv"), &checks_table(all, &records)?)?;
+        page::write(folder, all, &records)?;
     }
     Ok(Reproduction { figures: done, interrupted })
 }
 
 /// Makes one figure and writes its files.
-fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
+fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
     interrupt::check()?;
     let start = Instant::now();
-    let Content { drawing, table, image, mut checks, errata, claims, printed } = (figure.make)(inputs, studies)?;
+    let Content { drawing, table, image, mut checks, errata, claims, printed } =
+        figures::make(figure, inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
     if checks.is_empty() {
         checks.push(Check::is_true("the figure has a check", false));
     }
     let drawing = Drawing { scale: drawing.scale * f64::from(inputs.scale), few_colours: true, ..drawing };
-    let stem = folder.join(figure.id);
+    let stem = folder.join(&figure.id);
     let mut files = output::write(&stem, &drawing, &table)?;
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
     if let Some((image, tone)) = &image {
-        let metadata = Metadata::default().with("figure", figure.id);
+        let metadata = Metadata::default().with("figure", &figure.id);
         for extension in ["exr", "pfm", "ppm"] {
             let path = output::with_extension(&stem, extension);
             raster::write_with(&path, image, &metadata, WriteOptions { tone: *tone, ..WriteOptions::default() })?;
             files.push(path);
         }
     }
-    Ok(Reproduced { id: figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims, printed })
+    Ok(Reproduced { id: &figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims, printed })
 }
 
 /// All checks of all recorded figures, in the order of the registry.
-fn checks_table(figures: &[Figure], records: &Records) -> Result<Vec<u8>> {
+fn checks_table(figures: &'static [Figure], records: &Records) -> Result<Vec<u8>> {
     #[derive(Default, Serialize)]
     struct Of {
         figure: &'static str,
     }
-    let recorded = figures.iter().filter_map(|figure| Some((figure.id, records.get(figure.id)?)));
+    let recorded = figures.iter().filter_map(|figure| Some((figure.id.as_str(), records.get(&figure.id)?)));
     let rows =
         recorded.flat_map(|(figure, record)| record.checks.iter().map(move |check| (Of { figure }, check.clone())));
     output::table(&rows.collect::<Vec<_>>())

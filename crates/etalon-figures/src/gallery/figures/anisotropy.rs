@@ -16,21 +16,8 @@ const ALPHAS: [f32; 3] = [0.05, 0.15, 0.4];
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;
 
-/// One figure with an image for each pair of widths.
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "anisotropy",
-        title: "Brushed metal by the widths along the grooves and across",
-        report: Report::Neither,
-        reproduces: "anisotropic distributions of microfacet normals",
-        shows: "Copper under the map and two small area lights: a disc with circular grooves, and a sphere with grooves around \
-                its vertical axis. The captions have α along the grooves, which are the tangents, and α across. A highlight is long \
-                where normals vary most; where both widths are equal (GGX) there are no grooves.",
-        matters: "Anisotropic materials show at once whether tangents and widths are exchanged, which no isotropic scene can.",
-        papers: &[papers::HEITZ, papers::BURLEY_DISNEY],
-        command: Some("etalon render brushed-metal --alpha 0.05,0.4 --envmap {map} --uniform".into()),
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("anisotropy", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

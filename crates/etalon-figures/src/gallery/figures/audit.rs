@@ -7,19 +7,8 @@ use crate::view::text::{capitalized, power_of_ten};
 use etalon_bench::audit::{self, Erratum, ErratumCurves, Nature};
 use etalon_stats::Verdict;
 
-/// One figure, which also feeds the page's list of errors.
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "audit",
-        title: "Errors in the reports, and the tests that reveal them",
-        report: Report::Both,
-        reproduces: "all formulas that they print and that are wrong, approximate or misprinted",
-        shows: "Each formula as printed beside the corrected one, the verdicts on both, and the error that it causes in an \
-                image. A misprint stands in the text alone: what follows is what it would do if taken at its word.",
-        matters: "A formula that looks right in print may change an image by a few percent, which hardly anyone sees and a test does.",
-        papers: &[papers::WALTER, papers::HEITZ, papers::SCHLICK],
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("audit", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -11,20 +11,8 @@ use etalon_core::scene::{Environment, Request, Scene, builtin};
 const UNDER_MAP: &str = "light-cosine mis mis-cosine mis-cosine-compensated mis-cosine-compensated+lt default";
 const IN_BOX: &str = "light bsdf mis mis+adaptive mis+lt default";
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "choice",
-        title: "What the default chooses, and what the alternatives cost",
-        report: Report::Neither,
-        reproduces: "beyond the reports",
-        shows: "Time × MSE of each strategy over that of the default, with 95 % intervals, for a diffuse sphere and a brushed metal sphere under the \
-                map, a mirror and a glass sphere in a box, and diffuse spheres in the same box. The default is light sampling in proportion to \
-                radiance times cosine on the diffuse sphere, which nothing else lights; light and BSDF sampling on brushed metal, by the compensated \
-                density; the same with light tracing for mirror and glass; and without it for diffuse spheres, where light sampling alone is as good.",
-        matters: "No strategy is best on all scenes; a default that follows the scene is close to the best on each.",
-        papers: &[papers::VEACH, papers::KARLIK],
-        ..Figure::by(content)
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("choice", content)]
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

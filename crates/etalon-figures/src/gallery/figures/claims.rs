@@ -2,6 +2,7 @@
 
 use super::{depth, proposal, roughness, sampling, sphere};
 use crate::gallery::figure;
+use crate::gallery::figure::Report;
 use crate::gallery::prelude::*;
 use crate::view::claims as view;
 use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, MapInputs, StatueInputs};
@@ -9,56 +10,16 @@ use etalon_bench::metal::{self, MetalTable};
 
 /// Standard errors by which two ways to measure a number may differ.
 const SIGMAS: f64 = 4.0;
-/// Roughness of the report's statues of gold.
-const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
 
-/// A table of the first report's claims.
-pub fn first() -> Vec<Figure> {
-    vec![Figure {
-        id: "claims-first",
-        title: "What the first report claims, and what is measured",
-        report: Report::First,
-        reproduces: "all claims of its text and figures",
-        shows: "Each claim with the number that the report prints, the number that is measured and what the claim demands of \
-                    it. The verdict follows from these numbers; numbers that were measured on another map than the report's have none.",
-        matters: "A sentence about an image becomes a statement that can fail once it names a number and a bound.",
-        ..Figure::by(first_content)
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![
+        maker("claims-first", first_content),
+        maker("claims-second", second_content),
+        maker("claims-places", places_content),
+    ]
 }
 
 /// A table of the second report's claims, each group on a scene of its own, which the table names.
-pub fn second() -> Vec<Figure> {
-    vec![Figure {
-        id: "claims-second",
-        title: "What the second report claims, and what is measured",
-        report: Report::Second,
-        reproduces: "all claims of its text and figures",
-        shows: "Each claim of the second report with its number and the measured one. A path class is written from the light L to the eye E: D diffuse reflection; Sₘ \
-                    mirror; Sᵣ, Sₜ, Sᵢ reflection by the outside of glass, transmission, reflection inside it (Heckbert's S, with its kind). A share of 2 % is what an observer just sees. Numbers from other scenes than the report's have no verdict.",
-        matters: "Most of what the eye reports holds; where it does not, a number says what is seen instead.",
-        papers: &[papers::HECKBERT],
-        beside: Some("claims-places"),
-        ..Figure::by(second_content)
-    }]
-}
-
-/// Pictures of the places that the second report speaks of.
-pub fn places() -> Vec<Figure> {
-    vec![Figure {
-        id: "claims-places",
-        title: "The places that the second report speaks of, and the light that makes them",
-        report: Report::Second,
-        reproduces: "Figure 1, what appears at each depth",
-        shows: "Each place in the image at the depth at which it appears, and the one path class that makes it, alone, with its share of \
-                    the light and the standard error. Classes: L light, E eye, D diffuse reflection, Sₘ mirror, Sᵣ reflection by the \
-                    outside of glass, Sₜ transmission. One set of paths found the frame, another measured its light.",
-        matters: "An image of one path class alone shows what causes a highlight, which the sum of all light hides.",
-        papers: &[papers::HECKBERT],
-        beside: Some("claims-second"),
-        ..Figure::by(places_content)
-    }]
-}
-
 fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
     studies.get("claims", || metal::table(2))
 }
@@ -86,10 +47,12 @@ fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> 
 
 fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_depths = of_depths(inputs, studies)?;
-    let statues: Vec<_> =
-        ALPHAS.iter().map(|&alpha| roughness::statue(inputs, studies, "Au", alpha)).collect::<Result<_>>()?;
+    let statues: Vec<_> = roughness::ALPHAS
+        .iter()
+        .map(|&alpha| roughness::statue(inputs, studies, "Au", alpha))
+        .collect::<Result<_>>()?;
     let statues: Vec<_> = statues.iter().map(Rc::as_ref).collect();
-    let (scene, request) = inputs.statue("Au", ALPHAS[0])?;
+    let (scene, request) = inputs.statue("Au", roughness::ALPHAS[0])?;
     let (sampling, metals) = (sampling::both(inputs, studies)?, metals(studies)?);
     let statues = StatueInputs { scene: &scene, request: &request, statues: &statues };
     // Each group of claims, and the scene that it is measured on in place of the report's

@@ -19,87 +19,11 @@ pub fn series(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Depths>> {
     studies.get("depths", || depth::depths(&scene, &request, &settings))
 }
 
-/// One figure for each of [`DEPTHS`], in that order, and one of what each adds.
-pub fn figures() -> Vec<Figure> {
-    let texts = [
-        (
-            "depth-0",
-            "Mirror and glass sphere, maximum depth 0",
-            "Figure 1a, maximum depth 0 (CBspheres.dae, -t 8 -s 64 -l 4 -m 0 -r 480 360)",
-            "Only the area light itself is visible.",
-            "An emitter that is seen directly needs no path at all: whatever else is bright here would be an error.",
-        ),
-        (
-            "depth-1",
-            "Mirror and glass sphere, maximum depth 1",
-            "Figure 1b, maximum depth 1 (CBspheres.dae, -t 8 -s 64 -l 4 -m 1 -r 480 360)",
-            "Direct light: lit walls, and the area light reflected by both spheres. The ceiling is dark.",
-            "Direct light is what a renderer without global illumination shows, and the part that light samples find best.",
-        ),
-        (
-            "depth-2",
-            "Mirror and glass sphere, maximum depth 2",
-            "Figure 1c, maximum depth 2 (CBspheres.dae, -t 8 -s 64 -l 4 -m 2 -r 480 360)",
-            "Light after two scatterings: the ceiling, and the lit walls in the mirror sphere. The glass sphere is dark, because \
-             light must enter and leave it.",
-            "Indirect light takes the black from the ceiling: after direct light, no other scattering adds as much.",
-        ),
-        (
-            "depth-3",
-            "Mirror and glass sphere, maximum depth 3",
-            "Figure 1d, maximum depth 3 (CBspheres.dae, -t 8 -s 64 -l 4 -m 3 -r 480 360)",
-            "Two refractions pass the glass sphere: walls are visible through it, and it makes a caustic on the floor below.",
-            "Paths through glass are found by chance alone when light samples cannot pass it: this is where a path tracer becomes noisy.",
-        ),
-        (
-            "depth-4",
-            "Mirror and glass sphere, maximum depth 4",
-            "Figure 1e, maximum depth 4 (CBspheres.dae, -t 8 -s 64 -l 4 -m 4 -r 480 360)",
-            "The glass sphere, as clear as before, appears in the mirror sphere.",
-            "Each mirror or boundary in front of a phenomenon costs one scattering more, so that depth limits what mirrors can show.",
-        ),
-        (
-            "depth-5",
-            "Mirror and glass sphere, maximum depth 5",
-            "Figure 1f, maximum depth 5 (CBspheres.dae, -t 8 -s 64 -l 4 -m 5 -r 480 360)",
-            "The light that this depth adds is faint.",
-            "The light that a depth adds falls off like the product of the reflectances: a limit here saves time and costs little.",
-        ),
-        (
-            "depth-100",
-            "Mirror and glass sphere, maximum depth 100",
-            "Figure 1g, maximum depth 100 (CBspheres.dae, -t 8 -s 64 -l 4 -m 100 -r 480 360)",
-            "Practically all light. Compare it with depth 5 to see how little was missing.",
-            "A limit that no path reaches leaves no bias; Russian roulette ends paths at no such cost.",
-        ),
-    ];
-    let figure = |(place, (id, title, reproduces, shows, matters)): (usize, (&'static str, _, _, _, _))| Figure {
-        id,
-        title,
-        report: Report::Second,
-        reproduces,
-        shows,
-        matters,
-        papers: &[papers::HECKBERT, papers::KAJIYA],
-        // Beside the depth before, the first beside the second.
-        beside: Some(if place == 0 { texts[1].0 } else { texts[place - 1].0 }),
-        command: Some(format!("etalon render cornell-spheres -s 64 -l 4 -m {} --tone report --uniform", DEPTHS[place])),
-        ..Figure::by(move |inputs, studies| content(inputs, studies, place))
+pub fn figures() -> Vec<Maker> {
+    let depth = |(place, depth): (usize, &u32)| {
+        maker(format!("depth-{depth}"), move |inputs, studies| content(inputs, studies, place))
     };
-    let differences = Figure {
-        id: "depth-differences",
-        title: "What each further scattering adds, by path class",
-        report: Report::Second,
-        reproduces: "Figure 1, what appears at each depth (CBspheres.dae, -t 8 -s 64 -l 4 -r 480 360)",
-        shows: "Each depth minus the one before, with the path classes that make up the difference, in Heckbert's notation: L is \
-                the light, D a diffuse reflection, S a mirror or glass, E the eye. Each is the sum of its path classes in one render, so that \
-                the same paths make all differences; each has an exposure of its own, at which 98 % of its pixels are below white. No pixel is shown brighter than the third brightest \
-                of its 3×3 block, because caustics seen in the spheres are found by chance and leave specks of one or two pixels.",
-        matters: "Path classes say which phenomenon needs which depth: a caustic needs three scatterings, a caustic seen in a mirror one more.",
-        papers: &[papers::HECKBERT],
-        ..Figure::by(differences)
-    };
-    texts.into_iter().enumerate().map(figure).chain([differences]).collect()
+    DEPTHS.iter().enumerate().map(depth).chain([maker("depth-differences", differences)]).collect()
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Content> {

@@ -12,17 +12,8 @@ use etalon_render::Settings;
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "error-depth",
-        title: "Light missing at each maximum depth, and the time that it saves",
-        report: Report::Second,
-        reproduces: "Figure 1, max_ray_depth",
-        shows: "The share of light that a render of limited depth lacks, over the depth and over the time that it takes.",
-        matters: "A limit on depth is a bias that is chosen: the figure says how much light each limit costs, and how little time it saves beyond a few scatterings.",
-        papers: &[papers::KAJIYA],
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("error-depth", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -48,37 +48,11 @@ pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Conver
     studies.get("sphere", || measure(&scene, &request, &Contender::of(&Strategy::usual(&scene)), &plan, None))
 }
 
-/// The curves of the sphere.
-pub fn sphere() -> Vec<Figure> {
-    vec![Figure {
-        id: "error-time-sphere",
-        title: "Error of the sphere against run time, by strategy",
-        report: Report::First,
-        reproduces: "Figures 12 to 15, at equal time",
-        shows: "Error over processor time and over samples per pixel; efficiency at equal time and slope of each strategy, \
-                with 95 % intervals and biased methods apart; images at equal time above their relative errors. The default is here \
-                light sampling in proportion to radiance times cosine, adaptive, so that the curves of both are one.",
-        matters: "Error at equal time is the measure that counts when strategies cost differently; biased methods look best first and stop improving.",
-        papers: &[papers::VEACH, papers::KARLIK],
-        ..Figure::by(sphere_content)
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("error-time-sphere", sphere_content), maker("error-time-cornell", cornell_content)]
 }
 
 /// The curves of the Cornell box.
-pub fn cornell() -> Vec<Figure> {
-    vec![Figure {
-        id: "error-time-cornell",
-        title: "Error of the Cornell box against run time, by strategy",
-        report: Report::Second,
-        reproduces: "Figure 1, at equal time",
-        shows: "Error over processor time and over samples for a mirror and a glass sphere in a Cornell box, lit by an area light, with \
-                images at equal time and their relative errors.",
-        matters: "No strategy alone is good at both a diffuse wall and a caustic: multiple importance sampling is close to the better one everywhere.",
-        papers: &[papers::VEACH, papers::GEORGIEV],
-        ..Figure::by(cornell_content)
-    }]
-}
-
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = sphere_curves(inputs, studies)?;
     let mut checks = vec![stopped(&result), default_against_best(&result)];

@@ -19,18 +19,8 @@ use serde::Serialize;
 const ALPHAS: [f32; 6] = [0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
 const QUICK_ALPHAS: [f32; 3] = [0.05, 0.25, 1.0];
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "error-time-roughness",
-        title: "Efficiency over roughness, by the way of sampling normals",
-        report: Report::Second,
-        reproduces: "Figure 3, over all roughnesses",
-        shows: "Noise and efficiency on a golden statue with visible normals, with all normals and with uniform directions. Bars are 95 % \
-                intervals over the replicates: long where few samples carry most of the light.",
-        matters: "The gain of a good sampling technique depends on the material: it is largest for smooth metal and shrinks as the lobe widens.",
-        papers: &[papers::HEITZ, papers::WALTER],
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("error-time-roughness", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -15,35 +15,8 @@ pub(super) const CRITICAL_DEG: f64 = 43.602_818_972_703_62;
 /// (0.45/2.45)².
 const NORMAL_REFLECTANCE: f64 = 0.033_735_943_356_934;
 
-/// Both directions through the interface.
-pub fn figures() -> Vec<Figure> {
-    vec![
-        Figure {
-            id: "fresnel-enter",
-            title: "Reflectance from air into glass",
-            report: Report::First,
-            reproduces: "Figure 1, η = 1 to 1.45; it prints \"Brewster: 55.40771131249006\"",
-            shows: "Reflectance of both polarizations and of unpolarized light over the angle of incidence, beside Schlick's \
-                    approximation and its error. Reflectance of parallel polarization is 0 at Brewster's angle.",
-            matters: "Every dielectric BSDF chooses between reflection and refraction by this number: Schlick's polynomial replaces it where speed counts more than an error of a few percent.",
-            papers: &[papers::SCHLICK, papers::PBRT],
-            beside: Some("fresnel-exit"),
-            command: Some("etalon fresnel --eta-i 1 --eta-t 1.45".into()),
-            ..Figure::by(|_, _| content(1.0, GLASS))
-        },
-        Figure {
-            id: "fresnel-exit",
-            title: "Reflectance from glass into air",
-            report: Report::First,
-            reproduces: "Figure 2, η = 1.45 to 1; it prints \"Critical: 43.60281897270362\"",
-            shows: "Reflectance from inside the glass: it rises to 1 at the critical angle, and stays there: total internal reflection.",
-            matters: "Light that leaves glass at a grazing angle cannot leave at all: a renderer that takes the wrong cosine here loses it.",
-            papers: &[papers::SCHLICK, papers::PBRT],
-            beside: Some("fresnel-enter"),
-            command: Some("etalon fresnel --eta-i 1.45 --eta-t 1".into()),
-            ..Figure::by(|_, _| content(GLASS, 1.0))
-        },
-    ]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("fresnel-enter", |_, _| content(1.0, GLASS)), maker("fresnel-exit", |_, _| content(GLASS, 1.0))]
 }
 
 fn content(eta_i: f64, eta_t: f64) -> Result<Content> {

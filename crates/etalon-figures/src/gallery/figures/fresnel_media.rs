@@ -9,22 +9,8 @@ use etalon_core::errata::Formulas;
 const NAMES: [&str; 6] = ["water", "glass", "diamond", "Fe", "Au", "Ag"];
 const POINTS: usize = 901;
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "fresnel-media",
-        title: "Reflectance of water, glass, diamond and metals",
-        report: Report::Neither,
-        reproduces: "common media side by side",
-        shows: "Reflectance of unpolarized light over the angle of incidence, at 587.56 nm, and how far Schlick's approximation \
-                with the same value at 0° lies from it. Dielectrics reflect a few percent up to about 60° and then ever more; \
-                metals reflect most of the light at every angle.",
-        matters: "One curve tells most of a material's look: the floor of the curve at 0° is what an artist sets as F0 or specular, and \
-                  the rise towards 90° is the bright rim that every smooth surface has.",
-        papers: &[papers::SCHLICK, papers::JOHNSON_CHRISTY, papers::PBRT],
-        beside: Some("fresnel-enter"),
-        command: Some("etalon fresnel water glass diamond --metal Fe,Au,Ag --show unpolarized,error".into()),
-        ..Figure::by(|_, _| content())
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("fresnel-media", |_, _| content())]
 }
 
 fn content() -> Result<Content> {

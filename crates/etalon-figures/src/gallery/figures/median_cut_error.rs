@@ -10,18 +10,8 @@ use etalon_bench::converge::{CUTS, Convergence, cuts};
 /// Numbers of lights that the map is cut into.
 const LIGHTS: [u32; 5] = [1, 4, 16, 64, 256];
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "median-cut-error",
-        title: "Error of fixed lights in place of the map",
-        report: Report::First,
-        reproduces: "Figures 7 to 11, their error",
-        shows: "Error of the sphere lit by fixed lights of a median cut, over their number and over time, beside light samples \
-                of the map itself.",
-        matters: "It answers which of both to use: fixed lights win as long as their bias is below the noise that the same time would leave.",
-        papers: &[papers::DEBEVEC, papers::VIRIYOTHAI],
-        ..Figure::by(content)
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("median-cut-error", content)]
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

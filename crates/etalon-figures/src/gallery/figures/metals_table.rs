@@ -9,18 +9,8 @@ use etalon_bench::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTa
 
 const POINTS: usize = 181;
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "metals-table",
-        title: "Metals: indices, special angles, albedo, error of the approximation",
-        report: Report::Second,
-        reproduces: "Table 1, η and k of iron at 614, 549 and 466 nm: 2.8851 + 3.0449i, 2.9500 + 2.9300i, 2.6500 + 2.8095i",
-        shows: "Reflectance of each metal in red, green and blue over the angle of incidence, and how far the report's \
-                approximation (without sin²θ beside η² + k²) lies above it. The sources of η and k stand in the CSV file.",
-        matters: "The colour of a metal is its reflectance, so that an error of these curves is an error of colour in every image of it.",
-        papers: &[papers::JOHNSON_CHRISTY, papers::PBRT],
-        ..Figure::by(|_, _| content())
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("metals-table", |_, _| content())]
 }
 
 fn content() -> Result<Content> {

@@ -1,6 +1,7 @@
-//! The registry of figures: one file for each, or for those that differ by a parameter, with study, view, checks and texts.
+//! The registry of figures: one file for each, or for those that differ by a parameter, with study, view and checks. Their texts
+//! are in `figures.json`.
 //!
-//! A new figure is a file with a function `figures`, and its two lines here.
+//! A new figure is an entry there, a file with a function `figures`, and its two lines here.
 
 mod anisotropy;
 mod audit;
@@ -28,68 +29,105 @@ mod sphere;
 mod stability;
 mod validation;
 
-use super::figure::Figure;
-use super::inputs::Shown;
+use super::figure::{Content, Figure};
+use super::inputs::Inputs;
+use super::studies::Studies;
+use etalon_core::error::Result;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// Makes a figure's content from the inputs and from studies that other figures may share.
+pub struct Maker {
+    /// The figure that it makes.
+    id: String,
+    make: Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content>>,
+}
+
+/// The maker of the figure of that id.
+pub fn maker(id: impl Into<String>, make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + 'static) -> Maker {
+    Maker { id: id.into(), make: Box::new(make) }
+}
+
+fn makers() -> Vec<Maker> {
+    let files = [
+        anisotropy::figures(),
+        audit::figures(),
+        choice::figures(),
+        claims::figures(),
+        depth::figures(),
+        envmap_samples::figures(),
+        error_depth::figures(),
+        error_time::figures(),
+        error_time_roughness::figures(),
+        fresnel::figures(),
+        fresnel_media::figures(),
+        median_cut::figures(),
+        median_cut_error::figures(),
+        metals_table::figures(),
+        multiple_scattering::figures(),
+        planted_fault::figures(),
+        proposal::figures(),
+        rough_glass::figures(),
+        roughness::figures(),
+        sampling::figures(),
+        scaling::figures(),
+        special_angles::figures(),
+        sphere::figures(),
+        stability::figures(),
+        validation::figures(),
+    ];
+    files.into_iter().flatten().collect()
+}
+
+/// Makes the content of a figure.
+///
+/// # Errors
+/// Those of its studies.
+pub fn make(figure: &Figure, inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let maker = makers().into_iter().find(|maker| maker.id == figure.id);
+    (maker.expect("a test finds a maker of each figure").make)(inputs, studies)
+}
 
 /// All figures, in the order in which they are made, numbered and shown: by section, from what a reader has to know first.
-pub fn registry() -> Vec<Figure> {
-    use Shown::{Copper, Map, Nothing, Spheres, Statue};
-    let sections = [
-        (
-            "Reflectance of an interface",
-            vec![
-                (Nothing, fresnel::figures()),
-                (Nothing, special_angles::figures()),
-                (Nothing, fresnel_media::figures()),
-            ],
-        ),
-        ("Samples of an environment map", vec![(Map, envmap_samples::figures()), (Map, proposal::figures())]),
-        ("Sphere under the map", vec![(Map, sphere::figures()), (Map, error_time::sphere())]),
-        ("Lights in place of the map", vec![(Map, median_cut::figures()), (Map, median_cut_error::figures())]),
-        (
-            "Paths up to a depth",
-            vec![(Spheres, depth::figures()), (Spheres, error_depth::figures()), (Spheres, error_time::cornell())],
-        ),
-        (
-            "Metals and their roughness",
-            vec![
-                (Nothing, metals_table::figures()),
-                (Statue, roughness::figures()),
-                (Statue, roughness::iron()),
-                (Copper, sampling::figures()),
-                (Statue, error_time_roughness::figures()),
-            ],
-        ),
-        (
-            "More materials",
-            vec![
-                (Nothing, multiple_scattering::figures()),
-                (Nothing, anisotropy::figures()),
-                (Spheres, rough_glass::figures()),
-            ],
-        ),
-        ("Tests of samplers", vec![(Nothing, planted_fault::figures()), (Nothing, validation::figures())]),
-        (
-            "What the reports print and claim",
-            vec![
-                (Nothing, audit::figures()),
-                (Map, claims::first()),
-                (Nothing, claims::second()),
-                (Spheres, claims::places()),
-            ],
-        ),
-        (
-            "Numerical errors and cost",
-            vec![(Nothing, stability::figures()), (Map, choice::figures()), (Nothing, scaling::figures())],
-        ),
-    ];
-    let titled = |(section, groups): (&'static str, Vec<(Shown, Vec<Figure>)>)| {
-        let of_input = move |(input, figures): (Shown, Vec<Figure>)| {
-            figures.into_iter().map(move |figure| Figure { section, input, ..figure })
-        };
-        groups.into_iter().flat_map(of_input)
-    };
-    sections.into_iter().flat_map(titled).collect()
+pub fn registry() -> &'static [Figure] {
+    static ALL: LazyLock<Vec<Figure>> =
+        LazyLock::new(|| read(include_str!("../figures.json")).expect("a test reads the figures' texts"));
+    &ALL
+}
+
+/// The figures of `figures.json`. Those of a series share the fields beside it.
+fn read(text: &str) -> serde_json::Result<Vec<Figure>> {
+    #[derive(Deserialize)]
+    struct Texts {
+        sections: Vec<Section>,
+        papers: BTreeMap<String, String>,
+    }
+    #[derive(Deserialize)]
+    struct Section {
+        section: Value,
+        figures: Vec<Map<String, Value>>,
+    }
+    let Texts { sections, papers } = serde_json::from_str(text)?;
+    let mut all = Vec::new();
+    for Section { section, figures } in sections {
+        for mut shared in figures {
+            shared.insert("section".into(), section.clone());
+            let series = shared.remove("series").unwrap_or_else(|| Value::Array(vec![Value::Object(Map::new())]));
+            for own in serde_json::from_value::<Vec<Map<String, Value>>>(series)? {
+                let fields = shared.clone().into_iter().chain(own).collect();
+                let mut figure: Figure = serde_json::from_value(Value::Object(fields))?;
+                for paper in &mut figure.papers {
+                    let unknown =
+                        || <serde_json::Error as serde::de::Error>::custom(format!("{}: no paper {paper}", figure.id));
+                    *paper = papers.get(paper).ok_or_else(unknown)?.clone();
+                }
+                all.push(figure);
+            }
+        }
+    }
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -100,14 +138,18 @@ mod tests {
     #[test]
     fn every_entry_is_complete() {
         let all = registry();
-        let ids: BTreeSet<&str> = all.iter().map(|figure| figure.id).collect();
+        let ids: BTreeSet<&str> = all.iter().map(|figure| figure.id.as_str()).collect();
         assert_eq!(ids.len(), all.len(), "an id twice");
-        let titles: BTreeSet<&str> = all.iter().map(|figure| figure.title).collect();
+        let mut made: Vec<String> = makers().into_iter().map(|maker| maker.id).collect();
+        made.sort();
+        assert_eq!(made, ids.iter().copied().collect::<Vec<_>>(), "each figure has one maker");
+        let titles: BTreeSet<&str> = all.iter().map(|figure| figure.title.as_str()).collect();
         assert_eq!(titles.len(), all.len(), "a title twice");
-        let sections: Vec<&str> = all.chunk_by(|a, b| a.section == b.section).map(|group| group[0].section).collect();
+        let sections: Vec<&str> =
+            all.chunk_by(|a, b| a.section == b.section).map(|group| group[0].section.as_str()).collect();
         assert_eq!(sections.len(), sections.iter().collect::<BTreeSet<_>>().len(), "a section in two places");
-        for figure in &all {
-            let id = figure.id;
+        for figure in all {
+            let id = figure.id.as_str();
             let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
             assert!(id.chars().all(plain), "{id} is the name of files");
             assert!(!figure.title.is_empty() && !figure.reproduces.is_empty(), "{id}");
@@ -116,10 +158,10 @@ mod tests {
                 "{id}: {}",
                 figure.title
             );
-            for text in [figure.shows, figure.matters] {
+            for text in [&figure.shows, &figure.matters] {
                 assert!(text.len() > 20 && text.ends_with('.'), "{id} says what is seen and why it matters: {text:?}");
             }
-            let beside = figure.beside.is_none_or(|other| other != id && ids.contains(other));
+            let beside = figure.beside.as_deref().is_none_or(|other| other != id && ids.contains(other));
             assert!(beside, "{id} beside {:?}", figure.beside);
         }
     }

@@ -21,21 +21,8 @@ use std::f64::consts::PI;
 /// The error of the albedos: of the model's table, 10⁻³, and half of that for the sum.
 const ERROR: f64 = 1.5e-3;
 
-/// One figure with curves and spheres.
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "multiple-scattering",
-        title: "Energy of rough metals",
-        report: Report::Neither,
-        reproduces: "a white furnace for rough metals",
-        shows: "A model of single scattering loses the light that meets a second facet, more of it the rougher the metal is; \
-                with multiple scattering a metal that reflects everything reflects everything, and vanishes before a uniform \
-                environment. Gold becomes brighter and more saturated. The spheres are of GGX, shown half a stop darker.",
-        matters: "The white furnace is the sharpest test of energy: whatever a model loses or gains becomes visible against the uniform environment.",
-        papers: &[papers::KULLA_CONTY, papers::TURQUIN],
-        command: Some("etalon render furnace --alpha 1 --multiple-scattering --uniform".into()),
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("multiple-scattering", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -13,34 +13,10 @@ const SAMPLER: &str = "warp/hemisphere/disc-without-root";
 /// samples alone are not.
 const BSDF: &str = "whole/mixture/random-number-reused";
 
-pub fn figures() -> Vec<Figure> {
+pub fn figures() -> Vec<Maker> {
     vec![
-        Figure {
-            id: "test-chi-square",
-            title: "A cosine-weighted sampler with a forgotten square root",
-            report: Report::Neither,
-            reproduces: "a mistake in sampling the hemisphere, found",
-            shows: "Directions counted in cells of equal solid angle, what the pdf cos θ/π expects there, and the residuals in standard \
-                    deviations. The sampler takes the radius u for √u on the disc, so that too many directions lie near the normal. \
-                    The test rejects it and says where; the same test accepts the sampler with the root.",
-            matters: "The rendered image of such a sampler looks plausible: it is only brighter or darker than it should be, by an amount that depends on the light.",
-            papers: &[papers::SUBR_ARVO, papers::PBRT],
-            command: Some(format!("etalon validate --planted {SAMPLER}")),
-            ..Figure::by(|inputs, _| content(inputs, SAMPLER))
-        },
-        Figure {
-            id: "bsdf-fault",
-            title: "A BSDF with a planted fault",
-            report: Report::Neither,
-            reproduces: "a mistake in sampling a mixture of lobes, found",
-            shows: "Directions sampled from a mixture of two lobes, counted in cells of the sphere. The random number that chooses \
-                    the lobe is used again for the direction: residuals have one sign over large regions, and the test says where. \
-                    The same test accepts the right BSDF.",
-            matters: "A test is worth what it finds: this error leaves every single value right, and only the joint distribution of samples shows it.",
-            papers: &[papers::SUBR_ARVO],
-            command: Some(format!("etalon validate --planted {BSDF}")),
-            ..Figure::by(|inputs, _| content(inputs, BSDF))
-        },
+        maker("test-chi-square", |inputs, _| content(inputs, SAMPLER)),
+        maker("bsdf-fault", |inputs, _| content(inputs, BSDF)),
     ]
 }
 

@@ -10,35 +10,8 @@ const SAMPLES: usize = 100_000;
 /// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
 const LEVEL: f64 = 1e-3;
 
-pub fn figures() -> Vec<Figure> {
-    vec![
-        Figure {
-            id: "proposal",
-            title: "Inversion needs uniform random numbers",
-            report: Report::First,
-            reproduces: "text, proposal distributions",
-            shows: "Rows of the map sampled by inversion of its distribution. Uniform random numbers reproduce the pdf, Gaussian \
-                ones do not.",
-            matters: "Inversion turns uniform random numbers into any distribution, and only these: other random numbers change the pdf without any error message.",
-            papers: &[papers::PBRT],
-            command: Some("etalon envmap proposal {map}".into()),
-            ..Figure::by(content)
-        },
-        Figure {
-            id: "proposal-cost",
-            title: "What a proposal distribution costs",
-            report: Report::First,
-            reproduces: "text, proposal distributions \"like Gaussian\" and uniform, for rows and for columns",
-            shows: "Rows and columns of the map sampled by seven distributions, each sample weighted by one over its probability: no \
-                proposal is wrong then, and a bad one needs more samples. Above are the distributions, below the samples until \
-                the relative standard error is 1 %, from exact sums over all texels.",
-            matters: "A proposal must be large wherever the integrand is: a narrow one misses light, and a few samples of huge weight make up for it, which is what fireflies are.",
-            papers: &[papers::PBRT],
-            beside: Some("proposal"),
-            command: Some("etalon envmap proposal {map}".into()),
-            ..Figure::by(|inputs, _| cost(inputs))
-        },
-    ]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("proposal", content), maker("proposal-cost", |inputs, _| cost(inputs))]
 }
 
 /// Both histograms, if the map has light in enough rows.

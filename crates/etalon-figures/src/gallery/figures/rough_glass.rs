@@ -20,21 +20,8 @@ const ALPHAS: [f32; 6] = [0.0, 0.001, 0.03, 0.1, 0.25, 0.5];
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;
 
-/// One figure with an image for each α.
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "rough-glass",
-        title: "Glass of increasing roughness",
-        report: Report::Neither,
-        reproduces: "the second report's Cornell box, with a rough boundary of its glass sphere, and one area light in the place of its panel and its light",
-        shows: "The glass sphere of the Cornell box from near. The wider the distribution of microfacet normals (GGX), the less is seen through the sphere, and the wider and \
-                dimmer is its caustic. Smooth glass and glass of α = 0.001 look alike. Bright pixels within rough glass are noise: light that is reflected inside the sphere \
-                reaches the camera on few paths. The error of a pixel (column `noise`) halves with four times the 64 samples per pixel.",
-        matters: "A rough dielectric has to agree with smooth glass at one end and lose its caustic at the other, and both ends are where its pdf is easiest to get wrong.",
-        papers: &[papers::WALTER],
-        command: Some("etalon render cornell-spheres --alpha 0.1 -s 64 -l 1 -m 7".into()),
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("rough-glass", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

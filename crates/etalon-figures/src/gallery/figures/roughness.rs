@@ -6,6 +6,8 @@ use etalon_bench::roughness::{self, StatueRender};
 use etalon_core::optics::metals::{IRON, WAVELENGTHS_NM};
 use etalon_core::raster::ToneMap;
 
+/// Roughness of the report's statues of gold.
+pub const ALPHAS: [f32; 4] = [0.005, 0.05, 0.25, 0.5];
 /// Standard errors by which two means may differ.
 const SIGMAS: f64 = 4.0;
 
@@ -17,88 +19,28 @@ pub fn statue(inputs: &Inputs, studies: &mut Studies, metal: &str, alpha: f32) -
     })
 }
 
-/// One figure for each α, each checked against the smoother one before it.
-pub fn figures() -> Vec<Figure> {
-    let figure = |id, title, alpha, smoother: Option<f32>, reproduces, beside| Figure {
-        id,
-        title,
-        report: Report::Second,
-        reproduces,
-        shows: "The wider the distribution of microfacet normals, the wider and dimmer are the highlights. Shown as in the \
-                report: √2 times the radiance, encoded by a gamma of 2.2.",
-        matters: "One parameter takes the statue from a mirror to a nearly diffuse body, and a sampler has to follow it over that whole range.",
-        papers: &[papers::COOK_TORRANCE, papers::WALTER],
-        beside: Some(beside),
-        command: Some(format!(
-            "etalon render cornell-statue-au --alpha {alpha} -s 128 -l 1 -m 5 --tone report --uniform"
-        )),
-        ..Figure::by(move |inputs, studies| {
-            let mut content = content(inputs, studies, "Au", alpha)?;
-            if let Some(smoother) = smoother {
-                content.checks.push(dimmer(inputs, studies, alpha, smoother)?);
+pub fn figures() -> Vec<Maker> {
+    let statue = |place: usize| {
+        maker(format!("roughness-{}", ALPHAS[place]), move |inputs, studies| {
+            let mut content = content(inputs, studies, "Au", ALPHAS[place])?;
+            if place > 0 {
+                content.checks.push(dimmer(inputs, studies, ALPHAS[place], ALPHAS[place - 1])?);
             }
             Ok(content)
         })
     };
-    vec![
-        figure(
-            "roughness-0.005",
-            "Golden statue, α = 0.005",
-            0.005,
-            None,
-            "Figure 2a, α = 0.005 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-            "roughness-0.05",
-        ),
-        figure(
-            "roughness-0.05",
-            "Golden statue, α = 0.05",
-            0.05,
-            Some(0.005),
-            "Figure 2b, α = 0.05 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-            "roughness-0.005",
-        ),
-        figure(
-            "roughness-0.25",
-            "Golden statue, α = 0.25",
-            0.25,
-            Some(0.05),
-            "Figure 2c, α = 0.25 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-            "roughness-0.05",
-        ),
-        figure(
-            "roughness-0.5",
-            "Golden statue, α = 0.5",
-            0.5,
-            Some(0.25),
-            "Figure 2d, α = 0.5 (CBdragon_microfacet_au.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-            "roughness-0.25",
-        ),
-    ]
+    (0..ALPHAS.len()).map(statue).chain([maker("iron", iron)]).collect()
 }
 
-pub fn iron() -> Vec<Figure> {
-    vec![Figure {
-        id: "iron",
-        title: "Iron statue, α = 0.5",
-        report: Report::Second,
-        reproduces: "Figure 4, iron, α = 0.5 (CBdragon_microfacet_fe.dae, -t 8 -s 128 -l 1 -m 5 -r 480 360)",
-        shows: "The scene of `roughness-0.5` with the indices of iron, those of Table 1, in place of gold's: all colours are reflected \
-                nearly alike. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
-        matters: "Only the indices of refraction differ from those of the golden statue: they alone make it grey.",
-        papers: &[papers::JOHNSON_CHRISTY, papers::COOK_TORRANCE],
-        beside: Some("roughness-0.5"),
-        command: Some("etalon render cornell-statue-fe -s 128 -l 1 -m 5 --tone report --uniform".into()),
-        ..Figure::by(|inputs, studies| {
-            let mut content = content(inputs, studies, "Fe", 0.5)?;
-            // Grey: no channel differs from the mean of all by more than a fifth.
-            let radiance = statue(inputs, studies, "Fe", 0.5)?.statue;
-            let colour = radiance.value.map(|v| (v / radiance.mean_rgb() - 1.0).abs());
-            let largest = colour.into_iter().fold(0.0, f64::max);
-            content.checks.push(Check::at_most("largest relative difference of a channel from grey", largest, 0.2));
-            content.checks.extend(iron_of_the_report());
-            Ok(content.with_printed(printed_iron()))
-        })
-    }]
+fn iron(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let mut content = content(inputs, studies, "Fe", 0.5)?;
+    // Grey: no channel differs from the mean of all by more than a fifth.
+    let radiance = statue(inputs, studies, "Fe", 0.5)?.statue;
+    let colour = radiance.value.map(|v| (v / radiance.mean_rgb() - 1.0).abs());
+    let largest = colour.into_iter().fold(0.0, f64::max);
+    content.checks.push(Check::at_most("largest relative difference of a channel from grey", largest, 0.2));
+    content.checks.extend(iron_of_the_report());
+    Ok(content.with_printed(printed_iron()))
 }
 
 /// η and k of iron, red, green and blue, in the report.

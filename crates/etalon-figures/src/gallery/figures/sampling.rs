@@ -16,48 +16,11 @@ pub fn both(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<StrategyCompari
     studies.get("copper", || compare(&scene, &request, &inputs.settings()))
 }
 
-/// Two renders and their comparison.
-pub fn figures() -> Vec<Figure> {
+pub fn figures() -> Vec<Maker> {
     vec![
-        Figure {
-            id: "sampling-importance",
-            title: "Copper statue of α = 0.05, importance sampling",
-            report: Report::Second,
-            reproduces: "Figure 3a, importance sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
-            shows: "Microfacet normals sampled as they are visible, directions by what the metal reflects: little noise with few \
-                    samples. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
-            matters: "Directions in proportion to the BSDF leave little variance: the same number of samples shows the statue and not its noise.",
-            papers: &[papers::HEITZ, papers::WALTER],
-            beside: Some("sampling-hemisphere"),
-            command: Some("etalon render cornell-statue-cu -s 64 -l 1 -m 5 --tone report --uniform".into()),
-            ..Figure::by(|inputs, studies| render(inputs, studies, true))
-        },
-        Figure {
-            id: "sampling-hemisphere",
-            title: "Copper statue of α = 0.05, uniform hemisphere sampling",
-            report: Report::Second,
-            reproduces: "Figure 3b, uniform hemisphere sampling (CBbunny_microfacet_cu.dae, -t 8 -s 64 -l 1 -m 5 -r 480 360)",
-            shows: "As many directions sampled uniformly over the hemisphere: most miss what the metal reflects, so that the \
-                    image looks dark and noisy. Shown as in the report: √2 times the radiance, encoded by a gamma of 2.2.",
-            matters: "The image has the right mean and still looks too dark: a few very bright pixels carry the light that the others lack.",
-            papers: &[papers::WALTER],
-            beside: Some("sampling-importance"),
-            command: Some(
-                "etalon render cornell-statue-cu -s 64 -l 1 -m 5 --normals hemisphere --tone report --uniform".into(),
-            ),
-            ..Figure::by(|inputs, studies| render(inputs, studies, false))
-        },
-        Figure {
-            id: "sampling-error",
-            title: "Noise of both, and the dark rim at the silhouette",
-            report: Report::Second,
-            reproduces: "Figure 3, the dark rim of hemisphere sampling",
-            shows: "Copper of α = 0.05. Both strategies have the same mean. With hemisphere sampling the median of the pixels is far below \
-                    it: at the silhouette, which looks like a dark line, and in the interior, too, where few samples are taken.",
-            matters: "What looks like a bias is a skewed distribution of noise: only the mean over many pixels, with its standard error, can tell.",
-            papers: &[papers::WALTER],
-            ..Figure::by(errors)
-        },
+        maker("sampling-importance", |inputs, studies| render(inputs, studies, true)),
+        maker("sampling-hemisphere", |inputs, studies| render(inputs, studies, false)),
+        maker("sampling-error", errors),
     ]
 }
 

@@ -25,17 +25,8 @@ fn largest(many: Many, inputs: &Inputs) -> u32 {
     }
 }
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "scaling",
-        title: "Cost against the number of lights, spheres and triangles",
-        report: Report::Neither,
-        reproduces: "beyond the reports",
-        shows: "Processor time per camera sample, and of the preparation, over the number of primitives.",
-        matters: "Logarithmic growth is what makes large scenes possible: a slope near 1 would mean that every ray visits every primitive.",
-        papers: &[papers::CONTY_KULLA],
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("scaling", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -12,20 +12,8 @@ use etalon_core::optics::dielectric::fresnel;
 const MEDIA: [&str; 7] = ["ice", "water", "1.45", "glass", "sapphire", "LASF9", "diamond"];
 const POINTS: usize = 801;
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "fresnel-angles",
-        title: "Brewster's angle and the critical angle over the index",
-        report: Report::First,
-        reproduces: "text, the formulas of both angles; Figures 1 and 2 print 55.40771131249006 and 43.60281897270362 for 1.45",
-        shows: "Brewster's angle from both sides and the critical angle, over the index of refraction of a medium in air. \
-                Brewster's angles of both sides add up to 90°; the critical angle lies above Brewster's of the same side.",
-        matters: "The critical angle bounds the cone through which light leaves a medium: the higher its index, the more light is reflected within, which makes diamonds glitter.",
-        papers: &[papers::PBRT],
-        beside: Some("fresnel-exit"),
-        command: Some(format!("etalon fresnel --angles {}", MEDIA.join(" "))),
-        ..Figure::by(|_, _| content())
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("fresnel-angles", |_, _| content())]
 }
 
 fn content() -> Result<Content> {

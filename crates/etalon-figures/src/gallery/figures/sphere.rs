@@ -17,64 +17,9 @@ fn exact(inputs: &Inputs, studies: &mut Studies, width: usize) -> Result<Rc<Exac
     studies.get(width.to_string(), || Ok(Exact::new(&inputs.map.map, f64::from(SPHERE_ENV_SCALE), width)))
 }
 
-/// Four numbers of samples per pixel, and the error by strategy.
-pub fn figures() -> Vec<Figure> {
-    let sphere = |id, title, spp, reproduces, beside| Figure {
-        id,
-        title,
-        report: Report::First,
-        reproduces,
-        shows: "A white diffuse sphere under the map, rendered by the default: light sampling in proportion to radiance times cosine, \
-                adaptive. Beside it the error of each pixel against the exact integral, on one scale for 8, 16, 32 and 64 samples: noise, which \
-                decreases with their number. The first 8 samples of a pixel have one camera path each, later ones more where there is more noise: \
-                the title has the mean number. Grey are the rim, whose pixels the sphere covers in part, and the middle, where the camera touches it: they are not compared.",
-        matters: "The exact radiance is known here, so that noise and bias can be distinguished, which the look of a render alone does not allow.",
-        papers: &[papers::PBRT],
-        beside: Some(beside),
-        command: Some(format!("etalon render sphere-env --envmap {{map}} -s {spp} -l 4")),
-        ..Figure::by(move |inputs, studies| content(inputs, studies, spp))
-    };
-    vec![
-        sphere(
-            "sphere-8",
-            "The sphere under the map, 8 samples per pixel",
-            8,
-            "Figure 12, PBRT: diffuse sphere of albedo 1 in the Grace map, 8 samples",
-            "sphere-64",
-        ),
-        sphere(
-            "sphere-16",
-            "The sphere under the map, 16 samples per pixel",
-            16,
-            "Figure 13, PBRT: diffuse sphere of albedo 1 in the Grace map, 16 samples",
-            "sphere-8",
-        ),
-        sphere(
-            "sphere-32",
-            "The sphere under the map, 32 samples per pixel",
-            32,
-            "Figure 14, PBRT: diffuse sphere of albedo 1 in the Grace map, 32 samples",
-            "sphere-16",
-        ),
-        sphere(
-            "sphere-64",
-            "The sphere under the map, 64 samples per pixel",
-            64,
-            "Figure 15, PBRT: diffuse sphere of albedo 1 in the Grace map, 64 samples",
-            "sphere-32",
-        ),
-        Figure {
-            id: "sphere-error",
-            title: "Error of the sphere against camera paths and time",
-            report: Report::First,
-            reproduces: "Figures 12 to 15, measured",
-            shows: "Error of the default (light-cosine with adaptive sampling) and of four other strategies, over camera paths per pixel and over \
-                    time, for 8, 16, 32 and 64 samples per pixel. A sample has one camera path, by adaptive sampling more where there is more noise.",
-            matters: "Four times as many independent samples halve the error; a better strategy or a better point set gains more than that for the same time.",
-            papers: &[papers::VEACH, papers::BURLEY_OWEN],
-            ..Figure::by(errors)
-        },
-    ]
+pub fn figures() -> Vec<Maker> {
+    let sphere = |spp: u32| maker(format!("sphere-{spp}"), move |inputs, studies| content(inputs, studies, spp));
+    SPP.map(sphere).into_iter().chain([maker("sphere-error", errors)]).collect()
 }
 
 /// The sphere at one number of samples per pixel.

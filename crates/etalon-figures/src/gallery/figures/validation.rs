@@ -10,19 +10,8 @@ const QUICK: [&str; 6] = ["warp", "table", "strata", "light", "bsdf/glass", "bsd
 /// p-values so near to either end are evidence: too uniform is as suspicious as not uniform.
 const LEVEL: f64 = 5e-4;
 
-pub fn figures() -> Vec<Figure> {
-    vec![Figure {
-        id: "validation",
-        title: "Every sampler against its pdf",
-        report: Report::Neither,
-        reproduces: "samplers of both reports, tested",
-        shows: "p-values of all tests in ascending order against those of true claims, and the line below which a test is \
-                rejected.",
-        matters: "A renderer converges to the wrong image when a sampler and its pdf disagree: the tests would reject an error of a few percent in any of them.",
-        papers: &[papers::PBRT, papers::SUBR_ARVO],
-        command: Some("etalon validate --detect 0.04".into()),
-        ..Figure::by(|inputs, _| content(inputs))
-    }]
+pub fn figures() -> Vec<Maker> {
+    vec![maker("validation", |inputs, _| content(inputs))]
 }
 
 fn content(inputs: &Inputs) -> Result<Content> {

@@ -42,12 +42,13 @@ impl Article<'_> {
     pub fn html(&self, folder: &Path) -> String {
         let EmbeddedImage { source, width, height, .. } = &self.image;
         let Figure { title, shows, matters, .. } = self.figure;
-        let (id, number, failed, kind) = (escape(self.figure.id), self.number, self.failed(), self.image.kind());
+        let (id, number, failed, kind) = (escape(&self.figure.id), self.number, self.failed(), self.image.kind());
         let input = &self.record.input;
-        let shows = &if input.is_empty() { (*shows).to_owned() } else { format!("{shows} Made with {input}.") };
+        let shows = &if input.is_empty() { shows.clone() } else { format!("{shows} Made with {input}.") };
         let [title, shows, matters, alternative] =
-            [*title, shows, *matters, &format!("{title} ({id}). {shows}")].map(escape);
-        let (beside, render) = (self.figure.beside.unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
+            [title, shows, matters, &format!("{title} ({id}). {shows}")].map(|text| escape(text));
+        let (beside, render) =
+            (self.figure.beside.as_deref().unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
         let there = FORMATS.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
         let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
@@ -83,7 +84,7 @@ impl Article<'_> {
 
     fn commands(&self) -> String {
         let setup = &self.record.setup;
-        let again = command(&join(&format!("etalon reproduce --only {}", escape(self.figure.id)), &setup.options));
+        let again = command(&join(&format!("etalon reproduce --only {}", escape(&self.figure.id)), &setup.options));
         let direct = self.figure.command.as_ref().map_or_else(String::new, |direct| {
             format!("<p>or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
         });

@@ -49,11 +49,11 @@ pub fn contents(articles: &[Article<'_>], sections: &[&[Article<'_>]]) -> String
         + &link(claimed, "claims", "Claims of the reports");
     let entry = |article: &Article<'_>| {
         let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
-        let (id, number, title) = (article.figure.id, article.number, escape(article.figure.title));
+        let (id, number, title) = (&article.figure.id, article.number, escape(&article.figure.title));
         format!("<li data-id=\"{id}\"><a href=\"#figure-{id}\"><span>{number}</span>{title}</a>{mark}</li>\n")
     };
     let part = |(i, group): (usize, &&[Article<'_>])| {
-        let (number, name) = (i + 1, escape(group[0].figure.section));
+        let (number, name) = (i + 1, escape(&group[0].figure.section));
         let entries: String = group.iter().map(entry).collect();
         format!("<div class=\"part\"><p><a href=\"#part-{number}\">{name}</a></p>\n<ul>\n{entries}</ul></div>\n")
     };
@@ -74,7 +74,7 @@ pub fn contents(articles: &[Article<'_>], sections: &[&[Article<'_>]]) -> String
 /// A small image of every figure, which leads to it.
 pub fn thumbnails(sections: &[&[Article<'_>]]) -> String {
     let tile = |article: &Article<'_>| {
-        let (id, number, title) = (article.figure.id, article.number, escape(article.figure.title));
+        let (id, number, title) = (&article.figure.id, article.number, escape(&article.figure.title));
         let (source, kind) = (&article.image.thumbnail, article.image.thumbnail_kind());
         format!(
             "<li data-id=\"{id}\"><a href=\"#figure-{id}\"><span class=\"tile {kind}\"><img src=\"{source}\" alt=\"\" \
@@ -82,7 +82,7 @@ pub fn thumbnails(sections: &[&[Article<'_>]]) -> String {
         )
     };
     let part = |group: &&[Article<'_>]| {
-        let (name, tiles) = (escape(group[0].figure.section), group.iter().map(tile).collect::<String>());
+        let (name, tiles) = (escape(&group[0].figure.section), group.iter().map(tile).collect::<String>());
         format!("<div class=\"part\"><h3>{name}</h3>\n<ul class=\"tiles\">\n{tiles}</ul></div>\n")
     };
     let parts: String = sections.iter().map(part).collect();

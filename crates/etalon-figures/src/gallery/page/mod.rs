@@ -30,12 +30,12 @@ pub fn write(folder: &Path, figures: &[Figure], records: &Records) -> Result<()>
 }
 
 fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> Result<Vec<Article<'a>>> {
-    let shown: Vec<_> = figures.iter().filter_map(|figure| Some((figure, records.get(figure.id)?))).collect();
+    let shown: Vec<_> = figures.iter().filter_map(|figure| Some((figure, records.get(&figure.id)?))).collect();
     shown
         .into_par_iter()
         .enumerate()
         .map(|(i, (figure, record))| {
-            Ok(Article { figure, number: i + 1, record, image: EmbeddedImage::read(folder, figure.id)? })
+            Ok(Article { figure, number: i + 1, record, image: EmbeddedImage::read(folder, &figure.id)? })
         })
         .collect()
 }
@@ -44,7 +44,7 @@ fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> R
 fn document(articles: &[Article<'_>], folder: &Path) -> String {
     let sections: Vec<&[Article<'_>]> = articles.chunk_by(|a, b| a.figure.section == b.figure.section).collect();
     let section = |(i, group): (usize, &&[Article<'_>])| {
-        let (number, name) = (i + 1, escape(group[0].figure.section));
+        let (number, name) = (i + 1, escape(&group[0].figure.section));
         let articles: String = group.iter().map(|article| article.html(folder)).collect();
         format!("<section>\n<h2 id=\"part-{number}\">{name}</h2>\n{articles}</section>\n")
     };

@@ -133,7 +133,7 @@ pub fn read_records(folder: &Path, figures: &[Figure]) -> Result<Records> {
             .with_hint("remove it: the page then covers what the next run makes")
     })?;
     records.retain(|id, _| {
-        figures.iter().any(|figure| figure.id == id)
+        figures.iter().any(|figure| figure.id == *id)
             && ["png", "svg"].iter().all(|e| folder.join(format!("{id}.{e}")).exists())
     });
     Ok(records)
@@ -160,18 +160,18 @@ mod tests {
     fn records_are_read_back_without_those_of_missing_figures() {
         let dir = tempfile::tempdir().unwrap();
         let write = |name: &str| std::fs::write(dir.path().join(name), "x").unwrap();
-        assert_eq!(read_records(dir.path(), &registry()).unwrap(), Records::new());
+        assert_eq!(read_records(dir.path(), registry()).unwrap(), Records::new());
         let records: Records = ["iron", "depth-1", "no-such"].map(|id| (id.to_owned(), record())).into();
         write_records(dir.path(), &records).unwrap();
         for name in ["iron.png", "iron.svg", "no-such.png", "no-such.svg", "depth-1.svg"] {
             write(name);
         }
-        let read = read_records(dir.path(), &registry()).unwrap();
+        let read = read_records(dir.path(), registry()).unwrap();
         assert_eq!(read.keys().collect::<Vec<_>>(), ["iron"]);
         let checks = &read["iron"].checks;
         assert!(checks[0] == record().checks[0] && checks[1].got.is_nan() && checks[1].failed());
         write(FILE);
-        assert!(matches!(read_records(dir.path(), &registry()), Err(Error::Input { .. })));
+        assert!(matches!(read_records(dir.path(), registry()), Err(Error::Input { .. })));
     }
 
     #[test]

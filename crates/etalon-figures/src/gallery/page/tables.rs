@@ -22,7 +22,7 @@ pub fn errata(articles: &[Article<'_>]) -> String {
              <td data-label=\"error in an image\">{error}</td><td class=\"number\">{panel}</td></tr>\n"
         )
     };
-    let all = articles.iter().flat_map(|a| a.record.errata.iter().map(|erratum| (a.figure.id, erratum)));
+    let all = articles.iter().flat_map(|a| a.record.errata.iter().map(|erratum| (a.figure.id.as_str(), erratum)));
     let rows: String = all.map(row).collect();
     if rows.is_empty() {
         return rows;
@@ -46,7 +46,7 @@ in an image.</p>
 pub fn claims(articles: &[Article<'_>]) -> String {
     let link = |id: &String| {
         let shown = escape(id);
-        let known = articles.iter().any(|article| article.figure.id == id);
+        let known = articles.iter().any(|article| article.figure.id == *id);
         if known { format!("<a href=\"#figure-{shown}\">{shown}</a>") } else { shown }
     };
     let row = |claim: &Claim| {

@@ -13,10 +13,10 @@ fn page(change: impl Fn(&str, &mut Record)) -> String {
     let records: Records = figures
         .iter()
         .map(|figure| {
-            Drawing::new(40.0, 30.0, 1.0).write(&dir.path().join(figure.id)).unwrap();
+            Drawing::new(40.0, 30.0, 1.0).write(&dir.path().join(&figure.id)).unwrap();
             let mut record = record();
-            change(figure.id, &mut record);
-            (figure.id.to_owned(), record)
+            change(&figure.id, &mut record);
+            (figure.id.clone(), record)
         })
         .collect();
     write(dir.path(), &figures, &records).unwrap();
