@@ -1,4 +1,4 @@
-//! Experiments whose exact results no formula of the inputs gives: sums, tables, cuts, paths.
+//! Experiments whose exact results no formula of the inputs gives: sums, tables, paths.
 //!
 //! It re-exports what an experiment is written with.
 

@@ -7,7 +7,6 @@
 
 mod case;
 mod conductor;
-mod cuts;
 mod dielectric;
 mod experiment;
 mod family;

@@ -3,7 +3,7 @@
 use super::experiment::Experiment;
 use super::family::Family;
 use super::{
-    conductor, cuts, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, special, sums, tables,
+    conductor, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, special, sums, tables,
 };
 
 /// An entry of [`REGISTRY`].
@@ -16,7 +16,7 @@ pub enum Entry {
 }
 
 /// All families of formulas and all experiments: each is a constant and a line here.
-pub static REGISTRY: [Entry; 30] = [
+pub static REGISTRY: [Entry; 29] = [
     Entry::Formula(&dielectric::FRESNEL),
     Entry::Formula(&dielectric::SCHLICK),
     Entry::Formula(&conductor::FAMILY),
@@ -46,7 +46,6 @@ pub static REGISTRY: [Entry; 30] = [
     Entry::Experiment(&sums::AREAS),
     Entry::Experiment(&sums::FILM),
     Entry::Experiment(&paths::EXPERIMENT),
-    Entry::Experiment(&cuts::EXPERIMENT),
 ];
 
 impl Entry {
