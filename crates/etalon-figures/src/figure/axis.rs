@@ -69,18 +69,17 @@ impl Axis {
         }
     }
 
+    /// Up to about `most` labelled ticks, at their positions along `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
-        if !self.names.is_empty() {
-            return ticks::named(&self.names);
-        }
-        if !self.at.is_empty() {
-            return ticks::at(span.lo(), span.hi(), &self.at);
-        }
-        match (self.scale, self.every) {
+        let mut ticks = match (self.scale, self.every) {
+            _ if !self.names.is_empty() => ticks::named(&self.names),
+            _ if !self.at.is_empty() => ticks::at(span.lo(), span.hi(), &self.at),
             (Scale::Log10, _) => ticks::log(span.lo(), span.hi(), most),
             (Scale::Linear, Some(step)) => ticks::every(span.lo(), span.hi(), step),
             (Scale::Linear, None) => ticks::linear(span.lo(), span.hi(), most),
-        }
+        };
+        ticks.major.iter_mut().map(|tick| &mut tick.at).chain(&mut ticks.minor).for_each(|at| *at = span.position(*at));
+        ticks
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::colour_bar;
 use super::drawing::Drawing;
-use super::frame::{Axes, Sides};
+use super::frame::{self, Axes, Sides};
 use super::legend::Legend;
 use super::occupancy::Occupancy;
 use super::panel::{Mark, Panel};
@@ -53,7 +53,7 @@ impl Chart {
         }
         sketch.marks(&panel.marks);
         // Labels of reference lines and notes, clear of the marks and of the y axis' factor
-        let factor = sketch.axes.factor_height();
+        let factor = frame::factor_height(&sketch.axes.up);
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));

@@ -1,12 +1,13 @@
 //! The bar that shows which colour stands for which value: beside one heat map, or below several of the same scale.
 
 use super::drawing::Drawing;
-use super::frame::{self, Side, Sides};
+use super::frame::{self, Sides};
 use super::heatmap::Heatmap;
 use super::rgb8::Rgb8;
-use super::shapes::{Anchor, Level, Paint, Rect, Stroke, Text};
+use super::shapes::{Anchor, Level, Rect};
 use super::text;
 use super::theme;
+use super::ticks::Ticks;
 
 /// Width of the bar, and its distance from the frame.
 const WIDTH: f64 = 13.0;
@@ -18,23 +19,17 @@ pub(super) fn beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Side
     let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
     let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
     drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));
-    drawing.rect(bar, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
-    let span = map.span();
-    let ticks = map.axis().ticks(&span, frame::most_rows(bar.height));
-    let mut right = GAP + WIDTH + frame::ticks_along(drawing, &bar, Side::Right, &span, &ticks);
-    frame::bar_factor(drawing, &bar, &ticks);
-    if !map.label.is_empty() {
-        let at = [frame.right() + right + 8.0 + theme::LABEL_SIZE * 0.8, frame.centre()[1]];
-        let text = Text::new(at, theme::LABEL_SIZE, map.label.clone()).held(Anchor::Middle, Level::Baseline);
-        drawing.text(text.upwards());
-        right += 12.0 + theme::LABEL_SIZE;
-    }
-    Sides { left: 0.0, right, top: frame::factor_height(&ticks), bottom: 0.0 }
+    let ticks = map.axis().ticks(&map.span(), frame::most_rows(bar.height));
+    let right = frame::beside_ticks(&ticks) + frame::title_height(&map.label);
+    let room = Sides { right, ..Sides::default() };
+    frame::draw_axes(drawing, bar, room, [&Ticks::default(), &ticks], ["", &map.label]);
+    let above = [bar.centre()[0], bar.y - frame::FACTOR_GAP];
+    frame::draw_factor(drawing, &ticks, above, (Anchor::Middle, Level::Baseline));
+    Sides { left: 0.0, right: GAP + WIDTH + right, top: frame::factor_height(&ticks), bottom: 0.0 }
 }
 
-/// Space around a bar that lies, and from its ticks to its label.
+/// Space around a bar that lies.
 const EDGE: f64 = 10.0;
-const LABEL_GAP: f64 = 8.0;
 /// Width kept right of the bar for the factor that all its labels share.
 const FACTOR: f64 = 50.0;
 
@@ -48,23 +43,13 @@ impl Heatmap {
         let mut drawing = Drawing::new(width, 0.0, 2.0);
         let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
         drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
-        drawing.rect(bar, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
-        let span = self.span();
-        let ticks = self.axis().ticks(&span, (length / 50.0) as usize);
-        frame::ticks_along(&mut drawing, &bar, Side::Bottom, &span, &ticks);
-        if ticks.exponent != 0 {
-            let at = [bar.right() + 6.0, bar.centre()[1]];
-            let factor = Text::new(at, theme::TICK_SIZE, frame::factor(&ticks));
-            drawing.text(factor.held(Anchor::Start, Level::Middle));
-        }
-        drawing.height = bar.bottom() + frame::below_ticks(&ticks);
-        if !self.label.is_empty() {
-            let at = [0.5 * width, drawing.height + LABEL_GAP];
-            let text = Text::new(at, theme::LABEL_SIZE, self.label.clone());
-            drawing.text(text.held(Anchor::Middle, Level::Top));
-            drawing.height += LABEL_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
-        }
-        drawing.height = (drawing.height + EDGE).ceil();
+        let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
+        let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
+        let room = Sides { bottom, ..Sides::default() };
+        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [&self.label, ""]);
+        let after = [bar.right() + 6.0, bar.centre()[1]];
+        frame::draw_factor(&mut drawing, &ticks, after, (Anchor::Start, Level::Middle));
+        drawing.height = (bar.bottom() + bottom + EDGE).ceil();
         drawing
     }
 }
@@ -89,6 +74,6 @@ mod tests {
             .iter()
             .filter_map(|i| if let Item::Text(t) = i { Some(t.markup.as_str()) } else { None })
             .collect();
-        assert_eq!(labels, ["−4", "−2", "0", "2", "4", "relative error"]);
+        assert_eq!(labels, ["relative error", "−4", "−2", "0", "2", "4"]);
     }
 }

@@ -1,22 +1,27 @@
-//! The frame of a panel: grid, ticks with their labels, axis labels, title.
+//! The frame of a panel: grid, ticks with their labels and axis titles, drawn by plotters; the panel's title.
 
 use super::axis::Span;
+use super::backend::{Canvas, NEVER, PlottersChart, pixels, style};
 use super::drawing::Drawing;
 use super::panel::Panel;
 use super::shapes::{Anchor, Level, Paint, Point, Rect, Stroke, Text};
 use super::text;
 use super::theme;
-use super::ticks::Ticks;
+use super::ticks::{Tick, Ticks};
+use plotters::chart::LabelAreaPosition;
+use plotters::prelude::{EmptyElement, IntoFont, PathElement};
+use plotters::style::{TRANSPARENT, TextStyle};
 
 /// Length of a labelled tick and of one between.
 const TICK: f64 = 5.0;
 const MINOR: f64 = 2.8;
 /// From the end of a tick to its label.
 const PAD: f64 = 4.0;
-/// From tick labels to the axis label.
-const LABEL_GAP: f64 = 8.0;
+/// From tick labels to the axis title, and both that and the title's height.
+const TITLE_GAP: f64 = 8.0;
+const TITLE: f64 = TITLE_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
 /// From the frame up to the factor that all tick labels share.
-const FACTOR_GAP: f64 = 8.0;
+pub(super) const FACTOR_GAP: f64 = 8.0;
 
 /// Space outside a frame, in drawing units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,14 +44,6 @@ impl Sides {
     }
 }
 
-/// The side of a frame along which ticks stand.
-#[derive(Clone, Copy)]
-pub(super) enum Side {
-    Bottom,
-    Left,
-    Right,
-}
-
 /// How many ticks may stand above each other on `height`.
 pub(super) fn most_rows(height: f64) -> usize {
     (height / 34.0) as usize
@@ -59,7 +56,7 @@ pub(super) struct Axes<'a> {
     pub x: Span,
     pub y: Span,
     across: Ticks,
-    up: Ticks,
+    pub up: Ticks,
 }
 
 impl<'a> Axes<'a> {
@@ -67,7 +64,7 @@ impl<'a> Axes<'a> {
     pub fn new(panel: &'a Panel, frame: Rect) -> Self {
         let (x, y) = panel.spans();
         let fits = |ticks: &Ticks| {
-            let mut ends = ends(ticks, &x, &frame);
+            let mut ends = ends(ticks, &frame);
             ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
             ends.windows(2).all(|pair| pair[0][1] + 9.0 <= pair[1][0])
         };
@@ -83,69 +80,45 @@ impl<'a> Axes<'a> {
         Self { panel, frame, x, y, across, up }
     }
 
+    /// plotters' chart of the panel, without labels.
+    pub fn chart<'b>(&'b self, drawing: &'b mut Drawing, dash: &'static [f64]) -> PlottersChart<'b> {
+        Canvas { drawing, frame: self.frame, room: Sides::default(), dash }.chart(&self.across, &self.up)
+    }
+
     pub fn grid(&self, drawing: &mut Drawing) {
-        let frame = &self.frame;
-        for tick in &self.across.major {
-            let at = frame.x + frame.width * self.x.position(tick.at);
-            drawing.line([[at, frame.y], [at, frame.bottom()]], theme::GRID);
-        }
-        for tick in &self.up.major {
-            let at = frame.bottom() - frame.height * self.y.position(tick.at);
-            drawing.line([[frame.x, at], [frame.right(), at]], theme::GRID);
-        }
+        let lines = style(theme::GRID.colour, false, theme::GRID.width);
+        let mut chart = self.chart(drawing, theme::SOLID);
+        chart.configure_mesh().disable_axes().bold_line_style(lines).draw().expect(NEVER);
     }
 
-    pub fn factor_height(&self) -> f64 {
-        factor_height(&self.up)
-    }
-
-    /// Draws the frame with ticks, labels and title, clear of the `labels` that stand outside already; returns the room of
+    /// Draws the frame with ticks, labels and titles, clear of the `labels` that stand outside already; returns the room of
     /// all.
     pub fn draw(&self, drawing: &mut Drawing, labels: Sides) -> Sides {
         let Self { panel, frame, across, up, .. } = self;
-        drawing.rect(*frame, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
         let mut room = labels.union(Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 });
-        // Ticks; labels at the ends of the x axis may overhang the frame
-        ticks_along(drawing, frame, Side::Bottom, &self.x, across);
-        for [left, right] in ends(across, &self.x, frame) {
+        // Labels at the ends of the x axis, and its title, may overhang the frame
+        let half = text::width(&panel.x.label, theme::LABEL_SIZE, false) / 2.0;
+        let title = [frame.centre()[0] - half, frame.centre()[0] + half];
+        for [left, right] in ends(across, frame).into_iter().chain([title]) {
             let (left, right) = (frame.x - left + 4.0, right - frame.right() + 4.0);
             room = room.union(Sides { left, right, ..Sides::default() });
         }
-        let mut below = below_ticks(across);
-        let mut left = ticks_along(drawing, frame, Side::Left, &self.y, up);
-
-        // Label of the x axis and the factor of its ticks
-        let line = LABEL_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
-        let label = label_text([frame.centre()[0], frame.bottom() + below + LABEL_GAP], &panel.x.label);
-        let overhang = (label.width() - frame.width) / 2.0 + 4.0;
-        room = room.union(Sides { left: overhang, right: overhang, ..Sides::default() });
-        if across.exponent != 0 {
-            let factor = tick_text([frame.right(), label.at[1]], &factor(across)).held(Anchor::End, Level::Top);
-            // On the label's line where both fit, else on one of its own before it.
-            let shares = label.width() / 2.0 + factor.width() + 12.0 <= frame.width / 2.0;
-            drawing.text(factor);
-            below += if shares && !panel.x.label.is_empty() { 0.0 } else { line };
+        // The factor of the x axis, on its title's line where both fit, else on one of its own before it
+        let mut bottom = below_ticks(across);
+        let at = [frame.right(), frame.bottom() + bottom + TITLE_GAP];
+        let width = draw_factor(drawing, across, at, (Anchor::End, Level::Top));
+        if width > 0.0 && (half == 0.0 || half + width + 12.0 > frame.width / 2.0) {
+            bottom += TITLE;
         }
-        if !panel.x.label.is_empty() {
-            let at = [label.at[0], frame.bottom() + below + LABEL_GAP];
-            drawing.text(Text { at, ..label }.held(Anchor::Middle, Level::Top));
-            below += line;
-        }
-        // Label of the y axis, upwards, and the factor of its ticks above the frame
-        if !panel.y.label.is_empty() {
-            left += LABEL_GAP + theme::LABEL_SIZE * text::DESCENT;
-            let label = label_text([frame.x - left, 0.0], &panel.y.label).held(Anchor::Middle, Level::Baseline);
-            // Longer than the frame, it starts at the frame's foot, above the label of the x axis.
-            let middle = frame.centre()[1].min(frame.bottom() - label.width() / 2.0);
-            room = room.union(Sides { top: label.width() - frame.height + 4.0, ..Sides::default() });
-            drawing.text(Text { at: [label.at[0], middle], ..label }.upwards());
-            left += theme::LABEL_SIZE * 0.85;
-        }
-        if up.exponent != 0 {
-            drawing.text(tick_text([frame.x, frame.y - FACTOR_GAP], &factor(up)));
-        }
+        bottom += title_height(&panel.x.label);
+        // The factor of the y axis, above the frame
+        draw_factor(drawing, up, [frame.x, frame.y - FACTOR_GAP], (Anchor::Start, Level::Baseline));
+        let left = beside_ticks(up) + title_height(&panel.y.label);
+        let labelled = Sides { left, bottom, ..Sides::default() };
+        draw_axes(drawing, *frame, labelled, [across, up], [&panel.x.label, &panel.y.label]);
+        let overhang = text::width(&panel.y.label, theme::LABEL_SIZE, false) - frame.height + 4.0;
         let above = factor_height(up).max(labels.top);
-        room = room.union(Sides { left, bottom: below, top: above, right: 0.0 });
+        room = room.union(Sides { top: above.max(overhang), ..labelled });
         // Title above everything
         if !panel.title.is_empty() {
             let at = [frame.centre()[0], frame.y - above - 9.0];
@@ -159,42 +132,55 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Draws ticks and their labels along one side of `frame`; returns the room that they need beside it.
-pub(super) fn ticks_along(drawing: &mut Drawing, frame: &Rect, side: Side, span: &Span, ticks: &Ticks) -> f64 {
-    let thin = Stroke::solid(theme::INK, theme::THIN);
-    // The point so far outside the frame at a value
-    let at = |value: f64, out: f64| -> Point {
-        let position = span.position(value);
-        match side {
-            Side::Bottom => [frame.x + frame.width * position, frame.bottom() + out],
-            Side::Left => [frame.x - out, frame.bottom() - frame.height * position],
-            Side::Right => [frame.right() + out, frame.bottom() - frame.height * position],
-        }
-    };
-    let (anchor, level, lift) = match side {
-        Side::Bottom => (Anchor::Middle, Level::Top, exponent_lift(ticks)),
-        Side::Left => (Anchor::End, Level::Middle, 0.0),
-        Side::Right => (Anchor::Start, Level::Middle, 0.0),
-    };
-    for &value in &ticks.minor {
-        drawing.line([at(value, 0.0), at(value, MINOR)], thin);
-    }
-    let mut widest: f64 = 0.0;
-    for tick in &ticks.major {
-        drawing.line([at(tick.at, 0.0), at(tick.at, TICK)], thin);
-        let label = tick_text(at(tick.at, TICK + PAD + lift), &tick.label).held(anchor, level);
-        widest = widest.max(label.width());
-        drawing.text(label);
-    }
-    TICK + PAD + widest
+/// Draws a frame with the ticks of both axes, their labels and titles, on those sides that have `room` for labels.
+pub(super) fn draw_axes(
+    drawing: &mut Drawing,
+    frame: Rect,
+    room: Sides,
+    [x, y]: [&Ticks; 2],
+    [x_title, y_title]: [&str; 2],
+) {
+    drawing.rect(frame, Paint::from(Stroke::solid(theme::INK, theme::THIN)));
+    let mut chart = Canvas { drawing, frame, room, dash: theme::SOLID }.chart(x, y);
+    // Labels are twice as far from the frame as plotters' ticks, which all have one length and are not shown
+    let ink = style(theme::INK, false, theme::THIN);
+    let font = |size: f64| TextStyle::from(("", pixels(size)).into_font()).color(&ink.color);
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .axis_style(TRANSPARENT)
+        .set_all_tick_mark_size(pixels((TICK + PAD) / 2.0))
+        .set_tick_mark_size(LabelAreaPosition::Bottom, pixels((TICK + PAD + exponent_lift(x)) / 2.0))
+        .label_style(font(theme::TICK_SIZE))
+        .axis_desc_style(font(theme::LABEL_SIZE))
+        .x_desc(x_title)
+        .y_desc(y_title)
+        .draw()
+        .expect(NEVER);
+    // Ticks stand on the side that has labels
+    let tick = |at, [x, y]: Point| EmptyElement::at(at) + PathElement::new([(0, 0), (pixels(x), pixels(y))], ink);
+    let (side, out) = if room.right > 0.0 { (1.0, 1.0) } else { (0.0, -1.0) };
+    let across = lengths(x).map(|(at, length)| tick((at, 0.0), [0.0, length]));
+    let up = lengths(y).map(|(at, length)| tick((side, at), [out * length, 0.0]));
+    chart.draw_series(across.chain(up)).expect(NEVER);
 }
 
-/// Draws the factor that all labels of a colour bar share, above it.
-pub(super) fn bar_factor(drawing: &mut Drawing, bar: &Rect, ticks: &Ticks) {
-    if ticks.exponent != 0 {
-        let text = tick_text([bar.centre()[0], bar.y - FACTOR_GAP], &factor(ticks));
-        drawing.text(text.held(Anchor::Middle, Level::Baseline));
+/// The position and the length of each tick.
+fn lengths(ticks: &Ticks) -> impl Iterator<Item = (f64, f64)> {
+    let minor = ticks.minor.iter().map(|&at| (at, MINOR));
+    minor.chain(ticks.major.iter().map(|tick| (tick.at, TICK)))
+}
+
+/// Writes the factor that all labels share, if there is one, and returns its width.
+pub(super) fn draw_factor(drawing: &mut Drawing, ticks: &Ticks, at: Point, held: (Anchor, Level)) -> f64 {
+    if ticks.exponent == 0 {
+        return 0.0;
     }
+    let markup = format!("×10^{{{}}}", super::ticks::number(f64::from(ticks.exponent), 0));
+    let text = Text::new(at, theme::TICK_SIZE, markup).held(held.0, held.1);
+    let width = text.width();
+    drawing.text(text);
+    width
 }
 
 /// Height of ticks and their labels below a frame.
@@ -202,21 +188,28 @@ pub(super) fn below_ticks(ticks: &Ticks) -> f64 {
     TICK + PAD + exponent_lift(ticks) + theme::TICK_SIZE * (text::CAP_HEIGHT + text::DESCENT)
 }
 
+/// Width of ticks and their labels beside a frame.
+pub(super) fn beside_ticks(ticks: &Ticks) -> f64 {
+    let widths = ticks.major.iter().map(|tick| text::width(&tick.label, theme::TICK_SIZE, false));
+    TICK + PAD + widths.fold(0.0, f64::max)
+}
+
+/// Height of the title of an axis with its distance from the ticks' labels.
+pub(super) fn title_height(title: &str) -> f64 {
+    if title.is_empty() { 0.0 } else { TITLE }
+}
+
 /// Height above the frame of the factor that all labels share.
 pub(super) fn factor_height(ticks: &Ticks) -> f64 {
     if ticks.exponent == 0 { 0.0 } else { FACTOR_GAP + theme::TICK_SIZE * 1.1 }
 }
 
-pub(super) fn factor(ticks: &Ticks) -> String {
-    format!("×10^{{{}}}", super::ticks::number(f64::from(ticks.exponent), 0))
-}
-
 /// Where each label of an x axis begins and ends.
-fn ends(ticks: &Ticks, span: &Span, frame: &Rect) -> Vec<[f64; 2]> {
-    let of = |tick: &super::ticks::Tick| {
-        let (centre, width) =
-            (frame.x + frame.width * span.position(tick.at), tick_text([0.0; 2], &tick.label).width());
-        [centre - width / 2.0, centre + width / 2.0]
+fn ends(ticks: &Ticks, frame: &Rect) -> Vec<[f64; 2]> {
+    let of = |tick: &Tick| {
+        let centre = frame.x + frame.width * tick.at;
+        let half = text::width(&tick.label, theme::TICK_SIZE, false) / 2.0;
+        [centre - half, centre + half]
     };
     ticks.major.iter().map(of).collect()
 }
@@ -224,12 +217,4 @@ fn ends(ticks: &Ticks, span: &Span, frame: &Rect) -> Vec<[f64; 2]> {
 /// Exponents rise above the capitals, so labels with them stand lower.
 fn exponent_lift(ticks: &Ticks) -> f64 {
     if ticks.major.iter().any(|t| t.label.contains("^{")) { 0.18 * theme::TICK_SIZE } else { 0.0 }
-}
-
-fn tick_text(at: Point, label: &str) -> Text {
-    Text::new(at, theme::TICK_SIZE, label)
-}
-
-fn label_text(at: Point, label: &str) -> Text {
-    Text::new(at, theme::LABEL_SIZE, label)
 }

@@ -1,19 +1,14 @@
 //! The marks of a panel, clipped to the frame and drawn by plotters; the cells that they cover are marked as occupied.
 
-use super::backend::{Canvas, GRID};
+use super::backend::{NEVER, pixels, style};
 use super::chart::{CLEAR, Sketch};
 use super::clip;
 use super::panel::Mark;
 use super::shapes::{Colour, Marker, Point, Rect, Stroke};
 use super::theme;
-use plotters::coord::{Shift, types::RangedCoordf64};
-use plotters::prelude::{Cartesian2d, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon};
-use plotters::style::{RGBAColor, ShapeStyle};
+use plotters::prelude::{Circle, EmptyElement, PathElement, Polygon};
 
 const OUTLINE: f64 = 1.2;
-
-/// Why plotters' result can be unwrapped.
-const NEVER: &str = "drawing into memory cannot fail";
 
 /// What is drawn at once, from the lowest to the topmost.
 #[derive(Clone, Copy)]
@@ -66,32 +61,23 @@ impl Sketch<'_> {
         self.curve(&[[x, 0.0], [x, 1.0]], stroke);
     }
 
-    /// A plotters drawing area over the frame, which counts from 0 to 1 along both axes.
-    fn area<'a>(
-        &'a mut self,
-        dash: &'static [f64],
-    ) -> DrawingArea<Canvas<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>> {
-        let (width, height) = ((self.axes.frame.width * GRID) as i32, (self.axes.frame.height * GRID) as i32);
-        let area: DrawingArea<Canvas<'a>, Shift> = Canvas { drawing: &mut self.drawing, dash }.into_drawing_area();
-        area.apply_coord_spec(Cartesian2d::new(0.0..1.0, 0.0..1.0, (0..width, height..0)))
-    }
-
     /// The parts of a line within the frame.
     fn curve(&mut self, positions: &[Point], stroke: Stroke) {
         for part in clip::line(positions) {
             let places: Vec<Point> = part.iter().map(|&p| self.place(p)).collect();
             self.space.add_line(&places, stroke.width + 2.0 * CLEAR);
-            let style = shape(stroke.colour, false, stroke.width);
-            let path: Vec<(f64, f64)> = part.iter().map(|p| (p[0], p[1])).collect();
-            self.area(stroke.dash).draw(&PathElement::new(path, style)).expect(NEVER);
+            let path: Vec<(f64, f64)> = part.into_iter().map(Into::into).collect();
+            let path = PathElement::new(path, style(stroke.colour, false, stroke.width));
+            self.axes.chart(&mut self.drawing, stroke.dash).draw_series([path]).expect(NEVER);
         }
     }
 
     /// The part of an area within the frame.
     fn fill(&mut self, positions: Vec<Point>, colour: Colour) {
-        let path: Vec<(f64, f64)> = clip::polygon(positions).iter().map(|p| (p[0], p[1])).collect();
+        let path: Vec<(f64, f64)> = clip::polygon(positions).into_iter().map(Into::into).collect();
         if !path.is_empty() {
-            self.area(theme::SOLID).draw(&Polygon::new(path, shape(colour, true, 0.0))).expect(NEVER);
+            let area = Polygon::new(path, style(colour, true, 0.0));
+            self.axes.chart(&mut self.drawing, theme::SOLID).draw_series([area]).expect(NEVER);
         }
     }
 
@@ -104,20 +90,16 @@ impl Sketch<'_> {
             let [x, y] = self.place(position);
             self.space.add(&Rect::new(x, y, 0.0, 0.0).grown(theme::DOT + CLEAR));
         }
-        // Positions run from 0 to 1, upwards
-        let Rect { width, height, .. } = self.axes.frame;
-        let corners = marker.corners(theme::DOT);
-        let area = self.area(theme::SOLID);
-        let radius = (theme::DOT * GRID) as i32;
-        for [x, y] in positions {
-            let style = shape(colour, marker != Marker::Open, OUTLINE);
-            if corners.is_empty() {
-                area.draw(&Circle::new((x, y), radius, style)).expect(NEVER);
-            } else {
-                let outline: Vec<(f64, f64)> = corners.iter().map(|c| (x + c[0] / width, y - c[1] / height)).collect();
-                area.draw(&Polygon::new(outline, style)).expect(NEVER);
-            }
-        }
+        let style = style(colour, marker != Marker::Open, OUTLINE);
+        let corners: Vec<(i32, i32)> = marker.corners(theme::DOT).iter().map(|c| c.map(pixels).into()).collect();
+        let mut chart = self.axes.chart(&mut self.drawing, theme::SOLID);
+        let centres = positions.into_iter().map(|p| EmptyElement::at(<(f64, f64)>::from(p)));
+        let drawn = if corners.is_empty() {
+            chart.draw_series(centres.map(|at| at + Circle::new((0, 0), pixels(theme::DOT), style)))
+        } else {
+            chart.draw_series(centres.map(|at| at + Polygon::new(corners.clone(), style)))
+        };
+        drawn.expect(NEVER);
     }
 
     fn band(&mut self, colour: Colour, points: &[[f64; 3]]) {
@@ -176,9 +158,4 @@ impl Sketch<'_> {
         let ([ax, ay], [bx, by]) = (self.place(a), self.place(b));
         self.space.add(&Rect::new(ax.min(bx), ay.min(by), (ax - bx).abs(), (ay - by).abs()).grown(CLEAR));
     }
-}
-
-fn shape(Colour { r, g, b, alpha }: Colour, filled: bool, width: f64) -> ShapeStyle {
-    let color = RGBAColor(r, g, b, f64::from(alpha) / 255.0);
-    ShapeStyle { color, filled, stroke_width: (width * GRID).round() as u32 }
 }

@@ -153,6 +153,8 @@ pub enum Level {
     Middle,
     /// The top of a capital letter.
     Top,
+    /// The lowest point of letters.
+    Bottom,
 }
 
 /// One line of text, with the markup of [`text`].
@@ -215,6 +217,7 @@ impl Text {
             Level::Baseline => 0.0,
             Level::Middle => self.size * (text::CAP_HEIGHT / 2.0),
             Level::Top => self.size * text::CAP_HEIGHT,
+            Level::Bottom => -self.size * text::DESCENT,
         }
     }
 }

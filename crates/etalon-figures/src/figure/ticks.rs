@@ -5,6 +5,7 @@
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
+    /// A value here, a position along the axis as [`super::axis::Axis::ticks`] returns it.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,
@@ -15,7 +16,7 @@ pub struct Tick {
 pub struct Ticks {
     /// Those with labels.
     pub major: Vec<Tick>,
-    /// Values of those without labels.
+    /// Where those without labels are.
     pub minor: Vec<f64>,
     /// The labels are in units of ten to this power.
     pub exponent: i32,
