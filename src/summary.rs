@@ -4,7 +4,7 @@ use etalon_bench::albedo::Table;
 use etalon_bench::compare::Compared;
 use etalon_bench::validation::{Tested, Validation};
 use etalon_core::error::Result;
-use etalon_figures::output::table;
+use etalon_figures::output::csv;
 use etalon_figures::view;
 
 /// What the command line prints and writes of a result.
@@ -33,7 +33,7 @@ impl Summary for Tested {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        self.outcome.counts.as_ref().map(|counts| table(&view::validation_cells::rows(counts))).transpose()
+        self.outcome.counts.as_ref().map(|counts| csv(&view::validation_cells::rows(counts))).transpose()
     }
 }
 
@@ -48,7 +48,7 @@ impl Summary for Validation {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        table(&view::validation::rows(self)).map(Some)
+        csv(&view::validation::rows(self)).map(Some)
     }
 }
 
@@ -63,7 +63,7 @@ impl Summary for Compared {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        table(&view::compare::rows(self)).map(Some)
+        csv(&view::compare::rows(self)).map(Some)
     }
 }
 
@@ -78,6 +78,6 @@ impl Summary for Table {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        table(&self.rows).map(Some)
+        csv(&self.rows).map(Some)
     }
 }

@@ -7,7 +7,7 @@ use super::scene_file::{Loaded, SceneArgs};
 use clap::{ArgAction, Args};
 use etalon_bench::converge::answer::Answer;
 use etalon_bench::converge::contender::{Contender, Fault};
-use etalon_bench::converge::curve::{BIAS_LEVEL, Curve, CurveVerdict, SLOPE_MARGIN};
+use etalon_bench::converge::curve::{BIAS_LEVEL, SLOPE_MARGIN};
 use etalon_bench::converge::recorded::Recorded;
 use etalon_bench::converge::reference::Reference;
 use etalon_bench::converge::strategy::{self, SUFFIXES, Strategy};
@@ -18,9 +18,8 @@ use etalon_core::files;
 use etalon_core::raster::{self, ReadOptions};
 use etalon_core::scene::{Material, Request, Scene};
 use etalon_figures::output::{self, Saving, file_name};
-use etalon_figures::view::converge::{self as view, duration, word};
-use etalon_figures::view::text::{counted, rounded, wrapped};
-use etalon_stats::estimate::Estimate;
+use etalon_figures::view::converge as view;
+use etalon_figures::view::text::{counted, duration, rounded, wrapped};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
@@ -166,9 +165,9 @@ impl Converge {
         result.notes.iter().for_each(|note| console.warn(note));
         let mut saving = Saving::default();
         if !result.curves.is_empty() {
-            saving.add(output::write(&stem, &view::curves(&result), &output::table(&view::rows(&result))?));
+            saving.add(output::write(&stem, &view::curves(&result), &output::csv(&view::rows(&result))?));
             let table = output::with_extension(&replicates, "csv");
-            let rows = output::table(&view::replicate_rows(&result))?;
+            let rows = output::csv(&view::replicate_rows(&result))?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
             saving.add(view::images(&result).write(&images));
         }
@@ -257,32 +256,7 @@ fn text(output: &Output<'_>) -> String {
             format!("reference by {}, {} spp, its own RMSE {}\n", facts.source, facts.spp, rounded(facts.rmse, 3))
         }
     };
-    let width = result.curves.iter().map(|curve| curve.strategy.chars().count()).max().unwrap_or(0).max(8);
-    text += &format!(
-        "{:<width$} {:>6} {:>7} {:>7}  {:<12} {:<8} {:>10} {:>9}\n",
-        "strategy", "spp", "time", "RMSE", "slope", "verdict", "efficiency", "time to *"
-    );
-    let is_biased = |curve: &&Curve| curve.verdict == CurveVerdict::Biased;
-    for curve in result.curves.iter().filter(|curve| !is_biased(curve)) {
-        let efficiency = curve.log_efficiency_at(*common_cpu_seconds).value.exp();
-        let end = curve.time_to(*common_rmse).map_or("never".into(), duration);
-        text += &line(curve, width, efficiency, &end);
-    }
-    if result.curves.iter().any(|curve| is_biased(&curve)) {
-        text += "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
-    }
-    for curve in result.curves.iter().filter(is_biased) {
-        let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
-        let Estimate { value, half_width, .. } = curve.mean_bias;
-        let bias = format!(
-            "bias: mean {:+.2} ± {:.2} %, RMS {:.2} % of the mean",
-            100.0 * value,
-            100.0 * half_width,
-            100.0 * curve.bias2.value.max(0.0).sqrt() / mean
-        );
-        text += &line(curve, width, curve.variance_efficiency().unwrap_or(f64::NAN), "");
-        text += &format!("  {bias}\n");
-    }
+    text += &view::table(result);
     if common_rmse.is_finite() {
         text += &format!("* processor time to an RMSE of {}; ", rounded(*common_rmse, 3));
     }
@@ -307,21 +281,4 @@ fn text(output: &Output<'_>) -> String {
         text += "interrupted: this is what was measured until then\n";
     }
     text
-}
-
-/// A contender's line of the table, except for its end.
-fn line(curve: &Curve, width: usize, efficiency: f64, end: &str) -> String {
-    let Some(level) = curve.levels.last() else { return String::new() };
-    let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };
-    let slope = curve.slope.value;
-    format!(
-        "{:<width$} {:>6} {:>7} {:>7}  {:<12} {:<8} {:>10} {end:>9}\n",
-        curve.strategy,
-        level.spp,
-        duration(level.cpu_seconds),
-        rounded(level.rmse(), 3),
-        known(curve.slope.half_width, format!("{slope:.2} ± {:.2}", curve.slope.half_width)),
-        word(curve.verdict),
-        known(efficiency, rounded(efficiency, 3)),
-    )
 }

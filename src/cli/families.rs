@@ -3,6 +3,7 @@
 use super::console::Console;
 use super::program::ExternalBsdf;
 use etalon_bench::sweep::Families;
+use etalon_bench::table::Table;
 use etalon_bench::validation::families;
 use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::{Family, Parameter};
@@ -51,14 +52,13 @@ pub fn list(families: &Families, console: &Console) {
     };
     let lines: Vec<Line> = families.iter().map(|family| line(&**family)).collect();
     console.result(&BTreeMap::from([("families", &lines)]), || {
-        let text = |line: &Line| {
+        let parameters = |line: &Line| {
             let short = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
             let of = |(name, value, [from, to]): &(String, f64, [f64; 2])| {
                 format!("{name} = {value} ({} to {})", short(*from), short(*to))
             };
-            let parameters: Vec<String> = line.parameters.iter().map(of).collect();
-            format!("{:<22} {}\n", line.name, parameters.join(", "))
+            line.parameters.iter().map(of).collect::<Vec<_>>().join(", ")
         };
-        lines.iter().map(text).collect()
+        Table::of(&lines).words("", |line| &line.name).words("", parameters).text()
     });
 }

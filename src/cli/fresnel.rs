@@ -4,7 +4,8 @@ use super::console::Console;
 use super::global::{Global, Verdict, out};
 use super::values::{choice, model};
 use clap::{ArgAction, Args};
-use etalon_bench::media::{Interface, MediumCurves};
+use etalon_bench::media::Interface;
+use etalon_bench::table::Table;
 use etalon_bench::{fresnel, media as study, metal, special_angles};
 use etalon_core::errata::Formulas;
 use etalon_core::error::{Error, Result};
@@ -144,28 +145,20 @@ impl Fresnel {
         let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
         let target = global.target();
         let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &drawing, &output::table(&rows)?)?);
+        let written = target.written(output::write(&stem, &drawing, &output::csv(&rows)?)?);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
-            let line = |c: &MediumCurves| {
-                format!(
-                    "{:<14} {:>9.4} {:>7.4} {:>9.5} {:>9} {:>9} {:>8.4} at {:.1}°{}\n",
-                    c.name,
-                    c.eta,
-                    c.k,
-                    c.r_normal,
-                    angle(c.brewster_deg),
-                    angle(c.critical_deg),
-                    c.schlick_max_abs_error,
-                    c.schlick_max_abs_error_deg,
-                    c.source.map_or(String::new(), |source| format!("\n  index: {source}"))
-                )
-            };
-            let header = format!(
-                "{:<14} {:>9} {:>7} {:>9} {:>9} {:>9} {:>8}\n",
-                "medium", "eta", "k", "R at 0°", "Brewster", "critical", "largest error of Schlick"
-            );
-            std::iter::once(header).chain(curves.media.iter().map(line)).collect()
+            Table::of(&curves.media)
+                .words("medium", |c| &c.name)
+                .numbers("eta", |c| format!("{:.4}", c.eta))
+                .numbers("k", |c| format!("{:.4}", c.k))
+                .numbers("R at 0°", |c| format!("{:.5}", c.r_normal))
+                .numbers("Brewster", |c| angle(c.brewster_deg))
+                .numbers("critical", |c| angle(c.critical_deg))
+                .numbers("largest error of Schlick", |c| {
+                    format!("{:.4} at {:.1}°", c.schlick_max_abs_error, c.schlick_max_abs_error_deg)
+                })
+                .text_with(|c, line| line + &c.source.map_or(String::new(), |source| format!("  index: {source}\n")))
         });
         Ok(Verdict::Good)
     }
@@ -178,17 +171,16 @@ impl Fresnel {
         let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
         let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &angles_view::drawing(&angles), &output::table(&rows)?)?);
+        let written = target.written(output::write(&stem, &angles_view::drawing(&angles), &output::csv(&rows)?)?);
         console.saved(&angles, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
-            let line = |row: &special_angles::AnglesRow| {
-                let angles = [row.brewster_deg, row.brewster_reverse_deg, row.critical_deg].map(angle);
-                let [brewster, reverse, critical] = angles;
-                format!("{:<15} {:>9.4} {brewster:>12} {reverse:>12} {critical:>12}\n", row.medium, row.eta_t)
-            };
-            let header =
-                format!("{:<15} {:>9} {:>12} {:>12} {:>12}\n", "medium", "eta", "Brewster", "from inside", "critical");
-            std::iter::once(header).chain(angles.media.iter().map(line)).collect()
+            Table::of(&angles.media)
+                .words("medium", |row| &row.medium)
+                .numbers("eta", |row| format!("{:.4}", row.eta_t))
+                .numbers("Brewster", |row| angle(row.brewster_deg))
+                .numbers("from inside", |row| angle(row.brewster_reverse_deg))
+                .numbers("critical", |row| angle(row.critical_deg))
+                .text()
         });
         Ok(Verdict::Good)
     }
@@ -197,26 +189,29 @@ impl Fresnel {
         let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
         let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let files = output::write(&stem, &view::dielectric(&curves), &output::table(&curves.rows)?)?;
+        let files = output::write(&stem, &view::dielectric(&curves), &output::csv(&curves.rows)?)?;
         let written = target.written(files);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));
             // An index from a dispersion formula has no more digits than its source.
             let eta_t = if source.is_empty() { curves.eta_t.to_string() } else { format!("{:.4}", curves.eta_t) };
-            format!(
-                "eta {} -> {eta_t}{source}\nreflectance at normal incidence  {:.9} (both components)\n\
-                 Brewster angle                   {}\ncritical angle                   {}\n\
-                 Schlick's largest absolute error {:.6} at {:.2}°\nSchlick's largest relative error {:.6} at {:.2}°\n",
-                curves.eta_i,
-                curves.r_normal,
-                angle(curves.brewster_deg),
-                angle(curves.critical_deg),
-                curves.schlick_max_abs_error,
-                curves.schlick_max_abs_error_deg,
-                curves.schlick_max_rel_error,
-                curves.schlick_max_rel_error_deg,
-            )
+            let at = |error: f64, theta: f64| format!("{error:.6} at {theta:.2}°");
+            let lines = [
+                ("reflectance at normal incidence", format!("{:.9} (both components)", curves.r_normal)),
+                ("Brewster angle", angle(curves.brewster_deg)),
+                ("critical angle", angle(curves.critical_deg)),
+                (
+                    "Schlick's largest absolute error",
+                    at(curves.schlick_max_abs_error, curves.schlick_max_abs_error_deg),
+                ),
+                (
+                    "Schlick's largest relative error",
+                    at(curves.schlick_max_rel_error, curves.schlick_max_rel_error_deg),
+                ),
+            ];
+            let lines = Table::of(&lines).words("", |line| line.0).words("", |line| &line.1).text();
+            format!("eta {} -> {eta_t}{source}\n{lines}", curves.eta_i)
         });
         Ok(Verdict::Good)
     }
@@ -231,7 +226,7 @@ impl Fresnel {
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
         let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &view::metal(curves), &output::table(&rows)?)?);
+        let written = target.written(output::write(&stem, &view::metal(curves), &output::csv(&rows)?)?);
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
             console.warn(&format!(
                 "{}: the second report's approximation is unusable for eta² + k² = {:.1} < 5",
@@ -274,9 +269,12 @@ fn list(console: &Console) {
     };
     let list: Vec<Listed> = media::all().map(listed).collect();
     console.result(&std::collections::BTreeMap::from([("media", &list)]), || {
-        let line = |m: &Listed| format!("{:<15} {:<11} {:>7.4} {:>7.4}  {}\n", m.name, m.kind, m.eta, m.k, m.source);
-        let header =
-            format!("{:<15} {:<11} {:>7} {:>7}  source (n and k at {} nm)\n", "medium", "kind", "n", "k", D_LINE_NM);
-        std::iter::once(header).chain(list.iter().map(line)).collect()
+        Table::of(&list)
+            .words("medium", |m| &m.name)
+            .words("kind", |m| m.kind)
+            .numbers("n", |m| format!("{:.4}", m.eta))
+            .numbers("k", |m| format!("{:.4}", m.k))
+            .words(format!("source (n and k at {D_LINE_NM} nm)"), |m| m.source)
+            .text()
     });
 }

@@ -76,7 +76,7 @@ impl Furnace {
             bar.set_message(shown(family.name()));
             let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
             let table = albedo_table(family, &facets, &request)?;
-            files.extend(output::write(&stem, &view::drawing(&table), &output::table(&table.rows)?)?);
+            files.extend(output::write(&stem, &view::drawing(&table), &output::csv(&table.rows)?)?);
             tables.push(table);
             bar.inc(1);
         }

@@ -108,7 +108,7 @@ impl Merge {
             };
             merge(&self.parts, plan, each)
         })?;
-        files::write_bytes(&path, &output::table(&found.rows)?)?;
+        files::write_bytes(&path, &output::csv(&found.rows)?)?;
         Ok(concluded(&self.external, &found, &plan.description, &target.written(vec![path]), console))
     }
 }

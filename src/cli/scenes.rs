@@ -5,6 +5,7 @@ use super::global::{Global, Verdict};
 use super::map_file::MapOptions;
 use super::scene_file::{SceneArgs, accepted};
 use clap::Args;
+use etalon_bench::table::Table;
 use etalon_core::envmap::EnvMap;
 use etalon_core::error::{Error, Result};
 use etalon_core::export;
@@ -111,17 +112,15 @@ impl Scenes {
         let scenes = builtin::scenes().into_iter().map(entry).collect::<Result<_>>()?;
         let output = Output { scenes, files: SCENE_EXTENSIONS };
         console.result(&output, || {
-            let line = |scene: &Entry| {
-                let size = format!("{}x{}", scene.width, scene.height);
-                let numbers = format!("{size:<8} {:>4} {:>3} {:>4}", scene.spp, scene.light_samples, scene.max_depth);
-                let options = scene.options.join(" ");
-                let line = format!("{:<18} {numbers}  {options}", scene.name);
-                format!("{}\n{}", line.trim_end(), wrapped(&scene.description, "    ", 100))
-            };
-            let header = format!("{:<18} {:<8} {:>4} {:>3} {:>4}  options\n", "scene", "size", "-s", "-l", "-m");
-            let lines = output.scenes.iter().map(line);
-            let files = "render also takes scene files: pbrt (.pbrt) and COLLADA (.dae)\n".to_owned();
-            std::iter::once(header).chain(lines).chain([files]).collect()
+            let scenes = Table::of(&output.scenes)
+                .words("scene", |scene| &scene.name)
+                .words("size", |scene| format!("{}x{}", scene.width, scene.height))
+                .numbers("-s", |scene| scene.spp)
+                .numbers("-l", |scene| scene.light_samples)
+                .numbers("-m", |scene| scene.max_depth)
+                .words("options", |scene| scene.options.join(" "));
+            scenes.text_with(|scene, line| line + &wrapped(&scene.description, "    ", 100))
+                + "render also takes scene files: pbrt (.pbrt) and COLLADA (.dae)\n"
         });
         Ok(Verdict::Good)
     }

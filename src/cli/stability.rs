@@ -5,6 +5,7 @@ use super::global::{Global, Verdict, out, seed, threads};
 use super::reports::Reports;
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
+use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
@@ -90,7 +91,7 @@ impl Stability {
             return Err(Error::Interrupted);
         }
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &output::table(&result.rows)?));
+        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &output::csv(&result.rows)?));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
             saving.add(view::maps(&result.sweeps).write(&maps_stem));
         }
@@ -142,21 +143,21 @@ fn list(console: &Console) {
     let listed = |e: &stability::Entry| Listed { family: e.name(), about: e.about(), inputs: e.inputs() };
     let list: Vec<Listed> = REGISTRY.iter().map(listed).collect();
     console.result(&BTreeMap::from([("families", &list)]), || {
-        let line = |l: &Listed| match l.inputs {
-            [] => format!("{:<16} {}\n", l.family, l.about),
-            inputs => format!("{:<16} {} ({})\n", l.family, l.about, inputs.join(", ")),
+        let about = |l: &Listed| match l.inputs {
+            [] => l.about.to_owned(),
+            inputs => format!("{} ({})", l.about, inputs.join(", ")),
         };
-        list.iter().map(line).collect()
+        Table::of(&list).words("", |l| l.family).words("", about).text()
     });
 }
 
 fn replayed(replay: &Replay) -> String {
     let inputs = replay.inputs.iter().map(|(name, x)| format!("{name} = {x:?}"));
-    let mut text = format!("{}: {}\n", replay.family, inputs.collect::<Vec<_>>().join(", "));
     let numbers = |values: &[f64]| match values {
         [] => "nothing".to_owned(),
         values => values.iter().map(|x| format!("{x:.17e}")).collect::<Vec<_>>().join(" "),
     };
+    let mut text = format!("{}: {}\n", replay.family, inputs.collect::<Vec<_>>().join(", "));
     for line in &replay.lines {
         text += &format!(
             "{:<9} {}  {}\n  reference    {}\n  {:.3e} ULP, relative {:.3e}, condition number {:.3e}{}{}\n",
@@ -176,28 +177,21 @@ fn replayed(replay: &Replay) -> String {
 
 /// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
 fn human(output: &Output<'_>, names_inputs: bool) -> String {
-    let mut text = format!(
-        "{:<33} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
-        "family", "variant", "", "cases", "relative", "ULP", "condition", "NaN, ∞", "negative", "outside"
-    );
-    for r in output.rows {
-        text += &format!(
-            "{:<33} {:<13} {:<3} {:>8} {:>8} {:>6} {:>9} {:>6} {:>8} {:>8}\n",
-            r.family,
-            r.variant,
-            r.precision.name(),
-            r.cases,
-            rounded(r.max_relative, 2),
-            rounded(r.max_ulp, 2),
-            rounded(r.condition_at_worst, 2),
-            r.non_finite,
-            r.negative,
-            r.out_of_range,
-        );
-    }
+    let mut text = Table::of(output.rows)
+        .words("family", |r| &r.family)
+        .words("variant", |r| r.variant)
+        .words("", |r| r.precision.name())
+        .numbers("cases", |r| r.cases)
+        .numbers("relative", |r| rounded(r.max_relative, 2))
+        .numbers("ULP", |r| rounded(r.max_ulp, 2))
+        .numbers("condition", |r| rounded(r.condition_at_worst, 2))
+        .numbers("NaN, ∞", |r| r.non_finite)
+        .numbers("negative", |r| r.negative)
+        .numbers("outside", |r| r.out_of_range)
+        .text();
     if names_inputs {
-        let worst = |r: &ErrorRow| format!("{:<13} {} worst at {}\n", r.variant, r.precision.name(), r.worst);
-        text += &output.rows.iter().map(worst).collect::<String>();
+        let worst = Table::of(output.rows).words("", |r| r.variant).words("", |r| r.precision.name());
+        text += &worst.words("", |r| format!("worst at {}", r.worst)).text();
     }
     text += "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay).\n\
              Rounding that input alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds below say\n\

@@ -187,7 +187,7 @@ impl Sweep {
             Ok(plan)
         })?;
         let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
-        files::write_bytes(&survivors, &output::table(&conclusion.rows)?)?;
+        files::write_bytes(&survivors, &output::csv(&conclusion.rows)?)?;
         written.push(survivors);
         Ok(concluded(&self.external, &conclusion, &plan.description, &target.written(written), console))
     }

@@ -2,7 +2,7 @@
 
 use crate::figure::Drawing;
 pub use crate::figure::with_extension;
-pub use etalon_bench::table::{file_name, table};
+pub use etalon_bench::table::{csv, file_name};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use serde::{Serialize, Serializer};

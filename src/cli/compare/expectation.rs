@@ -80,7 +80,7 @@ impl Compare {
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::drawing(&compared), &output::table(&view::rows(&compared))?));
+        saving.add(output::write(&stem, &view::drawing(&compared), &output::csv(&view::rows(&compared))?));
         saving.add(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();
         for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {

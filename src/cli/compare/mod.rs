@@ -8,9 +8,10 @@ use super::map_file::short_name;
 use super::reports::Reports;
 use clap::{ArgAction, Args};
 use etalon_bench::compare::{Explanation, explain};
+use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_core::raster::{self, Comparison, Image, ReadOptions};
+use etalon_core::raster::{self, Comparison, DisplayMetrics, Image, ReadOptions};
 use etalon_figures::output;
 use etalon_figures::view::compare as view;
 use etalon_figures::view::text::{counted, rounded};
@@ -120,9 +121,7 @@ impl Compare {
         let explanation = is_small.then(|| explain(&a, &b)).flatten();
         let output = Output {
             numbers,
-            hdr_flip: shown.and_then(|shown| shown.hdr_flip),
-            psnr: shown.map(|shown| shown.psnr),
-            ssim: shown.and_then(|shown| shown.ssim),
+            shown: shown.unwrap_or(DisplayMetrics { hdr_flip: None, psnr: f64::NAN, ssim: None }),
             explanation,
         };
         console.saved(&output, &written, || text(&output));
@@ -135,12 +134,9 @@ impl Compare {
 struct Output {
     #[serde(flatten)]
     numbers: Comparison,
-    /// Missing where it is not defined, as for a black reference, and for images of more than [`LARGEST`] pixels.
-    hdr_flip: Option<f64>,
-    /// Missing for images that are equal when shown.
-    psnr: Option<f64>,
-    /// Missing for images without a window of 11 × 11 pixels.
-    ssim: Option<f64>,
+    /// Missing for images of more than [`LARGEST`] pixels.
+    #[serde(flatten)]
+    shown: DisplayMetrics,
     /// What would explain most of the difference.
     explanation: Option<Explanation>,
 }
@@ -148,17 +144,17 @@ struct Output {
 /// Most pixels of an image for metrics of what is shown and for explanations.
 const LARGEST: usize = 1 << 22;
 
-fn text(Output { numbers, hdr_flip, psnr, ssim, explanation }: &Output) -> String {
-    let trimmed = |value: f64| format!("  {:>9} without the worst 0.1 %", rounded(value, 4));
-    let lines = [
+fn text(Output { numbers, shown, explanation }: &Output) -> String {
+    let trimmed = |value: f64| format!("{} without the worst 0.1 %", rounded(value, 4));
+    let metrics = [
         ("mse", numbers.mse, trimmed(numbers.mse_trimmed)),
         ("rmse", numbers.rmse, String::new()),
         ("rel_mse", numbers.rel_mse, trimmed(numbers.rel_mse_trimmed)),
         ("mape", numbers.mape, trimmed(numbers.mape_trimmed)),
         ("smape", numbers.smape, trimmed(numbers.smape_trimmed)),
-        ("hdr_flip", hdr_flip.unwrap_or(f64::NAN), String::new()),
-        ("psnr", psnr.unwrap_or(f64::NAN), "  dB".to_owned()),
-        ("ssim", ssim.unwrap_or(f64::NAN), String::new()),
+        ("hdr_flip", shown.hdr_flip.unwrap_or(f64::NAN), String::new()),
+        ("psnr", shown.psnr, "dB".to_owned()),
+        ("ssim", shown.ssim.unwrap_or(f64::NAN), String::new()),
         ("max_abs", numbers.max_abs, String::new()),
         ("mean_a", numbers.mean_a, String::new()),
         ("mean_b", numbers.mean_b, String::new()),
@@ -166,8 +162,11 @@ fn text(Output { numbers, hdr_flip, psnr, ssim, explanation }: &Output) -> Strin
     let explained = explanation.as_ref().map(|Explanation { change, mse_left }| {
         format!("{change}: this leaves {:.2} % of the mean squared error\n", 100.0 * mse_left)
     });
-    lines.map(|(name, value, more)| format!("{name:<8} {:>9}{more}\n", rounded(value, 4))).concat()
-        + &explained.unwrap_or_default()
+    let metrics = Table::of(&metrics)
+        .words("", |(name, ..)| name)
+        .numbers("", |(_, value, _)| rounded(*value, 4))
+        .words("", |(.., more)| more);
+    metrics.text() + &explained.unwrap_or_default()
 }
 
 /// Reads a share, as a fraction or in percent, between 0 and 1.

@@ -71,7 +71,7 @@ impl Cut {
         let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
-            let mut files = output::write(&stem, &display.partition(rows), &output::table(rows)?)?;
+            let mut files = output::write(&stem, &display.partition(rows), &output::csv(rows)?)?;
             // Half a million regions take seconds to draw.
             interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;

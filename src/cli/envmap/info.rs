@@ -4,6 +4,7 @@ use super::options::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
 use clap::Args;
+use etalon_bench::table::Table;
 use etalon_core::envmap::info;
 use etalon_core::error::Result;
 use etalon_figures::view::text::rounded;
@@ -20,31 +21,27 @@ impl Info {
         let info = info::Info::of(&self.map.load(console)?.map);
         console.result(&info, || {
             let number = |v: Option<f32>| v.map_or("none".into(), |v| rounded(f64::from(v), 4));
-            let rgb = |v: [f64; 3]| v.map(|v| format!("{:<9}", rounded(v, 4))).join(" ").trim_end().to_owned();
-            format!(
-                "size                      {} x {}\nrange                     {} to {}\nmean over texels (RGB)    {}\n\
-                 mean over the sphere      {}\nflux (radiance x sr)      {}\npeak / mean               {:.1}\n\
-                 effective texels          {:.0} of {}\nbrightest texel           ({}, {}), {:.1}° above the horizon, \
-                 {:.2} % of the energy within 2°\nfrom above the horizon    {:.1} % of the energy\n\
-                 non-finite, negative      {} and {} texels\n",
-                info.width,
-                info.height,
-                number(info.min),
-                number(info.max),
-                rgb(info.mean_rgb),
-                rgb(info.solid_angle_mean_rgb),
-                rgb(info.flux_rgb),
-                info.peak_to_mean,
-                info.effective_texels,
-                info.width * info.height,
+            let rgb = |v: [f64; 3]| v.map(|v| format!("{:<9}", rounded(v, 4))).join(" ");
+            let brightest = format!(
+                "({}, {}), {:.1}° above the horizon, {:.2} % of the energy within 2°",
                 info.peak.0,
                 info.peak.1,
                 info.peak_elevation_deg,
-                100.0 * info.peak_share,
-                100.0 * info.upper_share,
-                info.nonfinite,
-                info.negative
-            )
+                100.0 * info.peak_share
+            );
+            let lines = [
+                ("size", format!("{} x {}", info.width, info.height)),
+                ("range", format!("{} to {}", number(info.min), number(info.max))),
+                ("mean over texels (RGB)", rgb(info.mean_rgb)),
+                ("mean over the sphere", rgb(info.solid_angle_mean_rgb)),
+                ("flux (radiance x sr)", rgb(info.flux_rgb)),
+                ("peak / mean", format!("{:.1}", info.peak_to_mean)),
+                ("effective texels", format!("{:.0} of {}", info.effective_texels, info.width * info.height)),
+                ("brightest texel", brightest),
+                ("from above the horizon", format!("{:.1} % of the energy", 100.0 * info.upper_share)),
+                ("non-finite, negative", format!("{} and {} texels", info.nonfinite, info.negative)),
+            ];
+            Table::of(&lines).words("", |line| line.0).words("", |line| &line.1).text()
         });
         Ok(Verdict::Good)
     }

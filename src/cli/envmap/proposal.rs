@@ -5,6 +5,7 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use clap::Args;
 use etalon_bench::proposal::{self, Along, Cost};
+use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_figures::output;
 use etalon_figures::view::proposal as view;
@@ -43,12 +44,12 @@ impl Proposal {
         };
         let target = global.target();
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
-        let mut files = output::write(&stem, &view::drawing(&result), &output::table(&result.bins)?)?;
+        let mut files = output::write(&stem, &view::drawing(&result), &output::csv(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate
         let costs = proposal::costs(&source.map, CHECKED, global.seed);
         if let Some(costs) = &costs {
             let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
-            files.extend(output::write(&stem, &view::costs(costs), &output::table(&costs.costs)?)?);
+            files.extend(output::write(&stem, &view::costs(costs), &output::csv(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
         console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {
@@ -68,14 +69,13 @@ const CHECKED: u32 = 1 << 12;
 
 /// The table of the samples that each proposal needs.
 fn samples(costs: &[Cost]) -> String {
-    let mut text = format!(
-        "\nsamples until the irradiance of a floor has a relative standard error of 1 %, with weights:\n{:<24} {:>12} {:>12} {:>12}\n",
-        "proposal", "rows alone", "columns alone", "both"
-    );
-    for of_proposal in costs.chunks(Along::ALL.len()) {
-        let needed =
-            of_proposal.iter().map(|cost| format!(" {:>12}", rounded(view::samples(cost.irradiance_variance), 3)));
-        text += &format!("{:<24}{}\n", of_proposal[0].proposal, needed.collect::<String>());
+    if costs.is_empty() {
+        return String::new();
     }
-    if costs.is_empty() { String::new() } else { text }
+    let rows: Vec<&[Cost]> = costs.chunks(Along::ALL.len()).collect();
+    let needed = |along: usize| move |costs: &&[Cost]| rounded(view::samples(costs[along].irradiance_variance), 3);
+    let table = Table::of(&rows).words("proposal", |costs| &costs[0].proposal);
+    let table = table.numbers("rows alone", needed(0)).numbers("columns alone", needed(1)).numbers("both", needed(2));
+    let title = "samples until the irradiance of a floor has a relative standard error of 1 %, with weights:";
+    format!("\n{title}\n{}", table.text())
 }

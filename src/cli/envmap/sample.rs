@@ -104,7 +104,7 @@ impl Sample {
             let window = self.look.window as usize;
             let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
             let mut files =
-                output::write(&stem, &display.samples(&samples.rows, window), &output::table(&samples.rows)?)?;
+                output::write(&stem, &display.samples(&samples.rows, window), &output::csv(&samples.rows)?)?;
             // Many markers take seconds to draw.
             interrupt::check()?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;

@@ -102,7 +102,7 @@ impl Validate {
         }?;
         bar.finish_and_clear();
         let mut saving = Saving::default();
-        let table = output::table(&view::rows(&validation))?;
+        let table = output::csv(&view::rows(&validation))?;
         saving.add(output::write(&stem, &view::drawing(&validation), &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
@@ -157,14 +157,14 @@ impl Validate {
 fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
     let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
-    output::write(&stem, &cells::drawing(tested), &output::table(&cells::rows(counts))?)
+    output::write(&stem, &cells::drawing(tested), &output::csv(&cells::rows(counts))?)
 }
 
 /// Writes the counts of the only test, if it has any.
 fn write_counts(tested: &Tested, name: &str, target: &output::Target) -> Result<Vec<PathBuf>> {
     let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
     let csv = output::with_extension(&target.stem(name, "-counts", &["csv"])?, "csv");
-    files::write_bytes(&csv, &output::table(&cells::rows(counts))?)?;
+    files::write_bytes(&csv, &output::csv(&cells::rows(counts))?)?;
     Ok(vec![csv])
 }
 

@@ -3,6 +3,7 @@
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::reports::Reports;
+use etalon_bench::table::Table;
 use etalon_bench::validation::planted::{self, By, Finding, Findings, PlantedFault};
 use etalon_core::error::Result;
 use etalon_core::files;
@@ -32,7 +33,7 @@ pub fn run(
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     let mut saving = Saving::default();
-    saving.add(files::write_bytes(&path, &output::table(&view::rows(&findings))?).map(|()| vec![path]));
+    saving.add(files::write_bytes(&path, &output::csv(&view::rows(&findings))?).map(|()| vec![path]));
     saving.add(reports.write(&checks(&findings)));
     let (files, saved) = saving.end();
     console.saved(&findings, &target.written(files), || text(&findings, explain));
@@ -71,33 +72,31 @@ fn checks(findings: &Findings) -> Checks {
 
 fn text(findings: &Findings, explain: bool) -> String {
     let tests = &findings.tests;
-    let width = tests.iter().map(|test| test.name.len()).max().unwrap_or(0);
-    let mut text =
-        format!("{:<width$}  verdict   by                 p    samples    error  without it\n", "planted fault");
-    for test in tests {
-        let error = test.error.map_or("-".into(), |error| format!("{:.1} %", 100.0 * error));
-        text += &format!(
-            "{:<width$}  {:<8}  {:<10} {:>9} {:>10} {error:>8}  {}\n",
-            test.name,
-            test.outcome.verdict,
-            test.by.map_or("-", By::name),
-            p_value(test.outcome.p),
-            test.outcome.samples,
-            test.sound,
-        );
+    let below = |test: &Finding| {
+        let outcome = &test.outcome;
+        let mut text = String::new();
         if explain {
             text += &wrapped(&format!("mistake: {}", test.mistake), "  ", 100);
-            let found = test.outcome.violation.iter().chain(&test.outcome.diagnosis);
-            let said = found.flat_map(|said| said.split("; "));
+            let said = outcome.violation.iter().chain(&outcome.diagnosis).flat_map(|said| said.split("; "));
             said.for_each(|said| text += &wrapped(&format!("found: {said}"), "  ", 100));
         }
-        if test.outcome.verdict != etalon_stats::Verdict::Reject {
-            text += &format!("  {}\n", test.outcome.remark().unwrap_or(test.mistake));
+        if outcome.verdict != etalon_stats::Verdict::Reject {
+            text += &format!("  {}\n", outcome.remark().unwrap_or(test.mistake));
         }
         if test.sound != etalon_stats::Verdict::Accept {
             text += &format!("  without it: {}\n", test.sound_remark.as_deref().unwrap_or("not accepted"));
         }
-    }
+        text
+    };
+    let mut text = Table::of(tests)
+        .words("planted fault", |test| test.name)
+        .words("verdict", |test| test.outcome.verdict)
+        .words("by", |test| test.by.map_or("-", By::name))
+        .numbers("p", |test| p_value(test.outcome.p))
+        .numbers("samples", |test| test.outcome.samples)
+        .numbers("error", |test| test.error.map_or("-".into(), |error| format!("{:.1} %", 100.0 * error)))
+        .words("without it", |test| test.sound)
+        .text_with(|test, line| line + &below(test));
     text += &format!(
         "\n{} of {} rejected; tests without the fault: {} rejected, {} inconclusive; {:.1} s\n",
         findings.rejected,

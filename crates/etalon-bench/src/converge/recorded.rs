@@ -5,7 +5,7 @@
 
 use super::doubling::Times;
 use crate::protocol::renderer::check_name;
-use crate::table::{file_name, table};
+use crate::table::{csv, file_name};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_core::raster::{self, Image, Metadata, ReadOptions};
@@ -54,7 +54,7 @@ pub fn keep_image(dir: &Path, name: &str, [spp, seed]: [u64; 2], image: &Image) 
 pub fn keep_times(dir: &Path, name: &str, times: impl Iterator<Item = (u64, u32, Times)>) -> Result<()> {
     let row =
         |(seed, spp, times): (u64, u32, Times)| Row { spp, seed, wall_seconds: times.wall, cpu_seconds: times.cpu };
-    files::write_bytes(&folder_of(dir, name).join(TIMES), &table(&times.map(row).collect::<Vec<_>>())?)
+    files::write_bytes(&folder_of(dir, name).join(TIMES), &csv(&times.map(row).collect::<Vec<_>>())?)
 }
 
 impl Recorded {

@@ -119,7 +119,7 @@ impl Content {
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
         Ok(Self {
             drawing,
-            table: output::table(rows)?,
+            table: output::csv(rows)?,
             image: None,
             checks,
             errata: Vec::new(),

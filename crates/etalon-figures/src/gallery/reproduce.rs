@@ -139,5 +139,5 @@ fn checks_table(figures: &'static [Figure], records: &Records) -> Result<Vec<u8>
     let recorded = figures.iter().filter_map(|figure| Some((figure.id.as_str(), records.get(&figure.id)?)));
     let rows =
         recorded.flat_map(|(figure, record)| record.checks.iter().map(move |check| (Of { figure }, check.clone())));
-    output::table(&rows.collect::<Vec<_>>())
+    output::csv(&rows.collect::<Vec<_>>())
 }

@@ -4,6 +4,7 @@
 
 use super::text::counted;
 use crate::figure::escape;
+use etalon_bench::table::Table;
 use etalon_stats::Verdict;
 
 /// A check, and how it ended.
@@ -98,29 +99,26 @@ impl Checks {
         let headings =
             [("Rejected", Some(Verdict::Reject)), ("Inconclusive", Some(Verdict::Inconclusive)), ("Skipped", None)];
         for (heading, verdict) in headings {
-            if self.of(verdict).next().is_some() {
-                text += &format!("\n### {heading}\n\n| check | found |\n|---|---|\n");
-                text.extend(self.of(verdict).map(|check| format!("| {} | {} |\n", full_name(check), found(check))));
+            let checks: Vec<&Check> = self.of(verdict).collect();
+            if !checks.is_empty() {
+                text += &format!(
+                    "\n### {heading}\n\n{}",
+                    named(&checks).words("found", |check| markdown(&check.message)).markdown()
+                );
             }
         }
-        text += &format!(
-            "\n<details>\n<summary>{total}</summary>\n\n| check | verdict | found | seconds |\n|---|---|---|--:|\n"
-        );
-        for check in &self.list {
-            let seconds = check.seconds.map_or(String::new(), |seconds| format!("{seconds:.2}"));
-            let verdict = check.verdict.map_or("skipped".into(), |verdict| verdict.to_string());
-            text += &format!("| {} | {verdict} | {} | {seconds} |\n", full_name(check), found(check));
-        }
-        text + "\n</details>\n"
+        let list: Vec<&Check> = self.list.iter().collect();
+        let all = named(&list)
+            .words("verdict", |check| check.verdict.map_or("skipped".into(), |verdict| verdict.to_string()))
+            .words("found", |check| markdown(&check.message))
+            .numbers("seconds", |check| check.seconds.map_or(String::new(), |seconds| format!("{seconds:.2}")));
+        text + &format!("\n<details>\n<summary>{total}</summary>\n\n{}\n</details>\n", all.markdown())
     }
 }
 
-fn full_name(check: &Check) -> String {
-    markdown(&format!("{}/{}", check.group, check.name))
-}
-
-fn found(check: &Check) -> String {
-    markdown(&check.message)
+/// A table with the names of checks.
+fn named<'a>(checks: &'a [&'a Check]) -> Table<'a, &'a Check> {
+    Table::of(checks).words("check", |check| markdown(&format!("{}/{}", check.group, check.name)))
 }
 
 /// Text for a cell of a table in Markdown: characters that mean something there or in HTML become references, and what would

@@ -5,6 +5,7 @@ use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use etalon_bench::compare::{Answer, Bias, Compared, FamilyResult, Functional, Needed, Related, Tested};
+use etalon_bench::table::Table;
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -314,23 +315,22 @@ pub fn text(compared: &Compared) -> String {
     if compared.non_finite > 0 {
         text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
     }
-    for family in &compared.families {
-        text += &format!("{:<14} ", family.family.name());
-        text += &match (family.untested, family.adjusted_p.zip(family.worst)) {
-            (Some(reason), _) => format!("not tested: {reason}"),
-            (None, Some((p, worst))) => {
-                let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
-                let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
-                let bias = bias(compared, family, &worst);
-                format!("{p:<12} of {tests}; most at {}, {channel}: A {a}, B {b}, {bias}", worst.functional)
-            }
-            (None, None) => "nothing that can be tested".into(),
-        };
-        if family.dominated > 0 {
-            text += &format!("\n{:<15}{} inconclusive: a few samples dominate", "", family.dominated);
+    let told = |family: &FamilyResult| match (family.untested, family.adjusted_p.zip(family.worst)) {
+        (Some(reason), _) => format!("not tested: {reason}"),
+        (None, Some((p, worst))) => {
+            let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
+            let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
+            let bias = bias(compared, family, &worst);
+            format!("{p:<12} of {tests}; most at {}, {channel}: A {a}, B {b}, {bias}", worst.functional)
         }
-        text.push('\n');
-    }
+        (None, None) => "nothing that can be tested".into(),
+    };
+    text += &Table::of(&compared.families).words("", |family| family.family.name()).words("", told).text_with(
+        |family, line| match family.dominated {
+            0 => line,
+            count => format!("{line}  {count} inconclusive: a few samples dominate\n"),
+        },
+    );
     let found =
         |what: &str, bias: f64| format!("{what} {} would have been found with 90 % probability\n", percent(bias));
     if let Some(ratio) = compared.noise_of_exact {

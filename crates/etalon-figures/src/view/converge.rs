@@ -1,12 +1,13 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words; and images after equal
 //! time: of every contender the regions where contenders differ most, enlarged, above their errors.
 
-use super::text::rounded;
+use super::text::{duration, rounded};
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use etalon_bench::converge::strategy::DEFAULT;
+use etalon_bench::table::Table;
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use serde::Serialize;
 use std::rc::Rc;
@@ -52,17 +53,15 @@ pub struct Row {
 pub fn rows(result: &Convergence) -> Vec<Row> {
     let target = result.common_rmse();
     let of_curve = |curve: &Curve| {
-        let Curve { strategy, replicates, slope, bias2, mean_bias, verdict, preparation_seconds, .. } = curve.clone();
-        let seconds_to_common_rmse = curve.time_to(target);
         let row = move |level: &Level| {
             let [rmse_low, rmse_high] = level.rmse_band();
             Row {
-                strategy: strategy.clone(),
+                strategy: curve.strategy.clone(),
                 spp: level.spp,
-                replicates,
+                replicates: curve.replicates,
                 cpu_seconds: level.cpu_seconds,
                 wall_seconds: level.wall_seconds,
-                preparation_seconds,
+                preparation_seconds: curve.preparation_seconds,
                 rmse: level.rmse(),
                 rmse_low,
                 rmse_high,
@@ -72,15 +71,15 @@ pub fn rows(result: &Convergence) -> Vec<Row> {
                 psnr: level.psnr,
                 ssim: level.ssim,
                 efficiency_per_second: level.efficiency,
-                slope: slope.value,
-                slope_half_width: slope.half_width,
-                mean_squared_bias: bias2.value,
-                mean_squared_bias_error: bias2.standard_error,
-                verdict: word(verdict),
+                slope: curve.slope.value,
+                slope_half_width: curve.slope.half_width,
+                mean_squared_bias: curve.bias2.value,
+                mean_squared_bias_error: curve.bias2.standard_error,
+                verdict: word(curve.verdict),
                 ttuv_seconds: 1.0 / level.efficiency,
-                mean_bias: mean_bias.value,
-                mean_bias_half_width: mean_bias.half_width,
-                seconds_to_common_rmse,
+                mean_bias: curve.mean_bias.value,
+                mean_bias_half_width: curve.mean_bias.half_width,
+                seconds_to_common_rmse: curve.time_to(target),
             }
         };
         curve.levels.iter().map(row).collect::<Vec<_>>()
@@ -129,6 +128,44 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
+/// The methods at their last levels, those with bias at the end.
+pub fn table(result: &Convergence) -> String {
+    let (seconds, target) = (result.common_seconds(), result.common_rmse());
+    let is_biased = |curve: &Curve| curve.verdict == CurveVerdict::Biased;
+    let mut last: Vec<(&Curve, &Level)> = result.curves.iter().filter_map(|c| Some((c, c.levels.last()?))).collect();
+    last.sort_by_key(|(curve, _)| is_biased(curve));
+    let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };
+    let efficiency = |curve: &Curve| match is_biased(curve) {
+        true => curve.variance_efficiency().unwrap_or(f64::NAN),
+        false => curve.log_efficiency_at(seconds).value.exp(),
+    };
+    let mut heading = "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
+    let bias = |curve: &Curve| {
+        let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+        let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
+        let [value, half_width, rms] = parts.map(|part| 100.0 * part);
+        format!("  bias: mean {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean\n")
+    };
+    Table::of(&last)
+        .words("strategy", |(curve, _)| &curve.strategy)
+        .numbers("spp", |(_, level)| level.spp)
+        .numbers("time", |(_, level)| duration(level.cpu_seconds))
+        .numbers("RMSE", |(_, level)| rounded(level.rmse(), 3))
+        .numbers("slope", |(Curve { slope, .. }, _)| {
+            known(slope.half_width, format!("{:.2} ± {:.2}", slope.value, slope.half_width))
+        })
+        .words("verdict", |(curve, _)| word(curve.verdict))
+        .numbers("efficiency", |(curve, _)| known(efficiency(curve), rounded(efficiency(curve), 3)))
+        .numbers("time to *", |(curve, _)| match is_biased(curve) {
+            true => String::new(),
+            false => curve.time_to(target).map_or("never".into(), duration),
+        })
+        .text_with(|(curve, _), line| match is_biased(curve) {
+            true => std::mem::take(&mut heading).to_owned() + &line + &bias(curve),
+            false => line,
+        })
+}
+
 /// The answer in words: a line on the strategy by default, if it is compared; then the best and the others.
 pub fn sentences(answer: Option<&Answer>) -> String {
     let Some(answer) = answer else { return "no answer: no method without bias has a known efficiency\n".to_owned() };
@@ -155,9 +192,9 @@ fn of_best(answer: &Answer) -> String {
     let [next, others @ ..] = answer.ratios.as_slice() else {
         return format!("{} alone has no known bias\n", answer.best);
     };
-    let times = |ratio: &Ratio| format!("{} times", short(ratio.ratio));
+    let times = |ratio: &Ratio| format!("{} times", rounded(ratio.ratio, 2));
     let ends = |ratio: &Ratio| match ratio.high.is_finite() {
-        true => format!("{} to {}", short(ratio.low), short(ratio.high)),
+        true => format!("{} to {}", rounded(ratio.low, 2), rounded(ratio.high, 2)),
         false => "unknown".to_owned(),
     };
     let doubt = if next.low > 1.0 { "" } else { ", not beyond chance" };
@@ -183,12 +220,6 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
         CurveVerdict::Slower => "flatter",
         CurveVerdict::Unknown => "unknown",
     }
-}
-
-/// Two digits that count: "0.0020", "0.31".
-pub fn short(value: f64) -> String {
-    let digits = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{value:.digits$}")
 }
 
 /// A strategy's name in words, for legends: "mis-cosine+lt" is "MIS, map × cosine, light paths". Others keep their names.
@@ -384,17 +415,6 @@ pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
     Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw()
 }
 
-/// "0.52 s", "0.095 s", "3.1 ms".
-pub fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s >= 10.0 => format!("{s:.0}\u{a0}s"),
-        s if s >= 1.0 => format!("{s:.1}\u{a0}s"),
-        s if s >= 0.1 => format!("{s:.2}\u{a0}s"),
-        s if s >= 0.01 => format!("{s:.3}\u{a0}s"),
-        s => format!("{:.1}\u{a0}ms", 1e3 * s),
-    }
-}
-
 /// The next of 1, 2, 5 times a power of ten.
 pub fn round(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
@@ -459,7 +479,7 @@ pub fn images(result: &Convergence) -> Drawing {
             label(&curve.strategy),
             level.spp,
             duration(level.cpu_seconds),
-            short(level.rmse())
+            rounded(level.rmse(), 2)
         );
         cells.push((caption, cropped([&tones(image), &scale(image.width(), errors).image()], &regions)));
     }

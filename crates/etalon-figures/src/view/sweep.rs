@@ -2,33 +2,28 @@
 
 use super::text::{counted, p_is, plain_p_value};
 use etalon_bench::sweep::{Conclusion, Description, Failure, Group};
+use etalon_bench::table::Table;
 use etalon_stats::sweep::CONFIRM_LEVEL;
 
 /// The table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
 /// for its last argument.
 pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String {
-    let width = found.groups.iter().map(|group| group.family.len()).max().unwrap_or(0).max("family".len());
-    let mut text = format!(
-        "{:<width$}  check        configurations accepted rejected inconclusive survivors    min p  detects {} %\n",
-        "family",
-        100.0 * sweep.detect()
-    );
-    for group in &found.groups {
-        let Group { family, check, configurations, accepted, rejected, inconclusive, survivors, min_p, powered } =
-            group;
-        let [survivors, p, power] = match min_p {
-            Some(p) => {
-                let share = 100.0 * *powered as f64 / (*configurations).max(1) as f64;
-                [survivors.to_string(), plain_p_value(*p), format!("in {share:.1} %")]
-            }
-            None => ["-"; 3].map(str::to_owned),
-        };
-        let mark = if *rejected > 0 { "  <- rejected" } else { "" };
-        text += &format!(
-            "{family:<width$}  {check:<12} {configurations:>14} {accepted:>8} {rejected:>8} {inconclusive:>12} \
-             {survivors:>9} {p:>8} {power:>11}{mark}\n"
-        );
-    }
+    // Checks without p-values have no power
+    let powered = |group: &Group| 100.0 * group.powered as f64 / group.configurations.max(1) as f64;
+    let mut text = Table::of(&found.groups)
+        .words("family", |group| &group.family)
+        .words("check", |group| &group.check)
+        .numbers("configurations", |group| group.configurations)
+        .numbers("accepted", |group| group.accepted)
+        .numbers("rejected", |group| group.rejected)
+        .numbers("inconclusive", |group| group.inconclusive)
+        .numbers("survivors", |group| group.min_p.map_or("-".into(), |_| group.survivors.to_string()))
+        .numbers("min p", |group| group.min_p.map_or("-".into(), plain_p_value))
+        .numbers(format!("detects {} %", 100.0 * sweep.detect()), |group| {
+            group.min_p.map_or("-".into(), |_| format!("in {:.1} %", powered(group)))
+        })
+        .words("", |group| if group.rejected > 0 { "<- rejected" } else { "" })
+        .text();
     for failure in &found.failures {
         let Failure { family, check, configurations, example, shrunk, replay, message, p } = failure;
         let p = p.map_or(String::new(), |p| format!(", {}", p_is(p)));

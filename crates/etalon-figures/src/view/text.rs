@@ -5,9 +5,9 @@ pub fn counted(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
-/// A time with as many digits as are worth reading.
-pub fn seconds(seconds: f64) -> String {
-    if seconds < 10.0 { format!("{seconds:.2}\u{a0}s") } else { format!("{seconds:.0}\u{a0}s") }
+/// "0.52 s", "0.095 s", "3.1 ms".
+pub fn duration(seconds: f64) -> String {
+    if seconds < 0.01 { format!("{:.1}\u{a0}ms", 1e3 * seconds) } else { format!("{}\u{a0}s", rounded(seconds, 2)) }
 }
 
 /// A small p-value, with markup: "≈ 10^{−17}", or "< 10^{−300}" for what f64 cannot hold.

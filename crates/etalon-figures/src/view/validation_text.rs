@@ -2,6 +2,7 @@
 //! accepted or has a remark.
 
 use super::text::{counted, p_is, plain_p_value, rounded, wrapped};
+use etalon_bench::table::Table;
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Outcome, Verdict};
 
@@ -11,17 +12,14 @@ const FEW: usize = 40;
 /// What a run found.
 pub fn text(validation: &Validation) -> String {
     let tests = &validation.tests;
-    let mut text = String::new();
-    if tests.len() <= FEW {
-        text += &table(tests.iter());
-    } else {
-        text += &families(tests);
-        let is_told = |test: &&Tested| !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
-        let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
-        if !told.is_empty() {
-            text += &format!("\n{}", table(told.into_iter()));
-        }
-    }
+    let is_told =
+        |test: &&Tested| tests.len() <= FEW || !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
+    let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
+    let mut text = match told.len() {
+        _ if tests.len() <= FEW => table(&told),
+        0 => families(tests),
+        _ => format!("{}\n{}", families(tests), table(&told)),
+    };
     text += &format!(
         "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
         counted(tests.len(), "test"),
@@ -39,62 +37,49 @@ pub fn text(validation: &Validation) -> String {
 }
 
 /// One line for each test, and below it why and where it failed, its remarks, and what it detects between the cells.
-fn table<'a>(tests: impl Iterator<Item = &'a Tested> + Clone) -> String {
-    let width = tests.clone().map(|test| test.name.len()).max().unwrap_or(0);
-    let mut text = format!(
-        "{:<width$}  verdict            p detects    samples  integral of the pdf             seconds\n",
-        "test"
-    );
-    for Tested { name, outcome } in tests {
-        text += &format!(
-            "{name:<width$}  {:<12} {:>8} {:>7} {:>10}  {:<31} {:>7.2}\n",
-            outcome.verdict,
-            p_value(outcome.p),
-            percent(outcome.detectable),
-            outcome.samples,
-            outcome.mass.filter(|mass| mass.error.is_finite()).map_or("-".into(), |mass| mass.to_string()),
-            outcome.seconds
-        );
+fn table(tests: &[&Tested]) -> String {
+    let below = |outcome: &Outcome| {
         // A line for each place.
         let places = outcome.diagnosis.iter().flat_map(|places| places.split("; "));
-        for line in outcome.remark().into_iter().chain(places) {
-            text += &format!("  {line}\n");
-        }
-        for remark in &outcome.remarks {
-            text += &format!("  remark: {remark}\n");
-        }
-        if let Some(finer) = outcome.finer().filter(|_| outcome.is_accepted()) {
-            text += &wrapped(&format!("detects ripples: {finer}"), "    ", 100);
-        }
-    }
-    text
+        let lines = outcome.remark().into_iter().chain(places).map(|line| format!("  {line}\n"));
+        let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
+        let finer = outcome.finer().filter(|_| outcome.is_accepted());
+        let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", 100));
+        lines.chain(remarks).chain(ripples).collect::<String>()
+    };
+    Table::of(tests)
+        .words("test", |test| &test.name)
+        .words("verdict", |test| test.outcome.verdict)
+        .numbers("p", |test| p_value(test.outcome.p))
+        .numbers("detects", |test| percent(test.outcome.detectable))
+        .numbers("samples", |test| test.outcome.samples)
+        .words("integral of the pdf", |test| {
+            let mass = test.outcome.mass.filter(|mass| mass.error.is_finite());
+            mass.map_or("-".into(), |mass| mass.to_string())
+        })
+        .numbers("seconds", |test| format!("{:.2}", test.outcome.seconds))
+        .text_with(|test, line| line + &below(&test.outcome))
 }
 
 /// One line for each family, in the order of the tests.
 fn families(tests: &[Tested]) -> String {
-    let mut groups: Vec<(String, Vec<&Tested>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<&Outcome>)> = Vec::new();
     for test in tests {
         let family = family(&test.name);
         match groups.iter_mut().find(|(name, _)| *name == family) {
-            Some((_, members)) => members.push(test),
-            None => groups.push((family, vec![test])),
+            Some((_, members)) => members.push(&test.outcome),
+            None => groups.push((family, vec![&test.outcome])),
         }
     }
-    let width = groups.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let mut text = format!("{:<width$}  tests  accepted    min p detects    samples\n", "family");
-    for (name, members) in &groups {
-        let outcomes = || members.iter().map(|test| &test.outcome);
-        let accepted = outcomes().filter(|outcome| outcome.is_accepted()).count();
-        let mark = if outcomes().any(|outcome| outcome.verdict == Verdict::Reject) { "  <- rejected" } else { "" };
-        text += &format!(
-            "{name:<width$}  {:>5}  {accepted:>8} {:>8} {:>7} {:>10}{mark}\n",
-            members.len(),
-            p_value(outcomes().filter_map(|o| o.p).min_by(f64::total_cmp)),
-            percent(outcomes().filter_map(|o| o.detectable).max_by(f64::total_cmp)),
-            outcomes().map(|o| o.samples).sum::<u64>(),
-        );
-    }
-    text
+    Table::of(&groups)
+        .words("family", |(name, _)| name)
+        .numbers("tests", |(_, all)| all.len())
+        .numbers("accepted", |(_, all)| all.iter().filter(|outcome| outcome.is_accepted()).count())
+        .numbers("min p", |(_, all)| p_value(all.iter().filter_map(|outcome| outcome.p).min_by(f64::total_cmp)))
+        .numbers("detects", |(_, all)| percent(all.iter().filter_map(|o| o.detectable).max_by(f64::total_cmp)))
+        .numbers("samples", |(_, all)| all.iter().map(|outcome| outcome.samples).sum::<u64>())
+        .words("", |(_, all)| if all.iter().any(|o| o.verdict == Verdict::Reject) { "<- rejected" } else { "" })
+        .text()
 }
 
 /// The first two words of a name, or the first of a name of two.

@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// How different an image and its reference look. A pixel that is not finite in one of them is black, and so equal, in both.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct DisplayMetrics {
     /// Mean HDR-FLIP over all pixels, from 0 (the same) to 1, at 67 pixels per degree; `None` where it is not defined, as for
     /// a black reference.

@@ -3,7 +3,7 @@
 use super::error_time::{LIMIT, small};
 use crate::figure::{Axis, Drawing, Panel, Plot, theme};
 use crate::gallery::prelude::*;
-use crate::view::converge::duration;
+use crate::view::text::duration;
 use etalon_bench::converge::doubling::{Deadline, Doubling};
 use etalon_core::error::Result;
 use etalon_core::raster::Image;

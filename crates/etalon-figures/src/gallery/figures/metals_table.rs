@@ -6,6 +6,7 @@ use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
 use crate::gallery::prelude::*;
 use crate::view::text::capitalized;
 use etalon_bench::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
+use etalon_bench::table::Table;
 
 const POINTS: usize = 181;
 
@@ -60,34 +61,22 @@ fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> 
 
 /// One line for each metal and channel.
 fn numbers(metals: &MetalTable) -> Drawing {
-    let header = [
-        "metal",
-        "wavelength (nm)",
-        "η",
-        "k",
-        "R at 0°",
-        "pseudo-Brewster angle",
-        "albedo",
-        "by the approximation",
-        "its largest error",
-        "at",
-    ];
     let mut last = "";
-    let row = |r: &MetalRow| {
-        let metal = if r.metal == last { String::new() } else { format!("{} ({})", r.metal, r.symbol) };
-        last = r.metal;
-        vec![
-            metal,
-            format!("{:.0}", r.wavelength_nm),
-            format!("{:.4}", r.eta),
-            format!("{:.4}", r.k),
-            format!("{:.4}", r.r_normal),
-            format!("{:.2}°", r.pseudo_brewster_deg),
-            format!("{:.4}", r.albedo),
-            format!("{:.4}", r.albedo_approximate),
-            format!("{:.4}", r.approximate_max_abs_error),
-            format!("{:.1}°", r.approximate_max_abs_error_deg),
-        ]
+    let metal = |r: &MetalRow| {
+        let is_new = std::mem::replace(&mut last, r.metal) != r.metal;
+        if is_new { format!("{} ({})", r.metal, r.symbol) } else { String::new() }
     };
-    table(&header, &metals.rows.iter().map(row).collect::<Vec<_>>())
+    table(
+        &Table::of(&metals.rows)
+            .words("metal", metal)
+            .numbers("wavelength (nm)", |r| format!("{:.0}", r.wavelength_nm))
+            .numbers("η", |r| format!("{:.4}", r.eta))
+            .numbers("k", |r| format!("{:.4}", r.k))
+            .numbers("R at 0°", |r| format!("{:.4}", r.r_normal))
+            .numbers("pseudo-Brewster angle", |r| format!("{:.2}°", r.pseudo_brewster_deg))
+            .numbers("albedo", |r| format!("{:.4}", r.albedo))
+            .numbers("by the approximation", |r| format!("{:.4}", r.albedo_approximate))
+            .numbers("its largest error", |r| format!("{:.4}", r.approximate_max_abs_error))
+            .numbers("at", |r| format!("{:.1}°", r.approximate_max_abs_error_deg)),
+    )
 }

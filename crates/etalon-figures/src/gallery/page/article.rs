@@ -5,7 +5,8 @@ use super::record::Record;
 use crate::figure::escape;
 use crate::gallery::check::Check;
 use crate::gallery::figure::{Erratum, FORMATS, Figure, Printed};
-use crate::view::text::{counted, seconds};
+use crate::view::text::{counted, duration};
+use etalon_bench::table::Table;
 use std::path::Path;
 
 pub struct Article<'a> {
@@ -88,7 +89,7 @@ impl Article<'_> {
         let direct = self.figure.command.as_ref().map_or_else(String::new, |direct| {
             format!("<p>or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
         });
-        let time = seconds(self.record.seconds);
+        let time = duration(self.record.seconds);
         format!(
             "<details class=\"again\"><summary>Reproduce it</summary>{again}{direct}<p class=\"fine\">took {time} when this page was made</p>\
              </details>\n"
@@ -121,21 +122,11 @@ fn printed(printed: &[Printed]) -> String {
     if printed.is_empty() {
         return String::new();
     }
-    let row = |Printed { quantity, report, ours }: &Printed| {
-        let [quantity, report, ours] = [quantity, report, ours].map(|text| escape(text));
-        format!(
-            "<tr><td>{quantity}</td><td class=\"number\" data-label=\"printed\">{report}</td>\
-             <td class=\"number\" data-label=\"computed\">{ours}</td></tr>\n"
-        )
-    };
-    let rows: String = printed.iter().map(row).collect();
-    format!(
-        r#"<table class="cards printed">
-<thead><tr><th scope="col">Quantity</th><th scope="col">The report prints</th><th scope="col">Computed here</th></tr></thead>
-<tbody>
-{rows}</tbody></table>
-"#
-    )
+    Table::of(printed)
+        .words("Quantity", |number| escape(&number.quantity))
+        .numbers("The report prints", |number| escape(&number.report))
+        .numbers("Computed here", |number| escape(&number.ours))
+        .html("cards printed")
 }
 
 /// All checks, closed unless one has failed.
@@ -143,40 +134,30 @@ fn checks(checks: &[Check]) -> String {
     if checks.is_empty() {
         return String::new();
     }
-    let row = |check: &Check| {
-        let (class, verdict) = match check.pass {
-            Some(true) => ("pass", "✓ pass"),
-            Some(false) => ("fail", "✗ FAIL"),
-            None => ("skip", "skipped"),
-        };
-        let [name, measured, demand] = [&check.name, &check.measured(), &check.demand()].map(|text| escape(text));
-        let why = if check.pass.is_none() {
-            format!(" <span class=\"fine\">({})</span>", escape(&check.skipped))
-        } else {
-            String::new()
-        };
-        format!(
-            "<tr><td class=\"{class}\">{verdict}</td><td>{name}{why}</td><td class=\"number\" data-label=\"measured\" \
-             title=\"{}\">{measured}</td><td class=\"number\" data-label=\"must be\">{demand}</td></tr>\n",
-            check.got
-        )
+    let verdict = |check: &Check| match check.pass {
+        Some(true) => "<span class=\"pass\">✓ pass</span>",
+        Some(false) => "<span class=\"fail\">✗ FAIL</span>",
+        None => "skipped",
     };
+    let table = Table::of(checks)
+        .words("Verdict", verdict)
+        .words("Check", |check| match check.pass {
+            None => format!("{} <span class=\"fine\">({})</span>", escape(&check.name), escape(&check.skipped)),
+            Some(_) => escape(&check.name),
+        })
+        .numbers("Measured", |check| format!("<span title=\"{}\">{}</span>", check.got, escape(&check.measured())))
+        .numbers("Must be", |check| escape(&check.demand()))
+        .html("cards");
     let failed = checks.iter().filter(|check| check.failed()).count();
     let skipped = checks.iter().filter(|check| check.pass.is_none()).count();
     let left_out = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
     let (open, class, outcome) = match failed {
-        0 if skipped == checks.len() => ("", "skip", "none was made".to_owned()),
+        0 if skipped == checks.len() => ("", "fine", "none was made".to_owned()),
         0 => ("", "pass", format!("✓ passed{left_out}")),
         failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED{left_out}")),
     };
-    let (count, rows) = (counted(checks.len(), "check"), checks.iter().map(row).collect::<String>());
     format!(
-        r#"<details class="checks"{open}><summary>{count}, <span class="{class}">{outcome}</span></summary>
-<table class="cards">
-<thead><tr><th scope="col">Verdict</th><th scope="col">Check</th><th scope="col">Measured</th>
-<th scope="col">Must be</th></tr></thead>
-<tbody>
-{rows}</tbody></table></details>
-"#
+        "<details class=\"checks\"{open}><summary>{}, <span class=\"{class}\">{outcome}</span></summary>\n{table}</details>\n",
+        counted(checks.len(), "check")
     )
 }

@@ -4,7 +4,7 @@ use super::article::{Article, join};
 use super::record::Setup;
 use crate::figure::escape;
 use crate::gallery::check::skipped;
-use crate::view::text::{counted, seconds};
+use crate::view::text::{counted, duration};
 use std::collections::BTreeMap;
 
 /// Title, totals, and the figures whose checks have failed.
@@ -15,7 +15,7 @@ pub fn summary(articles: &[Article<'_>]) -> String {
     let left_out: usize = reasons.iter().map(|(count, _)| count).sum();
     let (figures, passed) = (articles.len(), checks - failed - left_out);
     let count = counted(figures, "figure");
-    let time = seconds(articles.iter().map(|a| a.record.seconds).sum());
+    let time = duration(articles.iter().map(|a| a.record.seconds).sum());
     let verdict = if failed == 0 { "none" } else { "fail" };
     let with_failures = articles.iter().filter(|a| a.failed() > 0);
     let links: String = with_failures.map(|a| format!(" <a href=\"#figure-{0}\">{0}</a>", a.figure.id)).collect();
