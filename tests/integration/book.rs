@@ -180,3 +180,13 @@ fn files_and_tests_that_texts_name_exist() {
     }
     assert!(count > 25, "{count} names");
 }
+
+#[test]
+fn the_table_of_materials_has_every_bsdf() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/materials.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with('|')).collect();
+    for (name, _) in etalon::bsdf::ALL {
+        assert!(rows.iter().any(|row| row.contains(&format!("`{name}`"))), "{name}");
+    }
+}

@@ -38,7 +38,8 @@ impl Kind {
             Material::Mirror { .. } => Self::Mirror,
             Material::Dielectric(_) | Material::Refraction { .. } => Self::Glass,
             Material::Conductor(_) => Self::Metal,
-            Material::Diffuse { .. } | Material::CoatedDiffuse { .. } | Material::Mixture(_) => Self::Diffuse,
+            Material::Bsdf(_) if material.is_transmitting() => Self::Glass,
+            Material::Diffuse { .. } | Material::Bsdf(_) | Material::Mixture(_) => Self::Diffuse,
             Material::Textured(textured) => Self::of_material(&textured.base),
         }
     }

@@ -1,6 +1,7 @@
 //! What stands in the world: shapes, materials and lights.
 
 use super::*;
+use etalon::bsdf::{Bsdf, CoatedDiffuse};
 use glam::Vec2;
 
 #[test]
@@ -240,15 +241,16 @@ fn rough_surfaces_may_be_anisotropic() {
 
 #[test]
 fn coats_and_mixtures() {
+    let coated = |albedo, eta| Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)));
     let coat = |text: &str| {
         let imported = read(&in_world(&format!("Material \"coateddiffuse\" {text} Shape \"sphere\""))).unwrap();
         (imported.scene.objects[0].material.clone(), imported.warnings)
     };
     let (material, warnings) = coat("\"rgb reflectance\" [.25 .5 1] \"float eta\" 1.4 \"float thickness\" 0");
-    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::new(0.25, 0.5, 1.0), eta: 1.4 });
+    assert_eq!(material, coated(Rgb::new(0.25, 0.5, 1.0), 1.4));
     assert!(!warnings.iter().any(|warning| warning.contains("coat")), "{warnings:?}");
     let (material, warnings) = coat("\"float roughness\" .1");
-    assert_eq!(material, Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 });
+    assert_eq!(material, coated(Rgb::splat(0.5), 1.5));
     let about = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
     assert_eq!([about("taken as smooth"), about("1.98 %")], [1, 1], "{warnings:?}");
 

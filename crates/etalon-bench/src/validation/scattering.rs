@@ -3,7 +3,7 @@
 use super::suite::inputs::short;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter};
 use etalon_core::math::Rgb;
-use etalon_core::scene::{Conductor, Dielectric, Material, ScatterModel};
+use etalon_core::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
 use etalon_stats::bsdf::{self, DeltaLobe, Density, Direction, Energy, Parameter, Properties, Reciprocity, Spectrum};
 use glam::Vec3;
 
@@ -30,20 +30,37 @@ fn spectrum(rgb: Rgb) -> Spectrum {
     rgb.to_array().map(f64::from)
 }
 
+/// The distribution of a BSDF's microfacets, and its widths along x and y.
+pub fn microfacets(bsdf: &Bsdf) -> Option<(Distribution, [f32; 2])> {
+    let beckmann = |facets: &Beckmann<f32>| Some((Distribution::Beckmann, facets.widths().both()));
+    let ggx = |facets: &Ggx<f32>| Some((Distribution::Ggx, facets.widths().both()));
+    match bsdf {
+        Bsdf::Beckmann(metal) => beckmann(&metal.distribution),
+        Bsdf::Ggx(metal) => ggx(&metal.distribution),
+        Bsdf::CompensatedBeckmann(metal) => beckmann(&metal.single().distribution),
+        Bsdf::CompensatedGgx(metal) => ggx(&metal.single().distribution),
+        Bsdf::ErrataConductor(metal) => beckmann(&metal.distribution),
+        Bsdf::BeckmannDielectric(glass) => beckmann(&glass.distribution),
+        Bsdf::GgxDielectric(glass) => ggx(&glass.distribution),
+        _ => None,
+    }
+}
+
 impl Scattering {
-    /// The BSDF of a material, without named parameters.
-    pub fn new(material: &Material, model: ScatterModel, energy: Energy) -> Self {
-        let eta = match material {
-            Material::Refraction { eta, .. } | Material::Dielectric(Dielectric { eta, .. }) => *eta,
+    /// A BSDF without named parameters.
+    pub fn new(bsdf: Bsdf, energy: Energy) -> Self {
+        let eta = match &bsdf {
+            Bsdf::Refraction(boundary) => boundary.eta,
+            Bsdf::Dielectric(boundary) => boundary.eta,
+            Bsdf::BeckmannDielectric(boundary) => boundary.eta(),
+            Bsdf::GgxDielectric(boundary) => boundary.eta(),
             _ => 1.0,
         };
-        let is_wide = match material {
-            Material::Conductor(Conductor { alpha, .. }) => alpha[0].min(alpha[1]) >= WIDE,
+        let is_wide = microfacets(&bsdf).is_none_or(|(_, alpha)| {
             // Refraction turns directions by the index minus 1 of what the facets are turned.
-            Material::Dielectric(Dielectric { alpha, eta, .. }) => alpha[0].min(alpha[1]) * (eta - 1.0).abs() >= WIDE,
-            _ => true,
-        };
-        let bsdf = material.bsdf(model);
+            let turned = if eta == 1.0 { 1.0 } else { (eta - 1.0).abs() };
+            alpha[0].min(alpha[1]) * turned >= WIDE
+        });
         Self { bsdf, eta, energy, is_wide, parameters: Vec::new() }
     }
 

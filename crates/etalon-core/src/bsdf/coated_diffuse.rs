@@ -11,11 +11,13 @@
 //! relation of both means: Egan and Hilgeman, "Optical Properties of Inhomogeneous Materials", 1979.
 
 use super::diffuse::reflects;
+use super::examples::{ALBEDO, COLOUR, Example, Family};
 use super::mirror::reflect;
-use super::{BsdfSample, Lobe, Scatter};
+use super::{Bsdf, BsdfSample, Lobe, Scatter};
 use crate::math::Rgb;
 use crate::optics::dielectric::fresnel;
 use crate::sampling::warp;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -43,21 +45,6 @@ impl CoatedDiffuse {
         let term = |v: f64| fresnel(v * v, wide).unpolarized() * 4.0 * v.powi(3);
         let outside: f64 = (0..STEPS).map(|i| term(place(i))).sum::<f64>() / f64::from(STEPS);
         Self { eta, strength: Rgb::ZERO, entered: 0.0, outside }.with_albedo(albedo)
-    }
-
-    /// The same coat over a base of another albedo.
-    #[must_use]
-    pub fn with_albedo(self, albedo: Rgb) -> Self {
-        let (wide, outside) = (f64::from(self.eta), self.outside);
-        let leaves = (1.0 - outside) / (wide * wide);
-        let channel = |rho: f32| {
-            let rho = f64::from(rho);
-            rho / (wide * wide * (1.0 - rho * (1.0 - leaves)))
-        };
-        let diffuse = [albedo.x, albedo.y, albedo.z].map(channel);
-        let strength = diffuse.map(|diffuse| (diffuse * std::f64::consts::FRAC_1_PI) as f32);
-        let entered = diffuse.into_iter().fold(0.0, f64::max) * (1.0 - outside);
-        Self { strength: Rgb::from_array(strength), entered: entered as f32, ..self }
     }
 
     /// The reflected share F at `w`, and the probability with which the mirror direction is sampled.
@@ -101,8 +88,33 @@ impl Scatter for CoatedDiffuse {
         if lobe == Lobe::SpecularReflection { self.reflection(wo).1 } else { 0.0 }
     }
 
+    /// The same coat over a base of another albedo.
+    fn with_albedo(&self, albedo: Rgb) -> Self {
+        let (wide, outside) = (f64::from(self.eta), self.outside);
+        let leaves = (1.0 - outside) / (wide * wide);
+        let channel = |rho: f32| {
+            let rho = f64::from(rho);
+            rho / (wide * wide * (1.0 - rho * (1.0 - leaves)))
+        };
+        let diffuse = [albedo.x, albedo.y, albedo.z].map(channel);
+        let strength = diffuse.map(|diffuse| (diffuse * std::f64::consts::FRAC_1_PI) as f32);
+        let entered = diffuse.into_iter().fold(0.0, f64::max) * (1.0 - outside);
+        Self { strength: Rgb::from_array(strength), entered: entered as f32, ..*self }
+    }
+
     /// That of a coat which reflects nothing.
     fn largest_weight(&self) -> Option<f32> {
         Some(self.strength.max_element() * PI)
     }
 }
+
+pub(super) const FAMILIES: &[Family] = &[Family {
+    name: "coated-diffuse",
+    parameters: &[ALBEDO, ("eta", 1.5, [1.0, 2.4])],
+    energy: Energy::AtMostOne,
+    bsdf: |v| Bsdf::CoatedDiffuse(CoatedDiffuse::new(Rgb::splat(v[0]), v[1])),
+    examples: |family| {
+        let coat = |eta| move || Bsdf::CoatedDiffuse(CoatedDiffuse::new(COLOUR, eta));
+        [1.5, 2.4].map(|eta| Example::new(format!("{}/{eta}", family.name), coat(eta))).into()
+    },
+}];

@@ -16,10 +16,13 @@
 //! Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", Eurographics 2001.
 
 use super::energy::MissingEnergy;
+use super::examples::{ALPHA, ETA, Example, Family, K, gold, grey};
 use super::rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
-use super::{BsdfSample, Lobe, Scatter, Vectorizable};
+use super::{Bsdf, BsdfSample, ConductorFresnel, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use crate::math::{Rgb, circular::Circular};
+use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -51,19 +54,19 @@ impl<D: SampleNormals<f32>> CompensatedConductor<D> {
         Self { single, multiple: Multiple { colour, power }, energy: Arc::new(energy) }
     }
 
-    /// How single scattering samples its directions.
-    pub fn normals(&self) -> NormalSampling {
-        self.single.normals
+    /// Single scattering alone.
+    pub fn single(&self) -> &RoughConductor<D> {
+        &self.single
     }
 
     /// Whether the distribution has equal widths.
-    pub fn is_isotropic(&self) -> bool {
+    fn is_isotropic(&self) -> bool {
         self.energy.is_isotropic()
     }
 
     /// The model with its sampling fixed, for loops.
     #[inline]
-    pub fn lanes<const BOUNDED: bool, const ISOTROPIC: bool>(&self) -> CompensatedLanes<'_, D, BOUNDED, ISOTROPIC> {
+    fn lanes<const BOUNDED: bool, const ISOTROPIC: bool>(&self) -> CompensatedLanes<'_, D, BOUNDED, ISOTROPIC> {
         CompensatedLanes { single: ByVisibleNormals(self.single), multiple: self.multiple, energy: &self.energy }
     }
 }
@@ -105,7 +108,7 @@ fn add_multiple(
 
 /// A direction of the upper hemisphere with pdf cos θ / π.
 #[inline(always)]
-fn cosine_direction(u: [f32; 2]) -> Vec3 {
+pub(super) fn cosine_direction(u: [f32; 2]) -> Vec3 {
     let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
     let r = u[0].sqrt();
     Vec3::new(r * cos_phi, r * sin_phi, (1.0 - u[0]).sqrt())
@@ -167,6 +170,19 @@ impl<D: SampleNormals<f32>> Scatter for CompensatedConductor<D> {
     }
 
     #[inline]
+    fn vectorize(&self, work: impl VectorizedLoop) -> bool {
+        if self.single.normals != NormalSampling::Vndf {
+            return false;
+        }
+        if self.is_isotropic() {
+            work.over(self.lanes::<false, true>());
+        } else {
+            work.over(self.lanes::<false, false>());
+        }
+        true
+    }
+
+    #[inline]
     fn sample(&self, wo: Vec3, uc: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
@@ -181,4 +197,37 @@ impl<D: SampleNormals<f32>> Scatter for CompensatedConductor<D> {
         let weight = f * wi.z / pdf;
         BsdfSample { wi, weight, pdf, lobe, probability, eta: 1.0 }.if_possible()
     }
+}
+
+pub(super) const BECKMANN: &[Family] =
+    &[family("compensated-beckmann", |v| beckmann(v[0], grey(v[1], v[2])), |family| examples(family, beckmann))];
+
+pub(super) const GGX: &[Family] =
+    &[family("compensated-ggx", |v| ggx(v[0], grey(v[1], v[2])), |family| examples(family, ggx))];
+
+const fn family(name: &'static str, bsdf: fn(&[f32]) -> Bsdf, examples: fn(&Family) -> Vec<Example>) -> Family {
+    Family { name, parameters: &[ALPHA, ETA, K], energy: Energy::AtMostOne, bsdf, examples }
+}
+
+fn beckmann(alpha: f32, fresnel: ConductorFresnel) -> Bsdf {
+    let single = RoughConductor { distribution: Beckmann::new(alpha), fresnel, normals: NormalSampling::Vndf };
+    let energy = MissingEnergy::new(Beckmann::new(f64::from(alpha)));
+    Bsdf::CompensatedBeckmann(CompensatedConductor::new(single, energy))
+}
+
+fn ggx(alpha: f32, fresnel: ConductorFresnel) -> Bsdf {
+    let single = RoughConductor { distribution: Ggx::new(alpha), fresnel, normals: NormalSampling::Vndf };
+    let energy = MissingEnergy::new(Ggx::new(f64::from(alpha)));
+    Bsdf::CompensatedGgx(CompensatedConductor::new(single, energy))
+}
+
+/// Gold, and a lossless metal, which reflects all light but 10⁻⁸, and with multiple scattering all of it to the error of its table.
+fn examples(family: &Family, metal: fn(f32, ConductorFresnel) -> Bsdf) -> Vec<Example> {
+    let pair = |alpha| {
+        let name = format!("{}/{alpha}", family.name);
+        let lossless = Example::new(format!("{name}/lossless"), move || metal(alpha, grey(1.0, 2e4)));
+        let gold = Example::new(name, move || metal(alpha, gold()));
+        [Example { is_integrated: false, ..gold }, Example { energy: Energy::Conserved(1e-3), ..lossless }]
+    };
+    [0.01, 0.3, 1.0].map(pair).into_iter().flatten().collect()
 }

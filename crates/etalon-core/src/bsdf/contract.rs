@@ -104,6 +104,12 @@ pub trait Vectorizable {
     fn eval_pdf_lane(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
 }
 
+/// A loop that is compiled for each BSDF which is straight-line arithmetic.
+pub trait VectorizedLoop {
+    /// Runs the loop.
+    fn over(self, bsdf: impl Vectorizable);
+}
+
 /// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
@@ -162,6 +168,20 @@ pub trait Scatter {
     /// same `u`; `None` if none is known from theory.
     fn largest_weight(&self) -> Option<f32> {
         self.is_delta().then_some(0.0)
+    }
+
+    /// The BSDF with another albedo of its diffuse reflection, which textures may set.
+    #[must_use]
+    fn with_albedo(&self, _albedo: Rgb) -> Self
+    where
+        Self: Clone,
+    {
+        self.clone()
+    }
+
+    /// Runs a loop over the BSDF as straight-line arithmetic, if it has that form; returns whether it has.
+    fn vectorize(&self, _work: impl VectorizedLoop) -> bool {
+        false
     }
 
     /// [`sample`](Self::sample) of the adjoint f(wi, wo), for a path that starts at a light, towards which `wo` points, and that

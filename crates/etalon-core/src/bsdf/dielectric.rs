@@ -4,11 +4,13 @@
 //! that of `wo`'s side, because the solid angle it fills changes. Entering and leaving cancel: a slab of glass
 //! does not change radiance by this factor. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, 5.2.
 
+use super::examples::{Example, Family, GLASS, REFLECTANCE, SHARE, TRANSMITTANCE};
 use super::mirror::reflect;
-use super::{BsdfSample, Lobe, Scatter};
+use super::{Bsdf, BsdfSample, Lobe, Scatter};
 use crate::errata::fresnel::schlick_incident_cosine;
 use crate::math::Rgb;
 use crate::optics::{dielectric, schlick};
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
 /// η relative to the side of `wo`: `eta` is the index inside (z < 0) over that outside.
@@ -120,3 +122,36 @@ impl Scatter for Dielectric {
         self.fresnel != DielectricFresnel::SingleCosineSchlick
     }
 }
+
+impl Dielectric {
+    /// A boundary that absorbs nothing, with Fresnel's equations.
+    pub(super) const fn clear(eta: f32) -> Self {
+        Self { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta, fresnel: DielectricFresnel::Exact }
+    }
+}
+
+pub(super) const REFRACTION: &[Family] = &[Family {
+    name: "refraction",
+    parameters: &[("transmittance", 0.8, SHARE), GLASS],
+    energy: Energy::AtMostOne,
+    bsdf: |v| Bsdf::Refraction(Refraction { transmittance: Rgb::splat(v[0]), eta: v[1] }),
+    examples: |family| vec![family.example(family.name, [TRANSMITTANCE.x, 1.5])],
+}];
+
+pub(super) const DIELECTRIC: &[Family] = &[Family {
+    name: "dielectric",
+    parameters: &[GLASS],
+    energy: Energy::Conserved(0.0),
+    bsdf: |v| Bsdf::Dielectric(Dielectric::clear(v[0])),
+    examples: |family| {
+        let clear = Dielectric::clear(1.5);
+        let schlick = Dielectric { fresnel: DielectricFresnel::Schlick, ..clear };
+        let lossy = Dielectric { reflectance: REFLECTANCE, transmittance: TRANSMITTANCE, ..clear };
+        vec![
+            family.example("dielectric/1.5", [1.5]),
+            family.example("dielectric/0.4", [0.4]),
+            Example::new("dielectric/lossy", move || Bsdf::Dielectric(lossy)),
+            Example { energy: family.energy, ..Example::new("dielectric/schlick", move || Bsdf::Dielectric(schlick)) },
+        ]
+    },
+}];

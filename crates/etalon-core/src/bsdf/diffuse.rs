@@ -2,9 +2,11 @@
 //!
 //! Directions are in the local frame, the normal at +z. `f` is the BSDF value without the cosine.
 
-use super::{BsdfSample, Lobe, Scatter};
+use super::examples::{ALBEDO, COLOUR, Example, Family};
+use super::{Bsdf, BsdfSample, Lobe, Scatter};
 use crate::math::Rgb;
 use crate::sampling::warp;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -31,7 +33,7 @@ impl Diffuse {
 }
 
 /// Whether both directions are on one side of the surface and neither along it.
-#[inline]
+#[inline(always)]
 pub(super) fn reflects(wo: Vec3, wi: Vec3) -> bool {
     (wo.z > 0.0 && wi.z > 0.0) || (wo.z < 0.0 && wi.z < 0.0)
 }
@@ -58,3 +60,11 @@ impl Scatter for Diffuse {
         Some(1.0)
     }
 }
+
+pub(super) const FAMILIES: &[Family] = &[Family {
+    name: "diffuse",
+    parameters: &[ALBEDO],
+    energy: Energy::AtMostOne,
+    bsdf: |v| Bsdf::Diffuse(Diffuse::new(Rgb::splat(v[0]))),
+    examples: |family| vec![Example::new(family.name, || Bsdf::Diffuse(Diffuse::new(COLOUR)))],
+}];

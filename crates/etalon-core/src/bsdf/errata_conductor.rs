@@ -1,12 +1,14 @@
 //! A rough conductor with errors of the second report, as [`MetalErrors`] select them.
 
+use super::examples::{ALPHA, ETA, Example, Family, K, gold, grey};
 use super::rough_conductor::{Facet, reflect_at};
-use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
+use super::{Bsdf, BsdfSample, ConductorFresnel, Lobe, Scatter};
 use crate::errata::microfacet::{MetalErrors, direction_pdf_without_cosine, lambda_with_pi};
 use crate::math::Rgb;
 use crate::optics::conductor::fresnel_approximate;
 use crate::optics::microfacet::{Beckmann, Microfacet};
 use crate::sampling::normals::SampleNormals;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
 /// A rough conductor of Beckmann's distribution with errors, visible from the side of the
@@ -88,6 +90,21 @@ impl Scatter for ErrataConductor {
 #[must_use]
 pub fn pdf_without_cosine(distribution: Beckmann<f32>, wo: Vec3, wi: Vec3) -> f32 {
     Facet::between(wo, wi).map_or(0.0, |facet| direction_pdf_without_cosine(distribution.d(facet.wm), facet.cos))
+}
+
+pub(super) const FAMILIES: &[Family] = &[Family {
+    name: "errata-conductor",
+    parameters: &[ALPHA, ETA, K],
+    energy: Energy::MayExceedOne("its shadowing term does"),
+    bsdf: |v| with_all_errors(v[0], grey(v[1], v[2])),
+    examples: |family| {
+        vec![Example { energy: family.energy, ..Example::new(family.name, || with_all_errors(0.3, gold())) }]
+    },
+}];
+
+fn with_all_errors(alpha: f32, fresnel: ConductorFresnel) -> Bsdf {
+    let distribution = Beckmann::new(alpha);
+    Bsdf::ErrataConductor(ErrataConductor { distribution, fresnel, errors: MetalErrors::ALL })
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Perfect mirrors: of a given reflectance, and of a polished metal.
 
-use super::{BsdfSample, ConductorFresnel, Lobe, Scatter};
+use super::examples::{ETA, Example, Family, K, REFLECTANCE, SHARE, gold, grey};
+use super::{Bsdf, BsdfSample, ConductorFresnel, Lobe, Scatter};
 use crate::math::Rgb;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
 /// `wo` reflected by the surface.
@@ -48,3 +50,19 @@ impl Scatter for SmoothConductor {
         Some(BsdfSample::specular_reflection(reflect(wo), self.fresnel.reflectance(wo.z), 1.0))
     }
 }
+
+pub(super) const MIRROR: &[Family] = &[Family {
+    name: "mirror",
+    parameters: &[("reflectance", 0.9, SHARE)],
+    energy: Energy::AtMostOne,
+    bsdf: |v| Bsdf::Mirror(Mirror { reflectance: Rgb::splat(v[0]) }),
+    examples: |family| vec![family.example(family.name, [REFLECTANCE.x])],
+}];
+
+pub(super) const SMOOTH_CONDUCTOR: &[Family] = &[Family {
+    name: "smooth-conductor",
+    parameters: &[ETA, K],
+    energy: Energy::AtMostOne,
+    bsdf: |v| Bsdf::SmoothConductor(SmoothConductor { fresnel: grey(v[0], v[1]) }),
+    examples: |family| vec![Example::new(family.name, || Bsdf::SmoothConductor(SmoothConductor { fresnel: gold() }))],
+}];

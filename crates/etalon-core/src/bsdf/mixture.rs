@@ -4,8 +4,11 @@
 //! the balance heuristic, whose weights are at most those of the BSDFs. Delta lobes keep their own. Source: Veach, "Robust Monte
 //! Carlo Methods for Light Transport Simulation", 1997, section 9.2.2.
 
-use super::{BsdfSample, Lobe, Scatter};
+use super::examples::{ALBEDO, ALPHA, COLOUR, ETA, Example, Family, K, REFLECTANCE, SHARE, grey};
+use super::{Bsdf, BsdfSample, Diffuse, Lobe, Mirror, NormalSampling, RoughConductor, Scatter};
 use crate::math::Rgb;
+use crate::optics::microfacet::Ggx;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -117,4 +120,25 @@ impl<B: Scatter> Scatter for Mixture<B> {
         let total: f32 = self.parts.iter().map(|part| part.weight).sum();
         self.parts.iter().try_fold(0.0f32, |largest, part| Some(largest.max(total * part.bsdf.largest_weight()?)))
     }
+}
+
+/// A Lambertian surface and a rough metal, which has that share.
+pub(super) const FAMILIES: &[Family] = &[Family {
+    name: "mixture",
+    parameters: &[("share", 0.5, SHARE), ALBEDO, ALPHA, ETA, K],
+    energy: Energy::AtMostOne,
+    bsdf: |v| painted_metal([1.0 - v[0], v[0]], Rgb::splat(v[1]), v[2], [v[3], v[4]]),
+    examples: |family| {
+        let diffuse = || Bsdf::Diffuse(Diffuse::new(COLOUR));
+        let mirror = || Bsdf::Mirror(Mirror { reflectance: REFLECTANCE });
+        vec![
+            Example::new(family.name, || painted_metal([0.4, 0.6], COLOUR, 0.2, [0.5, 2.5])),
+            Example::new("mixture/mirror", move || Bsdf::Mixture(Mixture::new([(0.5, diffuse()), (0.5, mirror())]))),
+        ]
+    },
+}];
+
+fn painted_metal([paint, metal]: [f32; 2], albedo: Rgb, alpha: f32, [eta, k]: [f32; 2]) -> Bsdf {
+    let rough = RoughConductor { distribution: Ggx::new(alpha), fresnel: grey(eta, k), normals: NormalSampling::Vndf };
+    Bsdf::Mixture(Mixture::new([(paint, Bsdf::Diffuse(Diffuse::new(albedo))), (metal, Bsdf::Ggx(rough))]))
 }

@@ -3,7 +3,7 @@
 //! Directions are unit vectors in the local frame, the normal at +z, and point away from the surface: `wo` towards the
 //! viewer, `wi` towards the light. Light is radiance.
 //!
-//! A new BSDF is a file that implements [`Scatter`], and an entry below.
+//! A new BSDF is a file that implements [`Scatter`] and has its [`Family`], and an entry below.
 
 mod coated_diffuse;
 mod compensated_conductor;
@@ -13,6 +13,7 @@ mod dielectric;
 mod diffuse;
 mod energy;
 mod errata_conductor;
+mod examples;
 mod mirror;
 mod mixture;
 mod rough_conductor;
@@ -21,25 +22,25 @@ mod rough_dielectric;
 pub use coated_diffuse::CoatedDiffuse;
 pub use compensated_conductor::CompensatedConductor;
 pub use conductor_fresnel::ConductorFresnel;
-pub use contract::{BsdfSample, Lobe, Scatter, Vectorizable};
+pub use contract::{BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 pub use dielectric::{Dielectric, DielectricFresnel, Refraction};
 pub use diffuse::Diffuse;
 pub use energy::MissingEnergy;
 pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
+pub use examples::{Example, Family, Parameter, examples};
 pub use mirror::{Mirror, SmoothConductor};
 pub use mixture::Mixture;
 pub use rough_conductor::Facet;
 pub use rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
-pub use rough_dielectric::refracting_facet;
-pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric};
+pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric, is_resolved, refracting_facet};
 
 use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Ggx};
 use glam::Vec3;
 
-/// Makes an enum of all BSDFs, the list of their names and docs, and the dispatch of [`Scatter`].
+/// Makes an enum of all BSDFs, the lists of their names and docs and of their families, and the dispatch of [`Scatter`].
 macro_rules! bsdfs {
-    ($($(#[doc = $doc:literal])+ $variant:ident($bsdf:ty) = $name:literal,)*) => {
+    ($($(#[doc = $doc:literal])+ $variant:ident($bsdf:ty) = $families:expr,)*) => {
         /// Any BSDF, its constants computed once.
         #[derive(Debug, Clone, PartialEq)]
         pub enum Bsdf {
@@ -47,14 +48,19 @@ macro_rules! bsdfs {
         }
 
         /// The registry: every BSDF by its name, with what it is in one line.
-        pub const ALL: &[(&str, &str)] = &[$(($name, concat!($($doc),+))),*];
+        pub const ALL: &[(&str, &str)] = &[$(($families[0].name, concat!($($doc),+))),*];
+
+        /// The families of every BSDF of the registry: first that of its own name, then others.
+        pub fn families() -> impl Iterator<Item = &'static Family> {
+            [$($families),*].into_iter().flatten()
+        }
 
         impl Bsdf {
             /// Its name in the registry.
             #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {
-                    $(Self::$variant(_) => $name,)*
+                    $(Self::$variant(_) => $families[0].name,)*
                 }
             }
         }
@@ -124,6 +130,19 @@ macro_rules! bsdfs {
                 }
             }
 
+            fn with_albedo(&self, albedo: Rgb) -> Self {
+                match self {
+                    $(Self::$variant(bsdf) => Self::$variant(bsdf.with_albedo(albedo)),)*
+                }
+            }
+
+            #[inline]
+            fn vectorize(&self, work: impl VectorizedLoop) -> bool {
+                match self {
+                    $(Self::$variant(bsdf) => bsdf.vectorize(work),)*
+                }
+            }
+
             fn eval_adjoint(&self, wo: Vec3, wi: Vec3) -> Rgb {
                 match self {
                     $(Self::$variant(bsdf) => bsdf.eval_adjoint(wo, wi),)*
@@ -141,33 +160,33 @@ macro_rules! bsdfs {
 
 bsdfs! {
     /// Lambertian reflection on either side.
-    Diffuse(Diffuse) = "diffuse",
+    Diffuse(Diffuse) = diffuse::FAMILIES,
     /// A perfect mirror of a given reflectance.
-    Mirror(Mirror) = "mirror",
+    Mirror(Mirror) = mirror::MIRROR,
     /// Refraction without reflection.
-    Refraction(Refraction) = "refraction",
+    Refraction(Refraction) = dielectric::REFRACTION,
     /// A smooth dielectric boundary: reflection and refraction.
-    Dielectric(Dielectric) = "dielectric",
+    Dielectric(Dielectric) = dielectric::DIELECTRIC,
     /// A smooth conductor.
-    SmoothConductor(SmoothConductor) = "smooth-conductor",
+    SmoothConductor(SmoothConductor) = mirror::SMOOTH_CONDUCTOR,
     /// A rough conductor of Beckmann's distribution.
-    Beckmann(RoughConductor<Beckmann<f32>>) = "beckmann",
+    Beckmann(RoughConductor<Beckmann<f32>>) = rough_conductor::BECKMANN,
     /// A rough conductor of the GGX distribution.
-    Ggx(RoughConductor<Ggx<f32>>) = "ggx",
+    Ggx(RoughConductor<Ggx<f32>>) = rough_conductor::GGX,
     /// A rough dielectric boundary of Beckmann's distribution.
-    BeckmannDielectric(RoughDielectric<Beckmann<f32>>) = "beckmann-dielectric",
+    BeckmannDielectric(RoughDielectric<Beckmann<f32>>) = rough_dielectric::BECKMANN,
     /// A rough dielectric boundary of the GGX distribution.
-    GgxDielectric(RoughDielectric<Ggx<f32>>) = "ggx-dielectric",
+    GgxDielectric(RoughDielectric<Ggx<f32>>) = rough_dielectric::GGX,
     /// A rough conductor of Beckmann's distribution with multiple scattering.
-    CompensatedBeckmann(CompensatedConductor<Beckmann<f32>>) = "compensated-beckmann",
+    CompensatedBeckmann(CompensatedConductor<Beckmann<f32>>) = compensated_conductor::BECKMANN,
     /// A rough conductor of the GGX distribution with multiple scattering.
-    CompensatedGgx(CompensatedConductor<Ggx<f32>>) = "compensated-ggx",
+    CompensatedGgx(CompensatedConductor<Ggx<f32>>) = compensated_conductor::GGX,
     /// A Lambertian surface under a smooth dielectric coat.
-    CoatedDiffuse(CoatedDiffuse) = "coated-diffuse",
+    CoatedDiffuse(CoatedDiffuse) = coated_diffuse::FAMILIES,
     /// A weighted sum of other BSDFs.
-    Mixture(Mixture<Bsdf>) = "mixture",
+    Mixture(Mixture<Bsdf>) = mixture::FAMILIES,
     /// A rough conductor of Beckmann's distribution with errors of the second report.
-    ErrataConductor(ErrataConductor) = "errata-conductor",
+    ErrataConductor(ErrataConductor) = errata_conductor::FAMILIES,
 }
 
 #[cfg(test)]

@@ -7,10 +7,13 @@
 //! The facet's normal is always recomputed from the two directions, in `sample` as in `pdf`, so that both return the same
 //! pdf to the last bit.
 
-use super::{BsdfSample, ConductorFresnel, Lobe, Scatter, Vectorizable};
+use super::examples::{ALPHA_X, ALPHA_Y, ALPHAS, ETA, Example, Family, K, grey};
+use super::{Bsdf, BsdfSample, ConductorFresnel, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use crate::math::{Rgb, map_array};
+use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
 use crate::sampling::warp;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
 /// How a rough conductor samples directions.
@@ -230,8 +233,64 @@ impl<D: SampleNormals<f32>> Scatter for RoughConductor<D> {
         Some(BsdfSample::reflected(wi, weight, pdf, Lobe::GlossyReflection))
     }
 
+    #[inline]
+    fn vectorize(&self, work: impl VectorizedLoop) -> bool {
+        match self.normals {
+            NormalSampling::Vndf => work.over(ByVisibleNormals::<_, false>(*self)),
+            NormalSampling::Bounded => work.over(ByVisibleNormals::<_, true>(*self)),
+            NormalSampling::Ndf | NormalSampling::Hemisphere => return false,
+        }
+        true
+    }
+
     /// F G₂/G₁ by visible normals, and less by those that are bounded.
     fn largest_weight(&self) -> Option<f32> {
         matches!(self.normals, NormalSampling::Vndf | NormalSampling::Bounded).then_some(1.0)
     }
+}
+
+impl Bsdf {
+    /// A rough conductor of single scattering whose directions are sampled this way; any other BSDF as it is.
+    #[must_use]
+    pub fn with_normals(self, normals: NormalSampling) -> Self {
+        match self {
+            Self::Beckmann(metal) => Self::Beckmann(RoughConductor { normals, ..metal }),
+            Self::Ggx(metal) => Self::Ggx(RoughConductor { normals, ..metal }),
+            other => other,
+        }
+    }
+}
+
+pub(super) const BECKMANN: &[Family] = &[family("beckmann", isotropic_and_brushed, |v| Bsdf::Beckmann(beckmann(v)))];
+
+pub(super) const GGX: &[Family] = &[
+    family("ggx", isotropic_and_brushed, |v| Bsdf::Ggx(ggx(v, NormalSampling::Vndf))),
+    family("ggx-bounded", |family| isotropic(family, "ggx/bounded"), |v| Bsdf::Ggx(ggx(v, NormalSampling::Bounded))),
+    family("ggx-ndf", |_| Vec::new(), |v| Bsdf::Ggx(ggx(v, NormalSampling::Ndf))),
+];
+
+const fn family(name: &'static str, examples: fn(&Family) -> Vec<Example>, bsdf: fn(&[f32]) -> Bsdf) -> Family {
+    Family { name, parameters: &[ALPHA_X, ALPHA_Y, ETA, K], energy: Energy::AtMostOne, bsdf, examples }
+}
+
+fn beckmann(v: &[f32]) -> RoughConductor<Beckmann<f32>> {
+    let distribution = Beckmann::anisotropic([v[0], v[1]]);
+    RoughConductor { distribution, fresnel: grey(v[2], v[3]), normals: NormalSampling::Vndf }
+}
+
+fn ggx(v: &[f32], normals: NormalSampling) -> RoughConductor<Ggx<f32>> {
+    RoughConductor { distribution: Ggx::anisotropic([v[0], v[1]]), fresnel: grey(v[2], v[3]), normals }
+}
+
+fn isotropic(family: &Family, name: &str) -> Vec<Example> {
+    let example = |alpha: f32| Example {
+        is_integrated: alpha == 0.1 || alpha == 0.5,
+        ..family.example(format!("{name}/{alpha}"), [alpha, alpha, 0.5, 2.5])
+    };
+    ALPHAS.map(example).into()
+}
+
+fn isotropic_and_brushed(family: &Family) -> Vec<Example> {
+    let brushed = family.example(format!("{}/anisotropic", family.name), [0.05, 0.4, 0.5, 2.5]);
+    isotropic(family, family.name).into_iter().chain([brushed]).collect()
 }

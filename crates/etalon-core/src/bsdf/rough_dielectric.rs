@@ -17,10 +17,13 @@
 //! visible normals: Heitz & d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals",
 //! EGSR 2014.
 
+use super::examples::{ALPHA_X, ALPHA_Y, ALPHAS, Example, Family, GLASS};
 use super::rough_conductor::LEAST_LENGTH;
-use super::{BsdfSample, Lobe, Scatter, Vectorizable};
+use super::{Bsdf, BsdfSample, Dielectric, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use crate::math::{Rgb, map_array};
+use crate::optics::microfacet::{Beckmann, Ggx};
 use crate::sampling::normals::SampleNormals;
+use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
 /// A rough dielectric boundary, on either side.
@@ -43,6 +46,12 @@ pub struct RoughDielectric<D> {
 /// changes D at tan θₘ = α by at most 2⁻⁸. Below it the refracted lobe is hardly wider than the distance between directions
 /// in f32, and the boundary is taken for smooth.
 pub const LEAST_DEVIATION: f32 = 1.0 / 65536.0;
+
+/// Whether f32 directions resolve the refracted lobe of a boundary: see [`LEAST_DEVIATION`].
+#[must_use]
+pub fn is_resolved([x, y]: [f32; 2], eta: f32) -> bool {
+    x.min(y) * (eta - 1.0).abs() >= LEAST_DEVIATION * eta.max(1.0)
+}
 
 /// The side of `wo`, turned upwards.
 #[derive(Clone, Copy)]
@@ -78,6 +87,12 @@ impl<D: SampleNormals<f32>> RoughDielectric<D> {
     #[must_use]
     pub fn new(distribution: D, reflectance: Rgb, transmittance: Rgb, eta: f32) -> Self {
         Self { distribution, reflectance, transmittance, eta: f64::from(eta) }
+    }
+
+    /// Index of refraction of the inside over that of the outside.
+    #[must_use]
+    pub fn eta(&self) -> f32 {
+        self.eta as f32
     }
 
     /// The pdf of `wi` by the facet between.
@@ -243,8 +258,51 @@ impl<D: SampleNormals<f32>> Scatter for RoughDielectric<D> {
         self.sample_lane(wo, uc, u).if_possible()
     }
 
+    #[inline]
+    fn vectorize(&self, work: impl VectorizedLoop) -> bool {
+        work.over(*self);
+        true
+    }
+
     /// F G₁(wi) of the reflected and (1 − F) G₁(wi) of the transmitted direction.
     fn largest_weight(&self) -> Option<f32> {
         Some(1.0)
     }
+}
+
+pub(super) const BECKMANN: &[Family] = &[family("beckmann-dielectric", |v| {
+    let rough = |alpha| Bsdf::BeckmannDielectric(clear(Beckmann::anisotropic(alpha), v[2]));
+    rough_or_smooth(v, rough)
+})];
+
+pub(super) const GGX: &[Family] = &[family("ggx-dielectric", |v| {
+    let rough = |alpha| Bsdf::GgxDielectric(clear(Ggx::anisotropic(alpha), v[2]));
+    rough_or_smooth(v, rough)
+})];
+
+const fn family(name: &'static str, bsdf: fn(&[f32]) -> Bsdf) -> Family {
+    Family { name, parameters: &[ALPHA_X, ALPHA_Y, GLASS], energy: Energy::AtMostOne, bsdf, examples }
+}
+
+/// A boundary that absorbs nothing.
+fn clear<D: SampleNormals<f32>>(distribution: D, eta: f32) -> RoughDielectric<D> {
+    RoughDielectric::new(distribution, Rgb::ONE, Rgb::ONE, eta)
+}
+
+/// The rough boundary, or where directions do not resolve it the smooth one.
+fn rough_or_smooth(v: &[f32], rough: impl Fn([f32; 2]) -> Bsdf) -> Bsdf {
+    let alpha = [v[0], v[1]];
+    if is_resolved(alpha, v[2]) { rough(alpha) } else { Bsdf::Dielectric(Dielectric::clear(v[2])) }
+}
+
+fn examples(family: &Family) -> Vec<Example> {
+    let mut all = vec![family.example(format!("{}/anisotropic", family.name), [0.05, 0.4, 1.5])];
+    for alpha in ALPHAS {
+        for eta in [1.0 / 2.4, 1.0 / 1.5, 1.05, 1.5, 2.4] {
+            let is_integrated = [(0.1, 1.0 / 1.5), (0.5, 1.5)].contains(&(alpha, eta));
+            let example = family.example(format!("{}/{eta:.3}/{alpha}", family.name), [alpha, alpha, eta]);
+            all.push(Example { is_integrated, ..example });
+        }
+    }
+    all
 }

@@ -134,7 +134,7 @@ fn material(scene: &Scene, material: &Material, aside: &mut Aside) -> Result<Str
             if both { two_sided(bsdf) } else { bsdf }
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
-        Material::CoatedDiffuse { .. } => return refuse("a coated diffuse surface"),
+        Material::Bsdf(bsdf) => return refuse(bsdf.name()),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

@@ -111,7 +111,7 @@ fn material(scene: &Scene, object: &Object, aside: &mut Aside) -> Result<String>
             )
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
-        Material::CoatedDiffuse { .. } => return refuse("a coated diffuse surface"),
+        Material::Bsdf(bsdf) => return refuse(bsdf.name()),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

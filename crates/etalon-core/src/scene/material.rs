@@ -1,7 +1,7 @@
 //! How surfaces scatter light, and what light they emit.
 
 use super::texture::Texture;
-use crate::bsdf::LEAST_DEVIATION;
+use crate::bsdf::{Bsdf, LEAST_DEVIATION, Scatter};
 use crate::math::Rgb;
 pub use crate::optics::microfacet::Distribution;
 use glam::{Vec2, Vec3};
@@ -31,13 +31,8 @@ pub enum Material {
     Dielectric(Dielectric),
     /// A conductor, rough or smooth.
     Conductor(Conductor),
-    /// A Lambertian surface under a smooth dielectric coat, on both sides.
-    CoatedDiffuse {
-        /// The part of the light that the base reflects, per channel.
-        albedo: Rgb,
-        /// Index of refraction of the coat over that of the outside.
-        eta: f32,
-    },
+    /// Any isotropic BSDF, the same for every [`ScatterModel`](super::ScatterModel).
+    Bsdf(Bsdf),
     /// A weighted sum of materials: each with its weight, at most 1 together.
     Mixture(Arc<[(f32, Material)]>),
     /// One that varies over the surface.
@@ -50,10 +45,10 @@ impl Material {
     #[must_use]
     pub fn is_two_sided(&self) -> bool {
         match self {
-            Self::Diffuse { .. } | Self::CoatedDiffuse { .. } => true,
+            Self::Diffuse { .. } => true,
             Self::Conductor(conductor) => conductor.two_sided,
             Self::Mirror { .. } | Self::Refraction { .. } | Self::Dielectric(_) => false,
-            Self::Mixture(_) => !self.is_transmitting(),
+            Self::Bsdf(_) | Self::Mixture(_) => !self.is_transmitting(),
             Self::Textured(textured) => textured.base.is_two_sided(),
         }
     }
@@ -78,6 +73,7 @@ impl Material {
     pub fn is_transmitting(&self) -> bool {
         self.any(|part| match part {
             Self::Refraction { .. } | Self::Dielectric(_) => true,
+            Self::Bsdf(bsdf) => bsdf.lobes().iter().any(|lobe| lobe.is_transmission()),
             Self::Textured(textured) => textured.base.is_transmitting(),
             _ => false,
         })
@@ -190,9 +186,14 @@ impl Textured {
     pub fn at(&self, uv: Vec2) -> Material {
         let mut material = self.base.clone();
         match &mut material {
-            Material::Diffuse { albedo: reflectance }
-            | Material::CoatedDiffuse { albedo: reflectance, .. }
-            | Material::Mirror { reflectance } => look_up(&self.reflectance, uv, reflectance),
+            Material::Diffuse { albedo: reflectance } | Material::Mirror { reflectance } => {
+                look_up(&self.reflectance, uv, reflectance);
+            }
+            Material::Bsdf(bsdf) => {
+                if let Some(texture) = &self.reflectance {
+                    *bsdf = bsdf.with_albedo(texture.at(uv));
+                }
+            }
             Material::Refraction { transmittance, .. } => look_up(&self.transmittance, uv, transmittance),
             Material::Dielectric(dielectric) => {
                 look_up(&self.reflectance, uv, &mut dielectric.reflectance);

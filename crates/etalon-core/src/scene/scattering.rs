@@ -2,9 +2,8 @@
 
 use super::material::{Conductor, Dielectric, Material, SMOOTH_ALPHA};
 use crate::bsdf::{
-    self, Bsdf, CoatedDiffuse, CompensatedConductor, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor,
-    LEAST_DEVIATION, Mirror, MissingEnergy, Mixture, NormalSampling, Refraction, RoughConductor, RoughDielectric,
-    SmoothConductor,
+    self, Bsdf, CompensatedConductor, ConductorFresnel, DielectricFresnel, Diffuse, ErrataConductor, Mirror,
+    MissingEnergy, Mixture, NormalSampling, Refraction, RoughConductor, RoughDielectric, SmoothConductor, is_resolved,
 };
 use crate::errata::microfacet::MetalErrors;
 use crate::optics::microfacet::{Beckmann, Distribution, Ggx};
@@ -46,7 +45,7 @@ impl Material {
             &Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
             Self::Dielectric(dielectric) => dielectric.bsdf(model),
             Self::Conductor(conductor) => conductor.bsdf(model),
-            &Self::CoatedDiffuse { albedo, eta } => Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)),
+            Self::Bsdf(bsdf) => bsdf.clone(),
             Self::Mixture(parts) => {
                 Bsdf::Mixture(Mixture::new(parts.iter().map(|(weight, part)| (*weight, part.bsdf(model)))))
             }
@@ -56,11 +55,11 @@ impl Material {
 }
 
 impl Dielectric {
-    /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`LEAST_DEVIATION`].
+    /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`is_resolved`].
     #[must_use]
     pub fn is_smooth(&self) -> bool {
         let alpha = self.alpha[0].min(self.alpha[1]);
-        alpha < SMOOTH_ALPHA || alpha * (self.eta - 1.0).abs() < LEAST_DEVIATION * self.eta.max(1.0)
+        alpha < SMOOTH_ALPHA || !is_resolved(self.alpha, self.eta)
     }
 
     /// Other formulas of Fresnel's reflectance are of smooth boundaries only.

@@ -6,12 +6,12 @@ use crate::bsdf::{Bsdf, Mixture};
 use glam::Vec2;
 use std::sync::Arc;
 
-/// The BSDF of a material at each point of a surface; its constants that no texture changes are computed once.
+/// The BSDF of a material at each point of a surface.
 pub enum VaryingBsdf {
     /// The same everywhere.
     Constant(Bsdf),
-    /// That of a material with textures; with it the BSDF of its base.
-    Textured(Arc<Textured>, Bsdf, ScatterModel),
+    /// That of a material with textures.
+    Textured(Arc<Textured>, ScatterModel),
     /// A weighted sum.
     Mixture(Box<[(f32, VaryingBsdf)]>),
 }
@@ -21,7 +21,7 @@ impl VaryingBsdf {
     #[must_use]
     pub fn new(material: &Material, model: ScatterModel) -> Self {
         match material {
-            Material::Textured(textured) => Self::Textured(Arc::clone(textured), textured.base.bsdf(model), model),
+            Material::Textured(textured) => Self::Textured(Arc::clone(textured), model),
             Material::Mixture(parts) => {
                 Self::Mixture(parts.iter().map(|(weight, part)| (*weight, Self::new(part, model))).collect())
             }
@@ -34,12 +34,7 @@ impl VaryingBsdf {
     pub fn at(&self, uv: Vec2) -> Bsdf {
         match self {
             Self::Constant(bsdf) => bsdf.clone(),
-            Self::Textured(textured, base, model) => match (textured.at(uv), base) {
-                (Material::CoatedDiffuse { albedo, .. }, Bsdf::CoatedDiffuse(coated)) => {
-                    Bsdf::CoatedDiffuse(coated.with_albedo(albedo))
-                }
-                (material, _) => material.bsdf(*model),
-            },
+            Self::Textured(textured, model) => textured.at(uv).bsdf(*model),
             Self::Mixture(parts) => {
                 Bsdf::Mixture(Mixture::new(parts.iter().map(|(weight, part)| (*weight, part.at(uv)))))
             }
@@ -50,6 +45,7 @@ impl VaryingBsdf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::CoatedDiffuse;
     use crate::math::Rgb;
     use crate::scene::{Conductor, Dielectric, Distribution, SMOOTH_ALPHA, Texture};
 
@@ -69,10 +65,11 @@ mod tests {
     fn a_constant_texture_is_the_plain_material() {
         let albedo = Rgb::new(0.2, 0.5, 0.9);
         let reflectance = Some(Texture::Constant(albedo));
+        let coat = |albedo| Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, 1.4)));
         for (base, plain) in [
             (Material::Diffuse { albedo: Rgb::ONE }, Material::Diffuse { albedo }),
             (Material::Mirror { reflectance: Rgb::ONE }, Material::Mirror { reflectance: albedo }),
-            (Material::CoatedDiffuse { albedo: Rgb::ONE, eta: 1.4 }, Material::CoatedDiffuse { albedo, eta: 1.4 }),
+            (coat(Rgb::ONE), coat(albedo)),
         ] {
             assert_eq!(varying(Textured { reflectance: reflectance.clone(), ..textured(base) }), bsdf(&plain));
         }

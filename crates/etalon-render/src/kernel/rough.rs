@@ -2,7 +2,7 @@
 
 use crate::lanes::{BLOCK, LANES, Lane, Lane3, Wide, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set, wide};
 use crate::shaders::SurfaceShader;
-use etalon_core::bsdf::{Bsdf, BsdfSample, ByVisibleNormals, Lobe, NormalSampling, Scatter, Vectorizable};
+use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use glam::Vec2;
 use pulp::Arch;
 use std::array::from_mut;
@@ -73,46 +73,20 @@ impl Scattered {
 }
 
 /// Runs a loop over a BSDF if it is the same for all hits and vectorizes; returns whether it does.
-fn run(arch: Arch, bsdfs: Bsdfs, work: impl Loop) -> bool {
+fn run(arch: Arch, bsdfs: Bsdfs, work: impl VectorizedLoop) -> bool {
     let Bsdfs::Same(bsdf) = bsdfs else { return false };
-    match bsdf {
-        Bsdf::Beckmann(metal) if metal.normals == NormalSampling::Vndf => {
-            work.run(arch, ByVisibleNormals::<_, false>(*metal));
-        }
-        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Vndf => {
-            work.run(arch, ByVisibleNormals::<_, false>(*metal));
-        }
-        Bsdf::Ggx(metal) if metal.normals == NormalSampling::Bounded => {
-            work.run(arch, ByVisibleNormals::<_, true>(*metal));
-        }
-        Bsdf::CompensatedBeckmann(metal) if metal.normals() == NormalSampling::Vndf => {
-            if metal.is_isotropic() {
-                work.run(arch, metal.lanes::<false, true>());
-            } else {
-                work.run(arch, metal.lanes::<false, false>());
-            }
-        }
-        Bsdf::CompensatedGgx(metal) if metal.normals() == NormalSampling::Vndf => {
-            if metal.is_isotropic() {
-                work.run(arch, metal.lanes::<false, true>());
-            } else {
-                work.run(arch, metal.lanes::<false, false>());
-            }
-        }
-        Bsdf::BeckmannDielectric(dielectric) => work.run(arch, *dielectric),
-        Bsdf::GgxDielectric(dielectric) => work.run(arch, *dielectric),
-        _ => return false,
-    }
-    true
+    bsdf.vectorize(InWideCode { arch, work })
 }
 
-/// A loop over the hits on a surface.
-trait Loop: Sized {
-    /// The loop, which vectorizes for any BSDF of this trait.
-    fn over(self, bsdf: impl Vectorizable);
+/// A loop over the hits on a surface, in code for wide vectors.
+struct InWideCode<W> {
+    arch: Arch,
+    work: W,
+}
 
-    fn run(self, arch: Arch, bsdf: impl Vectorizable) {
-        wide(arch, With { bsdf, work: self });
+impl<W: VectorizedLoop> VectorizedLoop for InWideCode<W> {
+    fn over(self, bsdf: impl Vectorizable) {
+        wide(self.arch, With { bsdf, work: self.work });
     }
 }
 
@@ -121,7 +95,7 @@ struct With<B, W> {
     work: W,
 }
 
-impl<B: Vectorizable, W: Loop> Wide for With<B, W> {
+impl<B: Vectorizable, W: VectorizedLoop> Wide for With<B, W> {
     #[inline(always)]
     fn run(self) {
         self.work.over(self.bsdf);
@@ -184,7 +158,7 @@ struct ReversePdfLoop<'a> {
     out: &'a mut Scattered,
 }
 
-impl Loop for SampleLoop<'_> {
+impl VectorizedLoop for SampleLoop<'_> {
     #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
         let Self { wo, choice, u, count, out } = self;
@@ -210,7 +184,7 @@ impl Loop for SampleLoop<'_> {
     }
 }
 
-impl Loop for EvalLoop<'_> {
+impl VectorizedLoop for EvalLoop<'_> {
     #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
         let Self { wo, count, out } = self;
@@ -228,7 +202,7 @@ impl Loop for EvalLoop<'_> {
     }
 }
 
-impl Loop for ReversePdfLoop<'_> {
+impl VectorizedLoop for ReversePdfLoop<'_> {
     #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
         let Self { wo, count, out } = self;

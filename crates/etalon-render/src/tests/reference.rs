@@ -1,6 +1,7 @@
 //! The path tracer in lanes against the reference.
 
 use super::*;
+use etalon_core::bsdf::families;
 
 /// The built-in scenes, and one outdoors.
 pub(super) fn all_scenes() -> Vec<Scene> {
@@ -14,6 +15,7 @@ pub(super) fn all_scenes() -> Vec<Scene> {
     scenes.push(outdoors);
     scenes.push(many_lights());
     scenes.push(many_materials());
+    scenes.extend(every_bsdf());
     scenes.push(textures::many_textures());
     scenes
 }
@@ -35,7 +37,6 @@ fn many_materials() -> Scene {
         Material::Conductor(Conductor { alpha: [0.1, 0.5], distribution: ggx, ..metal }),
         Material::Conductor(Conductor { multiple_scattering: true, ..metal }),
         Material::Conductor(Conductor { alpha: [0.2, 0.8], multiple_scattering: true, distribution: ggx, ..metal }),
-        Material::CoatedDiffuse { albedo: Rgb::splat(0.6), eta: 1.5 },
         mix(&[(0.5, diffuse.clone()), (0.5, Material::Conductor(metal))]),
         mix(&[(0.5, glass), (0.4, diffuse)]),
         // Two parts of the same lobe.
@@ -43,6 +44,19 @@ fn many_materials() -> Scene {
     ];
     scene.objects.extend(balls(materials));
     scene
+}
+
+/// Scenes of many lights with every BSDF of the list.
+fn every_bsdf() -> Vec<Scene> {
+    let materials: Vec<Material> = families().map(|f| Material::Bsdf(f.with(&f.defaults()))).collect();
+    let scene = |(i, materials): (usize, &[Material])| {
+        let mut scene = many_lights();
+        scene.name = format!("every BSDF, part {i}");
+        scene.objects.retain(|object| object.emission.is_some() || matches!(object.shape, Shape::Rectangle(_)));
+        scene.objects.extend(balls(materials.iter().cloned()));
+        scene
+    };
+    materials.chunks(9).enumerate().map(scene).collect()
 }
 
 /// How many of 1200 samples differ by more than rounding.

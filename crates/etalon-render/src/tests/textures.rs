@@ -1,6 +1,7 @@
 //! Textures: their means in a furnace, and that nothing but them changes.
 
 use super::*;
+use etalon_core::bsdf::{Bsdf, CoatedDiffuse};
 use etalon_core::scene::{ImageTexture, RoughnessScale, Texels, Texture, Textured, UvMapping, Wrap};
 use glam::{DVec2, Vec2};
 
@@ -57,7 +58,7 @@ pub fn materials() -> Vec<Material> {
     vec![
         painted,
         with_reflectance(Material::Mirror { reflectance: Rgb::ONE }, image()),
-        with_reflectance(Material::CoatedDiffuse { albedo: Rgb::ONE, eta: 1.5 }, image()),
+        with_reflectance(Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(Rgb::ONE, 1.5))), image()),
         material(Textured { alpha: roughness(), ..textured(Material::Conductor(metal)) }),
         material(Textured {
             transmittance: Some(checkerboard(8.0, [constant(1.0), image()])),

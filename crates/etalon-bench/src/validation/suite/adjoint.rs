@@ -5,16 +5,12 @@
 //! projected solid angle, v sampled by the adjoint BSDF, times the factor of shading normals). The means must be equal.
 
 use super::super::case::Case;
-use super::bsdfs::metal;
-use super::inputs::short;
-use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
+use super::inputs::{boundary, bsdf, metal, short};
+use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter, families};
 use etalon_core::error::Result;
 use etalon_core::interrupt;
-use etalon_core::math::Rgb;
-use etalon_core::optics::microfacet::Distribution;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::sampling::warp;
-use etalon_core::scene::{Dielectric, Material, ScatterModel};
 use etalon_render::probe::{Surface, adjoint_factor, is_sound};
 use etalon_stats::welch::{self, ImageComparison, Mean};
 use etalon_stats::{Outcome, SampleCount};
@@ -39,22 +35,26 @@ pub const KERNEL: LightPaths = LightPaths { sample: Bsdf::sample_adjoint, factor
 
 /// Glass, seen from outside.
 pub fn glass() -> Bsdf {
-    Material::Dielectric(Dielectric::clear(1.5)).bsdf(ScatterModel::default())
+    bsdf("dielectric", &[1.5])
 }
 
 /// The cases.
 pub fn cases() -> Vec<Case> {
-    let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
-    let material = |material: Material| material.bsdf(ScatterModel::default());
-    let bsdf = |distribution| metal(0.3, distribution).bsdf(ScatterModel::default());
-    let bsdfs = [
-        ("diffuse", diffuse),
-        ("beckmann", bsdf(Distribution::Beckmann)),
-        ("ggx", bsdf(Distribution::Ggx)),
+    let mut bsdfs = vec![
+        ("diffuse", bsdf("diffuse", &[0.5])),
+        ("beckmann", metal("beckmann", [0.3; 2])),
+        ("ggx", metal("ggx", [0.3; 2])),
         ("glass", glass()),
-        ("rough-glass", material(Material::Dielectric(Dielectric::rough(1.5, 0.3, Distribution::Ggx)))),
-        ("coated-diffuse", material(Material::CoatedDiffuse { albedo: Rgb::splat(0.5), eta: 1.5 })),
+        ("rough-glass", boundary("ggx", [0.3; 2], 1.5)),
+        ("coated-diffuse", bsdf("coated-diffuse", &[0.5, 1.5])),
     ];
+    // Every other BSDF of the list that light paths may use.
+    for family in families() {
+        let bsdf = family.with(&family.defaults());
+        if bsdf.is_reciprocal() && bsdfs.iter().all(|(_, other)| other.name() != bsdf.name()) {
+            bsdfs.push((family.name, bsdf));
+        }
+    }
     let case = |(name, bsdf): (&str, Bsdf)| {
         [("flat", 0.0), ("smooth", 25.0)].map(|(normals, degrees)| {
             adjoint(format!("light-path/adjoint/{name}/{normals}"), bsdf.clone(), degrees, KERNEL)

@@ -6,64 +6,72 @@
 //! f64 and in their textbook form, independently of the materials' code.
 
 use super::super::case::Case;
-use super::inputs::in_lanes;
-use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
+use super::super::scattering::Scattering;
+use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, boundary, bsdf, in_lanes, metal, short, towards};
 use crate::validation::case::direction_density;
-use etalon_core::bsdf::{Bsdf, BsdfSample, NormalSampling, Scatter};
+use etalon_core::bsdf::{Bsdf, BsdfSample, Mixture, NormalSampling, Scatter, families};
 use etalon_core::math::Rgb;
 use etalon_core::optics::metals::SILVER;
 use etalon_core::optics::microfacet::Distribution;
-use etalon_core::scene::{Conductor, Dielectric, Material, ScatterModel};
+use etalon_core::scene::{Conductor, Material, ScatterModel};
 use etalon_render::probe::{
     Bsdfs, ExtendPaths, LANES, Lane, Paths, Points, Scattered, at, eval_many, reverse_pdf_many, sample_many, set, wide,
 };
+use etalon_stats::bsdf::{Bsdf as _, Energy};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
 use glam::{DQuat, DVec3, Vec3};
 use pulp::Arch;
+use std::collections::HashSet;
 use std::f64::consts::FRAC_1_PI;
 
 /// The cases, each with its BSDF's name in the registry.
 pub fn cases() -> Vec<(&'static str, Case)> {
-    [rough(), dielectric(), anisotropic(), layered(), smooth()].into_iter().flatten().collect()
-}
-
-/// A rough metal; its directions do not depend on η and k.
-pub fn metal(alpha: f64, distribution: Distribution) -> Material {
-    let (eta, k) = (SILVER.eta_rgb(), SILVER.k_rgb());
-    Material::Conductor(Conductor::new(eta, k, alpha as f32, distribution))
+    let mut cases: Vec<_> = [rough(), dielectric(), anisotropic(), layered(), smooth()].into_iter().flatten().collect();
+    // Every other BSDF of the list, on both sides.
+    let known: HashSet<&str> = cases.iter().map(|(bsdf, _)| *bsdf).collect();
+    for (name, bsdf) in families().map(|family| (family.name, family.with(&family.defaults()))) {
+        if known.contains(bsdf.name()) {
+            continue;
+        }
+        for degrees in [0.0, 30.0, 60.0, 85.0] {
+            for (side, wo) in [("outside", towards(degrees)), ("inside", -towards(degrees))] {
+                let name = format!("bsdf/{name}/{side}/{degrees}");
+                cases.push(with_found_atoms(name, bsdf.clone(), wo));
+            }
+        }
+    }
+    cases
 }
 
 /// Materials with a pdf.
 fn rough() -> Vec<(&'static str, Case)> {
     let mut cases = Vec::new();
     let half = Directions::hemisphere(Pole::Z);
-    for (name, distribution) in DISTRIBUTIONS {
+    for (name, _) in DISTRIBUTIONS {
         for alpha in ALPHAS {
             for degrees in DEGREES {
                 for (how, normals) in [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)] {
-                    let bsdf = metal(alpha, distribution).bsdf(ScatterModel { normals, ..ScatterModel::default() });
+                    let bsdf = metal(name, [alpha; 2]).with_normals(normals);
                     let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
                     cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
                 }
             }
         }
         // Uniform over the hemisphere for every roughness.
-        let uniform = ScatterModel { normals: NormalSampling::Hemisphere, ..ScatterModel::default() };
         for degrees in DEGREES {
-            let bsdf = metal(0.25, distribution).bsdf(uniform);
+            let bsdf = metal(name, [0.25; 2]).with_normals(NormalSampling::Hemisphere);
             let name = format!("bsdf/{name}/hemisphere/0.25/{degrees}");
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::Exactly(1.0)));
         }
     }
-    let erroneous = ScatterModel::SECOND_REPORT;
     for alpha in [0.005, 0.05, 0.25, 0.5] {
         for degrees in [0.0, 40.0, 80.0] {
-            let bsdf = metal(alpha, Distribution::Beckmann).bsdf(erroneous);
+            let bsdf = bsdf("errata-conductor", &[alpha, SILVER.eta[0], SILVER.k[0]]);
             let name = format!("bsdf/report-metal/{alpha}/{degrees}");
             cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
         }
     }
-    let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
+    let diffuse = bsdf("diffuse", &[0.5]);
     for (side, wo) in [("outside", towards(60.0)), ("inside", -towards(60.0))] {
         let sphere = Directions::sphere(Pole::Z);
         cases.push(scattered(format!("bsdf/diffuse/{side}"), sphere, diffuse.clone(), wo, Mass::Exactly(1.0)));
@@ -77,7 +85,7 @@ fn rough() -> Vec<(&'static str, Case)> {
 fn dielectric() -> Vec<(&'static str, Case)> {
     let mut cases = Vec::new();
     let sphere = Directions::sphere(Pole::Z);
-    for (d, (name, distribution)) in DISTRIBUTIONS.into_iter().enumerate() {
+    for (d, (name, _)) in DISTRIBUTIONS.into_iter().enumerate() {
         for (a, alpha) in ALPHAS.into_iter().enumerate() {
             for (t, degrees) in DEGREES.into_iter().enumerate().filter(|(t, _)| (a + t + d) % 2 == 0) {
                 // Each roughness and each angle meets several of these.
@@ -90,25 +98,19 @@ fn dielectric() -> Vec<(&'static str, Case)> {
                     other => other,
                 };
                 let wo = if side == "inside" { -towards(degrees) } else { towards(degrees) };
-                let bsdf = boundary([alpha; 2], eta, distribution);
+                let bsdf = boundary(name, [alpha; 2], eta);
                 let name = format!("bsdf/{name}-glass/{alpha}/{eta:.3}/{side}/{degrees}");
                 cases.push(scattered(name, sphere, bsdf, wo, Mass::AtMostOne));
             }
         }
         // Indices that differ little.
         for (alpha, eta) in [(0.1, 1.01), (0.5, 1.001), (0.5, 0.99)] {
-            let bsdf = boundary([alpha; 2], eta, distribution);
+            let bsdf = boundary(name, [alpha; 2], eta);
             let name = format!("bsdf/{name}-glass/{alpha}/{eta}/outside/50");
             cases.push(scattered(name, sphere, bsdf, towards(50.0), Mass::AtMostOne));
         }
     }
     cases
-}
-
-fn boundary(alpha: [f64; 2], eta: f64, distribution: Distribution) -> Bsdf {
-    let alpha = alpha.map(|alpha| alpha as f32);
-    Material::Dielectric(Dielectric { alpha, distribution, ..Dielectric::clear(eta as f32) })
-        .bsdf(ScatterModel::default())
 }
 
 /// Metals and dielectrics of different widths along x and y, seen from an azimuth between; bounded visible normals.
@@ -117,29 +119,24 @@ fn anisotropic() -> Vec<(&'static str, Case)> {
     let (half, sphere) = (Directions::hemisphere(Pole::Z), Directions::sphere(Pole::Z));
     let ways = [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)];
     let turned = |degrees| DQuat::from_rotation_z(0.7) * towards(degrees);
-    let metal = |alpha: [f64; 2], distribution, normals| {
-        let conductor = Conductor::new(SILVER.eta_rgb(), SILVER.k_rgb(), 0.0, distribution);
-        let conductor = Conductor { alpha: alpha.map(|alpha| alpha as f32), ..conductor };
-        Material::Conductor(conductor).bsdf(ScatterModel { normals, ..ScatterModel::default() })
-    };
+    let bounded = |alpha| metal("ggx", alpha).with_normals(NormalSampling::Bounded);
     for (alpha, angles) in [([0.1, 0.5], [0.0, 60.0]), ([1.0, 0.05], [60.0, 89.0]), ([1e-3, 0.3], [60.0, 89.0])] {
         let [ax, ay] = alpha;
         for (degrees, (how, normals)) in angles.into_iter().zip(ways) {
-            for (name, distribution) in DISTRIBUTIONS {
+            for (name, _) in DISTRIBUTIONS {
                 let tested = format!("bsdf/{name}/{how}/{ax}-{ay}/{degrees}");
-                let bsdf = metal(alpha, distribution, normals);
+                let bsdf = metal(name, alpha).with_normals(normals);
                 cases.push(scattered(tested, half, bsdf, turned(degrees), Mass::AtMostOne));
-                let name = format!("bsdf/{name}-glass/{ax}-{ay}/1.5/outside/{degrees}");
-                let bsdf = boundary(alpha, 1.5, distribution);
-                cases.push(scattered(name, sphere, bsdf, turned(degrees), Mass::AtMostOne));
+                let tested = format!("bsdf/{name}-glass/{ax}-{ay}/1.5/outside/{degrees}");
+                let bsdf = boundary(name, alpha, 1.5);
+                cases.push(scattered(tested, sphere, bsdf, turned(degrees), Mass::AtMostOne));
             }
             let name = format!("bsdf/ggx/bounded/{ax}-{ay}/{degrees}");
-            let bsdf = metal(alpha, Distribution::Ggx, NormalSampling::Bounded);
-            cases.push(scattered(name, half, bsdf, turned(degrees), Mass::AtMostOne));
+            cases.push(scattered(name, half, bounded(alpha), turned(degrees), Mass::AtMostOne));
         }
     }
     for alpha in ALPHAS {
-        let bsdf = metal([alpha; 2], Distribution::Ggx, NormalSampling::Bounded);
+        let bsdf = bounded([alpha; 2]);
         cases.push(scattered(format!("bsdf/ggx/bounded/{alpha}/80"), half, bsdf, towards(80.0), Mass::AtMostOne));
     }
     cases
@@ -167,36 +164,32 @@ fn layered() -> Vec<(&'static str, Case)> {
             }
         }
     }
-    let albedo = Rgb::splat(0.5);
-    let coat = Material::CoatedDiffuse { albedo, eta: ETA as f32 };
+    let coat = bsdf("coated-diffuse", &[0.5, ETA]);
     for degrees in OUTSIDE {
         for (side, wo) in [("outside", towards(degrees)), ("inside", -towards(degrees))] {
             let name = format!("bsdf/coated-diffuse/{side}/{degrees}");
-            cases.push(with_mirror(name, coat.bsdf(model), wo, 0.5));
+            cases.push(with_mirror(name, coat.clone(), wo, 0.5));
         }
     }
-    let glass = |eta, alpha| Material::Dielectric(Dielectric::rough(eta, alpha, Distribution::Ggx));
-    let diffuse = Material::Diffuse { albedo };
-    let mix = |parts: &[(f32, Material)]| Material::Mixture(parts.iter().cloned().collect()).bsdf(model);
-    let metal = metal(0.3, Distribution::Beckmann);
+    let diffuse = || bsdf("diffuse", &[0.5]);
+    let mix = |parts: [(f32, Bsdf); 2]| Bsdf::Mixture(Mixture::new(parts));
     cases.push(scattered(
         "bsdf/mixture/diffuse-metal".into(),
         half,
-        mix(&[(0.3, diffuse.clone()), (0.6, metal)]),
+        mix([(0.3, diffuse()), (0.6, metal("beckmann", [0.3; 2]))]),
         towards(60.0),
         Mass::AtMostOne,
     ));
     cases.push(scattered(
         "bsdf/mixture/glass-glass".into(),
         sphere,
-        mix(&[(0.5, glass(1.5, 0.2)), (0.5, glass(2.0, 0.5))]),
+        mix([(0.5, boundary("ggx", [0.2; 2], 1.5)), (0.5, boundary("ggx", [0.5; 2], 2.0))]),
         towards(40.0),
         Mass::AtMostOne,
     ));
-    let mirror = Material::Mirror { reflectance: Rgb::ONE };
     cases.push(with_mirror(
         "bsdf/mixture/mirror-diffuse".into(),
-        mix(&[(0.3, mirror), (0.6, diffuse)]),
+        mix([(0.3, bsdf("mirror", &[1.0])), (0.6, diffuse())]),
         towards(60.0),
         1.0,
     ));
@@ -208,7 +201,7 @@ fn layered() -> Vec<(&'static str, Case)> {
 fn with_mirror(name: String, bsdf: Bsdf, wo: DVec3, albedo: f64) -> (&'static str, Case) {
     with_atoms(name, bsdf, wo, move |exact| {
         let probability = if albedo < 1.0 { coat_probability(exact.z.abs(), albedo) } else { 1.0 / 3.0 };
-        (vec![reflected(exact, probability)], 1.0)
+        (vec![reflected(exact, probability)], Mass::Exactly(1.0))
     })
 }
 
@@ -305,14 +298,8 @@ const OUTSIDE: [f64; 5] = [0.0, 30.0, 60.0, 85.0, 89.9];
 
 /// Materials without one.
 fn smooth() -> Vec<(&'static str, Case)> {
-    let model = ScatterModel::default();
-    let one = Rgb::ONE;
-    let mirror = Material::Mirror { reflectance: one }.bsdf(model);
-    let (k, distribution) = (Rgb::splat(3.0), Distribution::Beckmann);
-    let polished = Conductor::new(one, k, 0.0, distribution);
-    let polished = Material::Conductor(polished).bsdf(model);
-    let glass = Material::Dielectric(Dielectric::clear(ETA as f32)).bsdf(model);
-    let refraction = Material::Refraction { transmittance: one, eta: ETA as f32 }.bsdf(model);
+    let (mirror, polished) = (bsdf("mirror", &[1.0]), bsdf("smooth-conductor", &[1.0, 3.0]));
+    let (glass, refraction) = (bsdf("dielectric", &[ETA]), bsdf("refraction", &[1.0, ETA]));
     let mut cases = vec![
         in_atoms("bsdf/mirror/outside".into(), mirror.clone(), towards(60.0), |wo| vec![reflected(wo, 1.0)]),
         in_atoms("bsdf/mirror/inside".into(), mirror, -towards(60.0), |wo| vec![reflected(wo, 1.0)]),
@@ -364,7 +351,19 @@ fn in_atoms(name: String, bsdf: Bsdf, wo: DVec3, atoms: fn(DVec3) -> Vec<Atom>) 
     with_atoms(name, bsdf, wo, move |exact| {
         let atoms = atoms(exact);
         let mass = atoms.iter().map(|atom| atom.probability).sum();
-        (atoms, mass)
+        (atoms, Mass::Exactly(mass))
+    })
+}
+
+/// The directions that `bsdf` samples for `wo`, its delta lobes with the probabilities that it declares.
+fn with_found_atoms(name: String, bsdf: Bsdf, wo: DVec3) -> (&'static str, Case) {
+    if bsdf.lobes().iter().all(|lobe| !lobe.is_delta()) {
+        return scattered(name, Directions::sphere(Pole::Z), bsdf, wo, Mass::AtMostOne);
+    }
+    let scattering = Scattering::new(bsdf.clone(), Energy::AtMostOne);
+    with_atoms(name, bsdf, wo, move |exact| {
+        let lobes = scattering.delta_lobes(exact.to_array()).into_iter();
+        (lobes.map(|lobe| Atom::new(lobe.wi, lobe.probability)).collect(), Mass::AtMostOne)
     })
 }
 
@@ -373,7 +372,7 @@ fn with_atoms(
     name: String,
     bsdf: Bsdf,
     wo: DVec3,
-    law: impl Fn(DVec3) -> (Vec<Atom>, f64) + Send + Sync + 'static,
+    law: impl Fn(DVec3) -> (Vec<Atom>, Mass) + Send + Sync + 'static,
 ) -> (&'static str, Case) {
     let wo: Vec3 = wo.as_vec3();
     let registered = bsdf.name();
@@ -390,7 +389,7 @@ fn with_atoms(
         };
         let pdf = move |wi: DVec3| f64::from(of_pdf.pdf(wo, wi.as_vec3()));
         let (atoms, mass) = law(wo.as_dvec3());
-        (sampler(3, draw), direction_density(pdf).with_mass(Mass::Exactly(mass)).with_atoms(atoms))
+        (sampler(3, draw), direction_density(pdf).with_mass(mass).with_atoms(atoms))
     });
     (registered, case)
 }

@@ -1,6 +1,8 @@
-//! What cases share: roughnesses, angles, directions, random numbers of 24 bits; samplers as the kernel calls them, many samples at
+//! What cases share: BSDFs of the list, roughnesses, angles, directions, random numbers of 24 bits; samplers as the kernel calls them, many samples at
 //! once in lanes.
 
+use etalon_core::bsdf::{Bsdf, Family};
+use etalon_core::optics::metals::SILVER;
 use etalon_core::optics::microfacet::Distribution;
 use etalon_render::probe::{LANES, Lane};
 use etalon_stats::{Result, Sample, Sampler};
@@ -12,6 +14,21 @@ pub const ALPHAS: [f64; 7] = [1e-4, 1e-3, 0.01, 0.05, 0.25, 0.5, 1.0];
 pub const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
 /// The distributions of normals, by their names in the names of tests.
 pub const DISTRIBUTIONS: [(&str, Distribution); 2] = [("beckmann", Distribution::Beckmann), ("ggx", Distribution::Ggx)];
+
+/// The BSDF of a family with these values of its parameters.
+pub fn bsdf(family: &str, values: &[f64]) -> Bsdf {
+    Family::named(family).expect("a family of the list").with(values)
+}
+
+/// A rough metal of the distribution of this name, like silver in red light; its directions do not depend on η and k.
+pub fn metal(distribution: &str, [x, y]: [f64; 2]) -> Bsdf {
+    bsdf(distribution, &[x, y, SILVER.eta[0], SILVER.k[0]])
+}
+
+/// A rough dielectric of the distribution of this name.
+pub fn boundary(distribution: &str, [x, y]: [f64; 2], eta: f64) -> Bsdf {
+    bsdf(&format!("{distribution}-dielectric"), &[x, y, eta])
+}
 
 /// The direction at that angle in degrees with +z, at azimuth 0: a lobe is then not cut by the edge of the chart.
 pub fn towards(degrees: f64) -> DVec3 {

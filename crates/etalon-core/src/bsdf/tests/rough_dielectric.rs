@@ -100,40 +100,15 @@ fn values_are_those_of_the_published_formulas() {
     }
 }
 
-#[test]
-fn refraction_is_reciprocal_up_to_the_square_of_the_index() {
-    for distribution in DISTRIBUTIONS {
-        for alpha in ALPHAS {
-            for eta in ETAS {
-                let bsdf = boundary([alpha; 2], eta, distribution);
-                for wo in views() {
-                    for u in random_numbers() {
-                        let Some(s) = bsdf.sample(wo, u[1], u).filter(|s| !s.is_delta()) else { continue };
-                        let (there, back) = (bsdf.eval(wo, s.wi).x * s.eta * s.eta, bsdf.eval_adjoint(wo, s.wi).x);
-                        // The exponent of D magnifies the rounding of the normal.
-                        let exponent = (1.0 / (alpha * alpha * there)).ln().max(0.0);
-                        let bound = 1e-6 * (5.0 + exponent) * there;
-                        assert!((there - back).abs() <= bound, "{alpha} {eta} {wo}: {s:?} {there} {back}");
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Means over samples: the power that is scattered, and the share of reflected samples.
-fn means(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
+/// The mean power that is scattered.
+fn power(bsdf: &Bsdf, wo: Vec3) -> f64 {
     let n = 1 << 14;
-    let (mut power, mut reflected) = (0.0, 0.0);
-    for i in 0..n {
+    let of = |i: i32| {
         let u = [f64::from(u32::reverse_bits(i as u32)) / 2f64.powi(32), (f64::from(i) * 0.618_033_988_7).fract()];
         let uc = (f64::from(i) + 0.5) / f64::from(n);
-        if let Some(s) = bsdf.sample(wo, uc as f32, u.map(|u| u as f32)) {
-            power += f64::from(s.adjoint().weight.x);
-            reflected += f64::from(u8::from(!s.lobe.is_transmission()));
-        }
-    }
-    (power / f64::from(n), reflected / f64::from(n))
+        bsdf.sample(wo, uc as f32, u.map(|u| u as f32)).map_or(0.0, |s| f64::from(s.adjoint().weight.x))
+    };
+    (0..n).map(of).sum::<f64>() / f64::from(n)
 }
 
 #[test]
@@ -143,33 +118,12 @@ fn power_is_lost_at_second_facets_only() {
             for alpha in ALPHAS {
                 let bsdf = boundary([alpha; 2], eta, distribution);
                 for wo in views() {
-                    let (power, _) = means(&bsdf, wo);
+                    let power = power(&bsdf, wo);
                     assert!(power <= 1.0 + 1e-5, "{distribution:?} {alpha} {eta} {wo}: {power}");
                     // A narrow lobe keeps all light, unless it meets the horizon.
                     if alpha <= 1e-3 && wo.z.abs() > 0.4 && (eta - 1.0).abs() > 0.1 {
                         assert!(power > 0.999, "{distribution:?} {alpha} {eta} {wo}: {power}");
                     }
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn a_narrow_lobe_is_that_of_a_smooth_boundary() {
-    for distribution in DISTRIBUTIONS {
-        for eta in [1.0 / 1.5, 1.5, 2.4] {
-            let bsdf = boundary([1e-4; 2], eta, distribution);
-            assert!(!bsdf.is_delta(), "{eta}");
-            for wo in [towards(0.0, 0.0), towards(60.0, 0.3), -towards(20.0, 0.3)] {
-                let relative = if wo.z < 0.0 { 1.0 / eta } else { eta };
-                let expected = fresnel(f64::from(wo.z), f64::from(relative));
-                let (_, reflected) = means(&bsdf, wo);
-                assert!((reflected - expected).abs() < 1e-3, "{distribution:?} {eta} {wo}: {reflected} {expected}");
-                for uc in [0.0, 0.999] {
-                    let s = bsdf.sample(wo, uc, [0.3, 0.4]).unwrap();
-                    let smooth = boundary([0.0; 2], eta, distribution).sample(wo, uc, [0.3, 0.4]).unwrap();
-                    assert!((s.wi - smooth.wi).length() < 1e-3, "{wo}: {s:?} {smooth:?}");
                 }
             }
         }
@@ -186,36 +140,5 @@ fn a_boundary_of_equal_media_is_smooth_and_lets_light_pass() {
         let wo = towards(40.0, 1.0);
         let s = bsdf.sample(wo, 0.5, [0.5; 2]).unwrap();
         assert!(s.lobe.is_transmission() && (s.wi + wo).length() < 1e-3, "{s:?}");
-    }
-}
-
-/// ∫ pdf over the sphere in f64, by the midpoint rule in cos θ and φ, for a lobe that is broad enough.
-#[test]
-fn the_pdf_integrates_to_the_share_of_samples() {
-    for distribution in DISTRIBUTIONS {
-        for (alpha, eta) in [([0.5f32; 2], 1.5f32), ([1.0; 2], 2.4), ([0.4, 0.9], 1.0 / 1.5)] {
-            let bsdf = boundary(alpha, eta, distribution);
-            for wo in [towards(10.0, 0.3), towards(70.0, 0.3), -towards(50.0, 1.0)] {
-                let (rings, turns) = (1500, 300);
-                let mut mass = 0.0;
-                for i in 0..rings {
-                    let z = 2.0 * (f64::from(i) + 0.5) / f64::from(rings) - 1.0;
-                    for j in 0..turns {
-                        let (sin, cos) = (std::f64::consts::TAU * (f64::from(j) + 0.5) / f64::from(turns)).sin_cos();
-                        let s = (1.0 - z * z).sqrt();
-                        mass += f64::from(bsdf.pdf(wo, DVec3::new(s * cos, s * sin, z).as_vec3()));
-                    }
-                }
-                mass *= 2.0 * std::f64::consts::TAU / f64::from(rings * turns);
-                let n = 1 << 16;
-                let valid = (0..n).filter(|&i: &u32| {
-                    let u = [i.reverse_bits() as f64 / 2f64.powi(32), (f64::from(i) * 0.618_033_988_7).fract()];
-                    let uc = (f64::from(i) * 0.754_877_666).fract();
-                    bsdf.sample(wo, uc as f32, u.map(|u| u as f32)).is_some()
-                });
-                let share = valid.count() as f64 / f64::from(n);
-                assert!((mass - share).abs() < 3e-3, "{distribution:?} {alpha:?} {eta} {wo}: {mass} {share}");
-            }
-        }
     }
 }

@@ -3,6 +3,7 @@
 use super::params::Params;
 use super::reader::{GREY, Reader};
 use super::texture::Values;
+use crate::bsdf::{Bsdf, CoatedDiffuse};
 use crate::error::{Error, Result};
 use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::import::place::quote;
@@ -106,7 +107,8 @@ impl Reader<'_> {
         p.float("g", &ANY)?;
         p.integer("maxdepth", 0..=u32::MAX)?;
         p.integer("nsamples", 0..=u32::MAX)?;
-        Ok(with_textures(Material::CoatedDiffuse { albedo, eta }, [texture, None], None))
+        let coated = Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta));
+        Ok(with_textures(Material::Bsdf(coated), [texture, None], None))
     }
 
     /// pbrt's `dielectric` and pbrt-v3's `glass`, whose index may have another name; `colours` are those of reflection and
