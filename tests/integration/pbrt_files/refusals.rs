@@ -124,7 +124,6 @@ fn what_cannot_be_honoured_is_refused_with_its_place() {
         ("Material \"conductor\" \"string distribution\" \"blinn\"", "the distribution \"blinn\""),
         ("ReverseOrientation Material \"glass\" Shape \"sphere\"", "ReverseOrientation of a sphere"),
         ("Material \"matte\" \"texture sigma\" \"checks\"", "\"texture sigma\""),
-        ("Material \"matte\" \"float sigma\" 20", "sigma 20"),
         ("MakeNamedMaterial \"a\" \"string type\" \"hair\"", "MakeNamedMaterial \"a\" of type \"hair\""),
         (
             "ObjectBegin \"a\" AreaLightSource \"diffuse\" Shape \"sphere\" ObjectEnd",
@@ -218,6 +217,7 @@ fn what_is_wrong_is_refused_with_its_place() {
         ("Translate [1 2 3 4]", ":7:18: Translate needs 3 numbers and then \"]\""),
         ("Material \"matte\" \"rgb Kd\" [2 0 0]", "must be from 0 to 1, not 2"),
         ("Material \"matte\" \"rgb Kd\" [1 1]", "needs 3 numbers, not 2"),
+        ("Material \"matte\" \"float sigma\" 100", "must be from 0 to 90 degrees, not 100"),
         ("LightSource \"infinite\" \"rgb L\" [-1 0 0]", "must be from 0"),
         ("LightSource \"distant\" \"point to\" [0 0 0]", ":7:1: LightSource \"distant\" needs from and to apart"),
         ("LightSource \"point\" \"point from\" [1e20 0 0]", "out of range"),

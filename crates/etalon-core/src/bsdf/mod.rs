@@ -16,6 +16,7 @@ mod errata_conductor;
 mod examples;
 mod mirror;
 mod mixture;
+mod oren_nayar;
 mod rough_conductor;
 mod rough_dielectric;
 
@@ -30,6 +31,7 @@ pub use errata_conductor::{ErrataConductor, pdf_without_cosine};
 pub use examples::{Example, Family, Parameter, examples};
 pub use mirror::{Mirror, SmoothConductor};
 pub use mixture::Mixture;
+pub use oren_nayar::OrenNayar;
 pub use rough_conductor::Facet;
 pub use rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
 pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric, is_resolved, refracting_facet};
@@ -161,6 +163,8 @@ macro_rules! bsdfs {
 bsdfs! {
     /// Lambertian reflection on either side.
     Diffuse(Diffuse) = diffuse::FAMILIES,
+    /// A rough diffuse surface by Oren and Nayar's qualitative model.
+    OrenNayar(OrenNayar) = oren_nayar::FAMILIES,
     /// A perfect mirror of a given reflectance.
     Mirror(Mirror) = mirror::MIRROR,
     /// Refraction without reflection.

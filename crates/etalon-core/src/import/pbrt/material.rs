@@ -1,9 +1,9 @@
-//! Materials: diffuse surfaces, plain or coated, mirrors, glass, metals and mixtures, with or without textures.
+//! Materials: diffuse surfaces, plain, rough or coated, mirrors, glass, metals and mixtures, with or without textures.
 
 use super::params::Params;
 use super::reader::{GREY, Reader};
 use super::texture::Values;
-use crate::bsdf::{Bsdf, CoatedDiffuse};
+use crate::bsdf::{Bsdf, CoatedDiffuse, OrenNayar};
 use crate::error::{Error, Result};
 use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::import::place::quote;
@@ -20,10 +20,7 @@ const MOST_MIXED: usize = 64;
 impl Reader<'_> {
     pub(super) fn material(&mut self, p: &Params) -> Result<Material> {
         let material = match p.kind.as_str() {
-            "matte" => {
-                p.only_float("sigma", |x| x == 0.0, "0 (Lambert's law)")?;
-                self.diffuse(p, "Kd")?
-            }
+            "matte" => self.matte(p)?,
             "diffuse" => self.diffuse(p, "reflectance")?,
             "coateddiffuse" => self.coated_diffuse(p)?,
             "mirror" => {
@@ -79,6 +76,18 @@ impl Reader<'_> {
     fn diffuse(&self, p: &Params, name: &'static str) -> Result<Material> {
         let (albedo, texture) = self.colour(p, name, GREY)?;
         Ok(with_textures(Material::Diffuse { albedo }, [texture, None], None))
+    }
+
+    /// pbrt-v3's `matte`: Oren and Nayar's model, and Lambert's law where `sigma` is 0.
+    fn matte(&self, p: &Params) -> Result<Material> {
+        const SIGMA: Rule = Rule(|x| (0.0..=90.0).contains(&x), "from 0 to 90 degrees");
+        let sigma = p.float("sigma", &SIGMA)?.unwrap_or(0.0) as f32;
+        if sigma == 0.0 {
+            return self.diffuse(p, "Kd");
+        }
+        let (albedo, texture) = self.colour(p, "Kd", GREY)?;
+        let bsdf = Bsdf::OrenNayar(OrenNayar::new(albedo, sigma.to_radians()));
+        Ok(with_textures(Material::Bsdf(bsdf), [texture, None], None))
     }
 
     /// A Lambertian surface under a smooth coat, whose light between coat and base is summed exactly. pbrt follows it at random,
@@ -239,6 +248,24 @@ fn index(p: &Params, name: &'static str, copper: Rgb, warnings: &mut Vec<String>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The material of that name and these parameters in a file.
+    fn imported(text: &str) -> Material {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.pbrt");
+        std::fs::write(&path, format!("Camera \"perspective\" WorldBegin Material {text} Shape \"sphere\" WorldEnd"))
+            .unwrap();
+        crate::import::read_scene(&path, &Default::default()).unwrap().scene.objects[0].material.clone()
+    }
+
+    #[test]
+    fn matte_with_sigma_is_oren_and_nayars() {
+        let albedo = Rgb::new(0.2, 0.5, 0.8);
+        let matte = |sigma: &str| imported(&format!("\"matte\" \"rgb Kd\" [.2 .5 .8] {sigma}"));
+        let rough = Bsdf::OrenNayar(OrenNayar::new(albedo, 20f32.to_radians()));
+        assert_eq!(matte("\"float sigma\" 20"), Material::Bsdf(rough));
+        assert_eq!([matte(""), matte("\"float sigma\" 0")], [(); 2].map(|()| Material::Diffuse { albedo }));
+    }
 
     #[test]
     fn a_conductor_reflects_what_its_reflectance_says() {
