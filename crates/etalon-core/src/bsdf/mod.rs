@@ -19,6 +19,7 @@ mod mixture;
 mod oren_nayar;
 mod rough_conductor;
 mod rough_dielectric;
+mod thin_dielectric;
 
 pub use coated_diffuse::CoatedDiffuse;
 pub use compensated_conductor::CompensatedConductor;
@@ -35,6 +36,7 @@ pub use oren_nayar::OrenNayar;
 pub use rough_conductor::Facet;
 pub use rough_conductor::{ByVisibleNormals, NormalSampling, RoughConductor};
 pub use rough_dielectric::{LEAST_DEVIATION, RoughDielectric, is_resolved, refracting_facet};
+pub use thin_dielectric::ThinDielectric;
 
 use crate::math::Rgb;
 use crate::optics::microfacet::{Beckmann, Ggx};
@@ -171,6 +173,8 @@ bsdfs! {
     Refraction(Refraction) = dielectric::REFRACTION,
     /// A smooth dielectric boundary: reflection and refraction.
     Dielectric(Dielectric) = dielectric::DIELECTRIC,
+    /// A thin slab of a dielectric: both interfaces as one surface.
+    ThinDielectric(ThinDielectric) = thin_dielectric::FAMILIES,
     /// A smooth conductor.
     SmoothConductor(SmoothConductor) = mirror::SMOOTH_CONDUCTOR,
     /// A rough conductor of Beckmann's distribution.

@@ -1,6 +1,7 @@
 //! Scenes as XML of Mitsuba 3, for its RGB variants.
 
 use super::aside::{Aside, numbers, scaled_map, unsupported};
+use crate::bsdf::Bsdf;
 use crate::error::Result;
 use crate::math::Rgb;
 use crate::raster::Image;
@@ -134,6 +135,9 @@ fn material(scene: &Scene, material: &Material, aside: &mut Aside) -> Result<Str
             if both { two_sided(bsdf) } else { bsdf }
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
+        Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
+            format!("<bsdf type=\"thindielectric\">{}{}</bsdf>\n", float("int_ior", slab.eta), float("ext_ior", 1))
+        }
         Material::Bsdf(bsdf) => return refuse(bsdf.name()),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),

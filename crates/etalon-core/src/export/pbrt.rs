@@ -1,6 +1,7 @@
 //! Scenes as text of pbrt-v4.
 
 use super::aside::{Aside, numbers, scaled_map, unsupported};
+use crate::bsdf::Bsdf;
 use crate::envmap::equal_area;
 use crate::error::Result;
 use crate::math::Rgb;
@@ -111,6 +112,9 @@ fn material(scene: &Scene, object: &Object, aside: &mut Aside) -> Result<String>
             )
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
+        Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
+            format!("Material \"thindielectric\" \"float eta\" {}\n", slab.eta)
+        }
         Material::Bsdf(bsdf) => return refuse(bsdf.name()),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),

@@ -3,7 +3,7 @@
 use super::params::Params;
 use super::reader::{GREY, Reader};
 use super::texture::Values;
-use crate::bsdf::{Bsdf, CoatedDiffuse, OrenNayar};
+use crate::bsdf::{Bsdf, CoatedDiffuse, OrenNayar, ThinDielectric};
 use crate::error::{Error, Result};
 use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use crate::import::place::quote;
@@ -35,6 +35,10 @@ impl Reader<'_> {
             "dielectric" => {
                 self.dielectric(p, [(Rgb::ONE, None), (Rgb::ONE, None)], None, RoughnessScale::SquareRoot)?
             }
+            "thindielectric" => {
+                let eta = p.float("eta", &DIELECTRIC_INDEX)?.unwrap_or(1.5) as f32;
+                Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta }))
+            }
             "metal" if self.setup.v2 => {
                 return Err(p
                     .at
@@ -44,7 +48,8 @@ impl Reader<'_> {
             "metal" | "conductor" => self.conductor(p)?,
             "mix" => self.mixture(p)?,
             _ => {
-                let kinds = "matte, diffuse, coateddiffuse, mirror, glass, dielectric, metal, conductor, mix";
+                let kinds =
+                    "matte, diffuse, coateddiffuse, mirror, glass, dielectric, thindielectric, metal, conductor, mix";
                 return Err(p.unsupported_kind(kinds));
             }
         };
@@ -265,6 +270,13 @@ mod tests {
         let rough = Bsdf::OrenNayar(OrenNayar::new(albedo, 20f32.to_radians()));
         assert_eq!(matte("\"float sigma\" 20"), Material::Bsdf(rough));
         assert_eq!([matte(""), matte("\"float sigma\" 0")], [(); 2].map(|()| Material::Diffuse { albedo }));
+    }
+
+    #[test]
+    fn a_thin_dielectric_has_an_index() {
+        let thin = |eta| Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta }));
+        let found = ["", "\"float eta\" 1.3"].map(|eta| imported(&format!("\"thindielectric\" {eta}")));
+        assert_eq!(found, [thin(1.5), thin(1.3)]);
     }
 
     #[test]
