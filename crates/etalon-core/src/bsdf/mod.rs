@@ -165,16 +165,12 @@ macro_rules! bsdfs {
 bsdfs! {
     /// Lambertian reflection on either side.
     Diffuse(Diffuse) = diffuse::FAMILIES,
-    /// A rough diffuse surface by Oren and Nayar's qualitative model.
-    OrenNayar(OrenNayar) = oren_nayar::FAMILIES,
     /// A perfect mirror of a given reflectance.
     Mirror(Mirror) = mirror::MIRROR,
     /// Refraction without reflection.
     Refraction(Refraction) = dielectric::REFRACTION,
     /// A smooth dielectric boundary: reflection and refraction.
     Dielectric(Dielectric) = dielectric::DIELECTRIC,
-    /// A thin slab of a dielectric: both interfaces as one surface.
-    ThinDielectric(ThinDielectric) = thin_dielectric::FAMILIES,
     /// A smooth conductor.
     SmoothConductor(SmoothConductor) = mirror::SMOOTH_CONDUCTOR,
     /// A rough conductor of Beckmann's distribution.
@@ -191,6 +187,10 @@ bsdfs! {
     CompensatedGgx(CompensatedConductor<Ggx<f32>>) = compensated_conductor::GGX,
     /// A Lambertian surface under a smooth dielectric coat.
     CoatedDiffuse(CoatedDiffuse) = coated_diffuse::FAMILIES,
+    /// A rough diffuse surface by Oren and Nayar's qualitative model.
+    OrenNayar(OrenNayar) = oren_nayar::FAMILIES,
+    /// A thin slab of a dielectric: both interfaces as one surface.
+    ThinDielectric(ThinDielectric) = thin_dielectric::FAMILIES,
     /// A weighted sum of other BSDFs.
     Mixture(Mixture<Bsdf>) = mixture::FAMILIES,
     /// A rough conductor of Beckmann's distribution with errors of the second report.
