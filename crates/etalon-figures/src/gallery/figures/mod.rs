@@ -39,10 +39,12 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// Makes a figure's content from the inputs and from studies that other figures may share.
+type Make = dyn Fn(&Inputs, &mut Studies) -> Result<Content>;
+
+/// What makes a figure.
 pub struct Maker {
-    /// The figure that it makes.
     id: String,
-    make: Box<dyn Fn(&Inputs, &mut Studies) -> Result<Content>>,
+    make: Box<Make>,
 }
 
 /// The maker of the figure of that id.

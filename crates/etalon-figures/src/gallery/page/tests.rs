@@ -19,8 +19,8 @@ fn page(change: impl Fn(&str, &mut Record)) -> String {
             (figure.id.clone(), record)
         })
         .collect();
-    write(dir.path(), &figures, &records).unwrap();
-    assert_eq!(read_records(dir.path(), &figures).unwrap().len(), figures.len());
+    write(dir.path(), figures, &records).unwrap();
+    assert_eq!(read_records(dir.path(), figures).unwrap().len(), figures.len());
     std::fs::read_to_string(dir.path().join(FILE)).unwrap()
 }
 
