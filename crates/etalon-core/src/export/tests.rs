@@ -1,6 +1,7 @@
 //! Exported scenes are read again, or checked as text.
 
 use super::*;
+use crate::bsdf::{Bsdf, ThinDielectric};
 use crate::envmap::EnvMap;
 use crate::import::{self, SceneOptions};
 use crate::math::Rgb;
@@ -57,6 +58,15 @@ fn a_pbrt_file_holds_the_scene() {
             assert!(is_mirror && matches!(b.material, Material::Conductor(_)) || a.material == b.material);
         }
     }
+}
+
+#[test]
+fn thin_slabs_come_back() {
+    let (mut scene, request) = made("cornell-lambert");
+    let slab = Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta: 1.3 }));
+    let number = scene.objects.iter().position(|object| matches!(object.shape, Shape::Sphere(_))).unwrap();
+    scene.objects[number].material = slab.clone();
+    assert_eq!(reread(&scene, &request).0.objects[number].material, slab);
 }
 
 #[test]

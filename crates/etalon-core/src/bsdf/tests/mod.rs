@@ -54,9 +54,14 @@ fn all_bsdfs() -> Vec<(String, Bsdf)> {
     // Other formulas of glass, mixtures with several lobes of a kind, multiple scattering sampled in other ways.
     let glass = Material::Dielectric(DielectricMaterial::clear(1.45));
     list.push(("glass".into(), glass.bsdf(ScatterModel::SECOND_REPORT)));
+    // A coat of a lower index, a boundary without reflection
+    list.push(("coat".into(), Bsdf::CoatedDiffuse(CoatedDiffuse::new(Rgb::new(0.2, 0.5, 1.0), 1.0 / 1.5))));
+    list.push(("no boundary".into(), Bsdf::Dielectric(Dielectric::clear(1.0))));
     let mixtures = layers::mixtures().into_iter().map(|mixture| (mixture, NormalSampling::Vndf));
     let metals = NormalSampling::ALL
         .map(|normals| (Material::Conductor(layers::compensated([0.1, 0.5], Distribution::Ggx)), normals));
+    let brushed = Material::Conductor(layers::compensated([0.1, 0.5], Distribution::Beckmann));
+    let metals = metals.into_iter().chain([(brushed, NormalSampling::Vndf)]);
     list.extend(mixtures.chain(metals).map(|(material, normals)| {
         (format!("{material:?} {normals:?}"), material.bsdf(ScatterModel { normals, ..ScatterModel::default() }))
     }));

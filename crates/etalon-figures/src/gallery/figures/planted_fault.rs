@@ -39,3 +39,17 @@ fn content(inputs: &Inputs, name: &str) -> Result<Content> {
     ];
     Content::new(drawing(faulty), &counts, checks)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gallery::registry;
+
+    #[test]
+    fn the_command_makes_the_same() {
+        for (id, fault) in [("test-chi-square", SAMPLER), ("bsdf-fault", BSDF)] {
+            let figure = registry().iter().find(|figure| figure.id == id).unwrap();
+            assert_eq!(figure.command, Some(format!("etalon validate --planted {fault}")));
+        }
+    }
+}

@@ -81,3 +81,15 @@ fn content() -> Result<Content> {
     let rows: Vec<AnglesRow> = angles.curves.iter().chain(&angles.media).cloned().collect();
     Ok(Content::new(view::drawing(&angles), &rows, checks)?.with_printed(printed))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gallery::registry;
+
+    #[test]
+    fn the_command_makes_the_same() {
+        let figure = registry().iter().find(|figure| figure.id == "fresnel-angles").unwrap();
+        assert_eq!(figure.command, Some(format!("etalon fresnel --angles {}", MEDIA.join(" "))));
+    }
+}
