@@ -55,7 +55,7 @@ impl<'a, T> Table<'a, T> {
         self.text_with(|_, line| line)
     }
 
-    /// The same with the lines of all rows as `told` gives them, which may have others above and below.
+    /// The same, with the line of each row replaced by what `told` makes of it: for example with more lines below.
     pub fn text_with(&self, mut told: impl FnMut(&'a T, String) -> String) -> String {
         let columns: Vec<Vec<String>> = self.columns.iter().map(Column::aligned).collect();
         let line = |i: usize| {
@@ -91,7 +91,7 @@ impl<'a, T> Table<'a, T> {
 impl Column {
     /// The heading and the cells, filled up to one width.
     fn aligned(&self) -> Vec<String> {
-        // A number is as long after its decimal point as any other of the column
+        // Numbers are filled up on the right, so that their decimal points stand below each other
         let tail = |cell: &str| {
             let digits = cell.find(|c: char| c.is_ascii_digit()).filter(|_| self.is_number).map(|first| &cell[first..]);
             digits.map(|digits| digits.trim_start_matches(|c: char| c.is_ascii_digit()).chars().count())

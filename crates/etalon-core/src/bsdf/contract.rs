@@ -104,7 +104,7 @@ pub trait Vectorizable {
     fn eval_pdf_lane(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
 }
 
-/// A loop that is compiled for each BSDF which is straight-line arithmetic.
+/// A loop over a BSDF, compiled anew for each that is [`Vectorizable`].
 pub trait VectorizedLoop {
     /// Runs the loop.
     fn over(self, bsdf: impl Vectorizable);
@@ -170,7 +170,7 @@ pub trait Scatter {
         self.is_delta().then_some(0.0)
     }
 
-    /// The BSDF with another albedo of its diffuse reflection, which textures may set.
+    /// The BSDF with this albedo of its diffuse reflection, as a texture sets it; itself if it has none.
     #[must_use]
     fn with_albedo(&self, _albedo: Rgb) -> Self
     where

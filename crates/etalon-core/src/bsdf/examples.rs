@@ -92,7 +92,7 @@ pub(super) fn grey(eta: f32, k: f32) -> ConductorFresnel {
     ConductorFresnel::new(Rgb::splat(eta), Rgb::splat(k))
 }
 
-/// That of gold.
+/// The reflectance of gold.
 pub(super) fn gold() -> ConductorFresnel {
     let gold = crate::optics::metals::GOLD;
     ConductorFresnel::new(gold.eta_rgb(), gold.k_rgb())

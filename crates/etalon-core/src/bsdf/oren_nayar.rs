@@ -1,7 +1,7 @@
 //! A rough diffuse surface of Lambertian V-shaped grooves, by Oren and Nayar's qualitative model.
 //!
-//! The slopes of the grooves have a Gaussian distribution whose angles have the standard deviation σ (radians). With α the larger and
-//! β the smaller of θₒ and θᵢ,
+//! The angles between the sides of the grooves and the surface have a Gaussian distribution of the standard deviation σ (radians).
+//! With α the larger and β the smaller of θₒ and θᵢ,
 //!
 //! f = ρ/π (A + B max(0, cos(φₒ − φᵢ)) sin α tan β), A = 1 − σ²/(2 (σ² + 0.33)), B = 0.45 σ²/(σ² + 0.09).
 //!

@@ -138,7 +138,7 @@ fn material(scene: &Scene, material: &Material, aside: &mut Aside) -> Result<Str
         Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
             format!("<bsdf type=\"thindielectric\">{}{}</bsdf>\n", float("int_ior", slab.eta), float("ext_ior", 1))
         }
-        Material::Bsdf(bsdf) => return refuse(bsdf.name()),
+        Material::Bsdf(bsdf) => return refuse(&format!("the material {}", bsdf.name())),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

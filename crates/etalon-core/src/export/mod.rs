@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | camera, box filter, depth, samples | all | all |
 //! | shapes | all; meshes as PLY files | all; meshes as PLY files |
-//! | diffuse, smooth glass without colour | yes | yes |
+//! | diffuse, smooth glass without colour, thin slabs of it | yes | yes |
 //! | mirror | of reflectance 1 | yes |
 //! | conductor | GGX, on both sides or on a sphere | yes, rough ones with separable masking |
 //! | area lights | yes | yes |

@@ -115,7 +115,7 @@ fn material(scene: &Scene, object: &Object, aside: &mut Aside) -> Result<String>
         Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
             format!("Material \"thindielectric\" \"float eta\" {}\n", slab.eta)
         }
-        Material::Bsdf(bsdf) => return refuse(bsdf.name()),
+        Material::Bsdf(bsdf) => return refuse(&format!("the material {}", bsdf.name())),
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

@@ -17,8 +17,9 @@ const TICK: f64 = 5.0;
 const MINOR: f64 = 2.8;
 /// From the end of a tick to its label.
 const PAD: f64 = 4.0;
-/// From tick labels to the axis title, and both that and the title's height.
+/// From tick labels to the axis title.
 const TITLE_GAP: f64 = 8.0;
+/// Height of an axis title with that gap.
 const TITLE: f64 = TITLE_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
 /// From the frame up to the factor that all tick labels share.
 pub(super) const FACTOR_GAP: f64 = 8.0;

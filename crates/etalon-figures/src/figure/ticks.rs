@@ -5,7 +5,7 @@
 /// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// A value here, a position along the axis as [`super::axis::Axis::ticks`] returns it.
+    /// A value of the axis, which [`super::axis::Axis::ticks`] turns into a position from 0 to 1.
     pub at: f64,
     /// Marked-up text, without the common factor of [`Ticks::exponent`].
     pub label: String,

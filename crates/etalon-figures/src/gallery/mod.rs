@@ -1,7 +1,7 @@
 //! The gallery: every figure with its checks and its texts (`figures.json`), the run that makes them, and the page that shows them.
 //!
-//! A figure calls a study, a view and checks; it computes nothing itself. Its file in `figures` has all of it,
-//! and [`registry()`] lists them.
+//! A figure calls a study, a view and checks; it computes nothing itself. Its file in `figures` calls them, `figures.json` has its
+//! texts, and [`registry()`] lists all.
 
 mod check;
 mod figure;

@@ -8,7 +8,7 @@ use etalon_stats::sweep::CONFIRM_LEVEL;
 /// The table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
 /// for its last argument.
 pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String {
-    // Checks without p-values have no power
+    // In percent of the configurations; shown for checks with p-values
     let powered = |group: &Group| 100.0 * group.powered as f64 / group.configurations.max(1) as f64;
     let mut text = Table::of(&found.groups)
         .words("family", |group| &group.family)

@@ -1,5 +1,5 @@
-//! What cases share: BSDFs of the list, roughnesses, angles, directions, random numbers of 24 bits; samplers as the kernel calls them, many samples at
-//! once in lanes.
+//! What cases share: BSDFs of the list, roughnesses, angles, directions, random numbers of 24 bits; samplers as the kernel calls
+//! them, many samples at once in lanes.
 
 use etalon_core::bsdf::{Bsdf, Family};
 use etalon_core::optics::metals::SILVER;

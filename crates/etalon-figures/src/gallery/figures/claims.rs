@@ -1,8 +1,7 @@
 //! What the reports claim, and what is measured: `claims-first`, `claims-second`, `claims-places`.
 
 use super::{depth, proposal, roughness, sampling, sphere};
-use crate::gallery::figure;
-use crate::gallery::figure::Report;
+use crate::gallery::figure::{self, Report};
 use crate::gallery::prelude::*;
 use crate::view::claims as view;
 use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, MapInputs, StatueInputs};
@@ -19,7 +18,6 @@ pub fn figures() -> Vec<Maker> {
     ]
 }
 
-/// A table of the second report's claims, each group on a scene of its own, which the table names.
 fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
     studies.get("claims", || metal::table(2))
 }
@@ -45,6 +43,7 @@ fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> 
     studies.get("claims", || claims::depth_claims(&scene, &depths, paths, inputs.seed))
 }
 
+/// A table of the second report's claims, each group on a scene of its own, which the table names.
 fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_depths = of_depths(inputs, studies)?;
     let statues: Vec<_> = roughness::ALPHAS

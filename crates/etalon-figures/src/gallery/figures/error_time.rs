@@ -52,7 +52,6 @@ pub fn figures() -> Vec<Maker> {
     vec![maker("error-time-sphere", sphere_content), maker("error-time-cornell", cornell_content)]
 }
 
-/// The curves of the Cornell box.
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = sphere_curves(inputs, studies)?;
     let mut checks = vec![stopped(&result), default_against_best(&result)];
