@@ -3,13 +3,13 @@
 use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
 use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
 use super::fingerprint;
-use super::kernel::{Buffers, LightPathBuffers, Radiance, trace, trace_light_paths};
+use super::kernel::{Buffers, LightPathBuffers, Pixels, Radiance, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::prepared::PreparedScene;
+use super::ray_samples::Streams;
 use super::reference::Reference;
-use super::sample_lanes::SampleLanes;
 use super::settings::{Kernel, Sampling, Settings, check};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
@@ -235,7 +235,7 @@ impl Pass<'_> {
 struct Batch<'a> {
     samples: Vec<Sample>,
     /// The random numbers of the camera paths.
-    numbers: SampleLanes,
+    streams: Streams,
     /// How many camera paths are assigned.
     count: usize,
     column: [u32; LANES],
@@ -243,7 +243,7 @@ struct Batch<'a> {
     tracer: Tracer<'a>,
     light_tracing: bool,
     /// The random numbers of the light paths.
-    light_numbers: SampleLanes,
+    light_streams: Streams,
     /// Pixel and number of light paths still to be traced.
     waiting: Vec<(u64, u32)>,
     light_paths: LightPathBuffers,
@@ -271,7 +271,7 @@ impl<'a> Batch<'a> {
         let light_tracing = matches!(pass, Pass::Image(_)) && job.scene.light_tracing.is_some();
         Self {
             samples: Vec::with_capacity(LANES),
-            numbers: SampleLanes::new(stream, seed),
+            streams: Streams::new(stream, seed),
             count: 0,
             column: [0; LANES],
             radiance: Radiance::new(job.scene.classes),
@@ -280,7 +280,7 @@ impl<'a> Batch<'a> {
                 Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.lens)),
             },
             light_tracing,
-            light_numbers: SampleLanes::new(stream, seed),
+            light_streams: Streams::new(stream, seed),
             waiting: Vec::new(),
             light_paths: LightPathBuffers::default(),
             splats: Vec::new(),
@@ -291,7 +291,7 @@ impl<'a> Batch<'a> {
     fn assign(&mut self, pixel: u64, column: usize, number: u32, paths: Range<u32>) {
         let start = self.count;
         for path in paths {
-            self.numbers.assign(self.count, pixel, path);
+            self.streams.assign(self.count, pixel, path);
             self.column[self.count] = column as u32;
             self.count += 1;
         }
@@ -304,14 +304,14 @@ impl<'a> Batch<'a> {
         let y = row.y() as u32;
         match &mut self.tracer {
             Tracer::Lanes(buffers) => {
-                let samples = (&self.column, y, count);
-                trace(&job.scene, &job.lens, samples, &self.numbers, buffers, &mut self.radiance);
+                let pixels = Pixels { columns: &self.column, row: y, count };
+                trace(&job.scene, &job.lens, pixels, &self.streams, buffers, &mut self.radiance);
             }
             Tracer::Reference(reference) => {
                 self.radiance.clear(count);
                 for slot in 0..count {
                     let add = |class, value| self.radiance.add(slot as u32, class, value);
-                    reference.trace(&self.numbers, slot as u32, [self.column[slot], y], add);
+                    reference.trace(&self.streams, slot as u32, [self.column[slot], y], add);
                 }
             }
         }
@@ -337,9 +337,9 @@ impl<'a> Batch<'a> {
         while self.waiting.len() >= at_least {
             let count = self.waiting.len().min(LANES);
             for (slot, (pixel, number)) in self.waiting.drain(..count).enumerate() {
-                self.light_numbers.assign(slot, pixel, number);
+                self.light_streams.assign(slot, pixel, number);
             }
-            let samples = (&self.light_numbers, count);
+            let samples = (&self.light_streams, count);
             trace_light_paths(&job.scene, &job.lens, samples, &mut self.light_paths, &mut self.splats);
             row.splat(&self.splats);
             self.splats.clear();

@@ -1,6 +1,6 @@
 //! The camera for many rays at once, and the pixels around a film position.
 
-use super::lanes::{LANES, Lane, Rays, Wide, set, wide};
+use super::lanes::{LANES, Lane, Rays, set, wide};
 use etalon_core::sampling::filter::FilterAxis;
 use etalon_core::scene::{Camera, PixelFilter, Projection};
 use glam::Vec3;
@@ -118,44 +118,32 @@ impl Lens {
 
     /// The rays through row `y` of the film at the given columns: `u` samples the filter of each pixel.
     pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
-        if self.is_unit_box {
-            wide(arch, CameraRays { lens: self, columns, y, within: u, count, rays });
-            return;
-        }
-        let mut within = [[0.0; LANES]; 2];
-        for axis in 0..2 {
-            for i in 0..count.min(LANES) {
-                within[axis][i] = 0.5 + self.filter[axis].sample(u[axis][i]);
+        let &Self { position, forward, right, up, parallel, step, .. } = self;
+        let mut filtered = [[0.0; LANES]; 2];
+        if !self.is_unit_box {
+            for axis in 0..2 {
+                for i in 0..count.min(LANES) {
+                    filtered[axis][i] = 0.5 + self.filter[axis].sample(u[axis][i]);
+                }
             }
         }
-        wide(arch, CameraRays { lens: self, columns, y, within: &within, count, rays });
-    }
-}
-
-struct CameraRays<'a> {
-    lens: &'a Lens,
-    columns: &'a [u32; LANES],
-    y: u32,
-    /// Film positions relative to the upper left corner of the pixel.
-    within: &'a [Lane; 2],
-    count: usize,
-    rays: &'a mut Rays,
-}
-
-impl Wide for CameraRays<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { columns, y, within, count, rays, .. } = self;
-        let &Lens { position, forward, right, up, parallel, step, .. } = self.lens;
-        for i in 0..count.min(LANES) {
-            let across = (columns[i] as i32 as f32 + within[0][i]) * step[0] - 1.0;
-            let down = (y as i32 as f32 + within[1][i]) * step[1] - 1.0;
-            let on_film = right * across - up * down;
-            let origin = if parallel { position + on_film } else { position };
-            let direction = if parallel { forward } else { forward + on_film };
-            set(&mut rays.origin, i, origin);
-            set(&mut rays.direction, i, direction * (1.0 / direction.length()));
-        }
+        // Film positions relative to the upper left corner of the pixel
+        let within = if self.is_unit_box { u } else { &filtered };
+        wide(
+            arch,
+            #[inline(always)]
+            move || {
+                for i in 0..count.min(LANES) {
+                    let across = (columns[i] as i32 as f32 + within[0][i]) * step[0] - 1.0;
+                    let down = (y as i32 as f32 + within[1][i]) * step[1] - 1.0;
+                    let on_film = right * across - up * down;
+                    let origin = if parallel { position + on_film } else { position };
+                    let direction = if parallel { forward } else { forward + on_film };
+                    set(&mut rays.origin, i, origin);
+                    set(&mut rays.direction, i, direction * (1.0 / direction.length()));
+                }
+            },
+        );
     }
 }
 

@@ -5,7 +5,6 @@
 
 mod adaptive;
 mod choice;
-mod departure;
 mod environment;
 pub mod film;
 mod fingerprint;
@@ -22,9 +21,10 @@ pub mod light_tree;
 mod lights;
 mod needs;
 mod prepared;
+mod previous;
 pub mod probe;
+mod ray_samples;
 mod reference;
-mod sample_lanes;
 mod settings;
 mod shaders;
 mod solids;

@@ -1,14 +1,13 @@
 //! Light samples for many shading points at once: of one light for all points, or of one chosen light for each.
 
 use super::lanes::{
-    BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, Wide, ZERO_BLOCK3, at, block, blocks, put, set, wide,
+    BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, Ray, ZERO_BLOCK3, at, block, blocks, put, set, wide,
 };
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
 use super::lights::{Kind, RectangleLight, Sampled, SphereLight};
 use super::triangle_light::TriangleLight;
 use pulp::Arch;
 use std::array::from_mut;
-use std::marker::PhantomData;
 
 /// A direction towards a light from each of the first `count` positions.
 pub fn sample_many(
@@ -21,34 +20,37 @@ pub fn sample_many(
 ) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        Kind::Rectangle(panel) => wide(arch, SampleMany { light: panel, positions, count, u, out }),
-        Kind::Triangle(triangle) => wide(arch, SampleMany { light: triangle, positions, count, u, out }),
-        Kind::Sphere(sphere) => wide(arch, SampleMany { light: sphere, positions, count, u, out }),
-        _ => SampleMany { light, positions, count, u, out }.run(),
-    }
-}
-
-struct SampleMany<'a, L> {
-    light: &'a L,
-    positions: &'a Lane3,
-    count: usize,
-    u: &'a [Lane; 2],
-    out: &'a mut LightSampleLanes,
-}
-
-impl<L: SampleLight + Copy> Wide for SampleMany<'_, L> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { light, positions, count, u, out } = self;
-        for number in 0..blocks(count) {
-            let samples = SampleBlock::of(|_| *light, &block(positions, number), &block(u, number));
-            put(&mut out.wi, number, &samples.wi);
-            put(&mut out.weight, number, &samples.weight);
-            put(from_mut(&mut out.distance), number, &[samples.distance]);
-            put(from_mut(&mut out.limit), number, &[samples.limit]);
-            put(from_mut(&mut out.pdf), number, &[samples.pdf]);
+        Kind::Rectangle(panel) => sample_one(arch, panel, positions, count, u, out),
+        Kind::Triangle(triangle) => sample_one(arch, triangle, positions, count, u, out),
+        Kind::Sphere(sphere) => sample_one(arch, sphere, positions, count, u, out),
+        Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => {
+            sample_one(arch, light, positions, count, u, out);
         }
     }
+}
+
+fn sample_one(
+    arch: Arch,
+    light: &(impl SampleLight + Copy),
+    positions: &Lane3,
+    count: usize,
+    u: &[Lane; 2],
+    out: &mut LightSampleLanes,
+) {
+    wide(
+        arch,
+        #[inline(always)]
+        move || {
+            for number in 0..blocks(count) {
+                let samples = SampleBlock::of(|_| *light, &block(positions, number), &block(u, number));
+                put(&mut out.wi, number, &samples.wi);
+                put(&mut out.weight, number, &samples.weight);
+                put(from_mut(&mut out.distance), number, &[samples.distance]);
+                put(from_mut(&mut out.limit), number, &[samples.limit]);
+                put(from_mut(&mut out.pdf), number, &[samples.pdf]);
+            }
+        },
+    );
 }
 
 /// [`LightSample`]s of a block, and the lengths of their shadow rays.
@@ -68,7 +70,7 @@ impl SampleBlock {
         for k in 0..BLOCK {
             let (light, point) = (light(k), at(positions, k));
             let sample = light.sample(point, [u[0][k], u[1][k]]);
-            out.limit[k] = light.shadow_length([point, sample.wi], sample.distance);
+            out.limit[k] = light.shadow_length(Ray { origin: point, direction: sample.wi }, sample.distance);
             set(&mut out.wi, k, sample.wi);
             set(&mut out.weight, k, sample.weight);
             (out.distance[k], out.pdf[k]) = (sample.distance, sample.pdf);
@@ -99,15 +101,20 @@ pub fn sample_each(
             Some(other) => {
                 let point = at(positions, i);
                 let sample = other.sample(point, [u[0][i], u[1][i]]);
-                out.set(i, number, sample, other.shadow_length([point, sample.wi], sample.distance));
+                out.set(
+                    i,
+                    number,
+                    sample,
+                    other.shadow_length(Ray { origin: point, direction: sample.wi }, sample.distance),
+                );
             }
             None => out.set(i, NOTHING, LightSample::BLACK, f32::INFINITY),
         }
     }
     // Loops over one shape, which vectorize.
-    wide(arch, SampleEach::<RectangleLight> { all, light, positions, u, out, shape: PhantomData });
-    wide(arch, SampleEach::<TriangleLight> { all, light, positions, u, out, shape: PhantomData });
-    wide(arch, SampleEach::<SphereLight> { all, light, positions, u, out, shape: PhantomData });
+    sample_each_of::<RectangleLight>(arch, all, light, positions, u, out);
+    sample_each_of::<TriangleLight>(arch, all, light, positions, u, out);
+    sample_each_of::<SphereLight>(arch, all, light, positions, u, out);
 }
 
 /// The lights of one shape among those that can be sampled.
@@ -117,40 +124,39 @@ trait OfShape: SampleLight + Copy {
 }
 
 /// The loop of [`sample_each`] over the lights of one shape. It gathers them a block at a time.
-struct SampleEach<'a, L> {
-    all: &'a [Sampled],
-    light: &'a [u32],
-    positions: &'a Lane3,
-    u: &'a [Lane; 2],
-    out: &'a mut LightSampleLanes,
-    shape: PhantomData<L>,
-}
-
-impl<L: OfShape> Wide for SampleEach<'_, L> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { all, light, positions, u, out, .. } = self;
-        let of_lane = |i: usize| all.get(light[i] as usize).and_then(|light| L::of(&light.kind));
-        let (mut lanes, mut count) = ([0; LANES], 0);
-        for i in 0..light.len().min(LANES) {
-            lanes[count % LANES] = i;
-            count += usize::from(of_lane(i).is_some());
+fn sample_each_of<L: OfShape>(
+    arch: Arch,
+    all: &[Sampled],
+    light: &[u32],
+    positions: &Lane3,
+    u: &[Lane; 2],
+    out: &mut LightSampleLanes,
+) {
+    let of_lane = |i: usize| all.get(light[i] as usize).and_then(|light| L::of(&light.kind));
+    let (mut lanes, mut count) = ([0; LANES], 0);
+    for i in 0..light.len().min(LANES) {
+        lanes[count % LANES] = i;
+        count += usize::from(of_lane(i).is_some());
+    }
+    for block in lanes[..count].chunks(BLOCK) {
+        let Some(&first) = of_lane(block[0]) else { return };
+        let mut lights = [first; BLOCK];
+        let (mut points, mut numbers) = (ZERO_BLOCK3, [[0.0; BLOCK]; 2]);
+        for (k, &i) in block.iter().enumerate() {
+            if let Some(&light) = of_lane(i) {
+                lights[k] = light;
+            }
+            set(&mut points, k, at(positions, i));
+            (numbers[0][k], numbers[1][k]) = (u[0][i], u[1][i]);
         }
-        for block in lanes[..count].chunks(BLOCK) {
-            let Some(&first) = of_lane(block[0]) else { return };
-            let mut lights = [first; BLOCK];
-            let (mut points, mut numbers) = (ZERO_BLOCK3, [[0.0; BLOCK]; 2]);
-            for (k, &i) in block.iter().enumerate() {
-                if let Some(&light) = of_lane(i) {
-                    lights[k] = light;
-                }
-                set(&mut points, k, at(positions, i));
-                (numbers[0][k], numbers[1][k]) = (u[0][i], u[1][i]);
-            }
-            let samples = SampleBlock::of(|k| lights[k], &points, &numbers);
-            for (k, &i) in block.iter().enumerate() {
-                out.set(i, light[i], samples.at(k), samples.limit[k]);
-            }
+        let (lights, points, numbers) = (&lights, &points, &numbers);
+        let samples = wide(
+            arch,
+            #[inline(always)]
+            move || SampleBlock::of(|k| lights[k], points, numbers),
+        );
+        for (k, &i) in block.iter().enumerate() {
+            out.set(i, light[i], samples.at(k), samples.limit[k]);
         }
     }
 }

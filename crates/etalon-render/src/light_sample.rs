@@ -1,7 +1,7 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
 //! importance sampling.
 
-use super::lanes::{LANES, Lane, Lane3, NOTHING, ZERO3, set};
+use super::lanes::{LANES, Lane, Lane3, NOTHING, Ray, ZERO3, set};
 use etalon_core::math::Rgb;
 use glam::Vec3;
 
@@ -28,7 +28,7 @@ pub trait SampleLight {
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
 
     /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
-    fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32;
+    fn shadow_length(&self, ray: Ray, distance: f32) -> f32;
 
     /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
     fn pdf(&self, point: Vec3) -> f32;

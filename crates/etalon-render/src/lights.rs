@@ -1,7 +1,7 @@
 //! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the point lights
 //! that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
-use super::lanes::NOTHING;
+use super::lanes::{NOTHING, Ray};
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::{Sampling, Settings};
@@ -102,7 +102,7 @@ impl SampleLight for RectangleLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         let (offset, size) = (self.plane.offset(origin + distance * wi), self.half[0] + self.half[1]);
         solids::short_of(&self.plane, [offset, size], origin, wi, distance)
     }
@@ -137,7 +137,7 @@ impl SampleLight for SphereLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         solids::short_of(&self.sphere, [solids::offset_of_sphere(&self.sphere), 0.0], origin, wi, distance)
     }
 
@@ -252,7 +252,7 @@ impl Sampled {
     /// The distance of the light along a ray in the direction of a sample that was taken from another point close by, where
     /// the distance was `sampled`; `None` if the light is not ahead, or does not emit towards the ray's origin.
     #[inline]
-    pub fn ahead(&self, [origin, wi]: [Vec3; 2], sampled: f32) -> Option<f32> {
+    pub fn ahead(&self, Ray { origin, direction: wi }: Ray, sampled: f32) -> Option<f32> {
         let (distance, is_front, two_sided) = match &self.kind {
             Kind::Rectangle(RectangleLight { plane, two_sided, .. })
             | Kind::Triangle(TriangleLight { plane, two_sided, .. }) => {
@@ -321,7 +321,7 @@ impl SampleLight for Sampled {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, ray: [Vec3; 2], distance: f32) -> f32 {
+    fn shadow_length(&self, ray: Ray, distance: f32) -> f32 {
         match &self.kind {
             Kind::Rectangle(panel) => panel.shadow_length(ray, distance),
             Kind::Triangle(triangle) => triangle.shadow_length(ray, distance),

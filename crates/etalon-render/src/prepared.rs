@@ -3,19 +3,19 @@
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
-use super::lanes::Hits;
+use super::lanes::{Hits, Ray};
 use super::light_sample::SampleLight;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights;
 use super::lights::Sampled;
 use super::needs::{Needs, lone_convex_from_outside};
+use super::ray_samples::{RaySamples, Streams};
 use super::settings::{Sampling, Settings};
 use super::shaders::{Kind, SurfaceShader};
 use etalon_core::error::{Error, Result};
 use etalon_core::math::Rgb;
 use etalon_core::memory;
-use etalon_core::sampling::stream::DIMENSIONS;
 use etalon_core::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
 use pulp::Arch;
@@ -77,7 +77,7 @@ impl<'a> PreparedScene<'a> {
         let fixed = lights::of_cut(scene, settings)?;
         let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
         let rounds = lights.rounds().len();
-        if !Dimensions::suffice(request.max_depth, rounds) {
+        if !RaySamples::suffice(request.max_depth, rounds) {
             let message = format!("{} scatterings with {rounds} light samples each are too many", request.max_depth);
             return Err(Error::parameter("max_depth", message).with_hint("each sample needs random numbers of its own"));
         }
@@ -134,7 +134,7 @@ impl<'a> PreparedScene<'a> {
 
     /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
     #[inline(always)]
-    pub fn shadow_limit(&self, light: u32, ray: [Vec3; 2], distance: f32) -> f32 {
+    pub fn shadow_limit(&self, light: u32, ray: Ray, distance: f32) -> f32 {
         self.lights.all.get(light as usize).map_or(distance, |light| light.shadow_length(ray, distance))
     }
 
@@ -158,65 +158,9 @@ impl<'a> PreparedScene<'a> {
         if is_textured { self.geometry.uv(hits, i, position) } else { Vec2::ZERO }
     }
 
-    /// The random numbers of a scattering.
+    /// The random numbers of camera paths at a depth.
     #[inline]
-    pub fn dimensions(&self, scatterings: u32) -> Dimensions {
-        let each = Dimensions::OTHERS + self.lights.rounds().len() as u32;
-        Dimensions { first: scatterings.wrapping_mul(each).wrapping_add(1) }
-    }
-}
-
-/// Dimensions (pairs of random numbers) of each scattering; dimension 0 is the position on the film.
-#[derive(Clone, Copy)]
-pub struct Dimensions {
-    first: u32,
-}
-
-impl Dimensions {
-    /// Dimensions of a scattering besides one per round of light samples.
-    const OTHERS: u32 = 5;
-
-    /// The first dimension of light paths.
-    const LIGHT_PATHS: u32 = DIMENSIONS / 2;
-
-    /// Whether camera paths of that depth stay below the dimensions of light paths, with that many rounds of light samples at each hit.
-    fn suffice(max_depth: u32, rounds: usize) -> bool {
-        (u64::from(max_depth) + 1) * (u64::from(Self::OTHERS) + rounds as u64) < u64::from(Self::LIGHT_PATHS)
-    }
-
-    /// The dimensions of light paths after n scatterings, 0 for their start: beyond those of camera paths.
-    pub fn of_light_paths(scatterings: u32) -> Self {
-        Self { first: Self::LIGHT_PATHS + scatterings * Self::OTHERS }
-    }
-
-    /// The direction in which the path continues.
-    pub fn bsdf(self) -> u32 {
-        self.first
-    }
-
-    /// The choice of a lobe, and Russian roulette. At the start of a light path the choice of light and target.
-    pub fn choice(self) -> u32 {
-        self.first + 1
-    }
-
-    /// Directions of direct light that are sampled without regard to the lights. At the start of a light path the place on
-    /// the light.
-    pub fn bsdf_direct(self) -> u32 {
-        self.first + 2
-    }
-
-    /// Light samples of the environment.
-    pub fn environment(self) -> u32 {
-        self.first + 3
-    }
-
-    /// The choice of a light.
-    pub fn light_choice(self) -> u32 {
-        self.first + 4
-    }
-
-    /// Light samples of a round.
-    pub fn light(self, round: usize) -> u32 {
-        self.first + Self::OTHERS + round as u32
+    pub fn ray_samples<'s>(&self, streams: &'s Streams, depth: u32) -> RaySamples<'s> {
+        RaySamples::of_camera_paths(streams, depth, self.lights.rounds().len())
     }
 }

@@ -10,10 +10,10 @@
 
 use super::film::PathClass;
 use super::geometry::Surface;
-use super::lanes::{Hits, LANES, NOTHING, Rays, at, set};
+use super::lanes::{Hits, LANES, NOTHING, Ray, Rays};
 use super::lens::Lens;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
-use super::sample_lanes::SampleLanes;
+use super::ray_samples::{RaySamples, Streams, SubSample};
 use super::settings::Sampling;
 use super::shaders::{Kind, SurfaceShader};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
@@ -78,6 +78,11 @@ impl Vertex<'_> {
         if agree { (f * local.z.abs(), pdf) } else { (Rgb::ZERO, pdf) }
     }
 
+    /// The ray that leaves in a direction.
+    fn ray(&self, wi: Vec3) -> Ray {
+        Ray { origin: self.surface.ray_origin(wi), direction: wi }
+    }
+
     /// Samples the BSDF, and a direction in the world.
     fn sample(&self, uc: f32, u: [f32; 2]) -> Option<(BsdfSample, Vec3)> {
         let sample = self.bsdf.sample(self.wo, uc, u)?;
@@ -94,18 +99,18 @@ impl<'a> Reference<'a> {
     }
 
     /// Traces the camera sample of a slot, which belongs to a pixel, and calls `add` with the light that it finds.
-    pub fn trace(&mut self, numbers: &SampleLanes, slot: u32, [x, y]: [u32; 2], mut add: impl FnMut(PathClass, Rgb)) {
+    pub fn trace(&mut self, streams: &Streams, slot: u32, [x, y]: [u32; 2], mut add: impl FnMut(PathClass, Rgb)) {
         let scene = self.scene;
         // Generate the camera ray.
-        let u = numbers.short_pair(slot, 0, (0, 1)).map(|u| [u; LANES]);
+        let u = streams.film().short_pair(slot, SubSample::ONLY).map(|u| [u; LANES]);
         self.lens.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
-        let mut ray = [at(&self.rays.origin, 0), at(&self.rays.direction, 0)];
+        let mut ray = self.rays.at(0);
         let (mut throughput, mut eta_scale) = (Rgb::ONE, 1.0);
         let (mut path_class, mut previous) = (PathClass::DIRECT, Previous::Specular);
         for scatterings in 0..=scene.request.max_depth {
             // Add the light that the ray finds.
             let vertex = self.nearest(ray);
-            let found = vertex.as_ref().map_or_else(|| self.environment(ray[1]), |vertex| vertex.emission);
+            let found = vertex.as_ref().map_or_else(|| self.environment(ray.direction), |vertex| vertex.emission);
             if let Some(emission) = found {
                 add(path_class, throughput * emission.radiance * self.weight(emission.source, previous, ray));
             }
@@ -113,12 +118,12 @@ impl<'a> Reference<'a> {
             if vertex.shader.kind == Kind::Black || scatterings == scene.request.max_depth {
                 return;
             }
+            let samples = scene.ray_samples(streams, scatterings);
             // Add direct light, of which a delta BSDF scatters none.
-            add(path_class.then(false), throughput * self.direct_light(&vertex, numbers, slot, scatterings));
+            add(path_class.then(false), throughput * self.direct_light(&vertex, samples, slot));
             // Sample the next direction.
-            let dimensions = scene.dimensions(scatterings);
-            let [uc, roulette] = numbers.short_pair(slot, dimensions.choice(), (0, 1));
-            let u = numbers.short_pair(slot, dimensions.bsdf(), (0, 1));
+            let [uc, roulette] = samples.choice.short_pair(slot, SubSample::ONLY);
+            let u = samples.bsdf.short_pair(slot, SubSample::ONLY);
             let Some((sample, wi)) = vertex.sample(uc, u) else { return };
             previous = if sample.is_delta() {
                 Previous::Specular
@@ -126,7 +131,7 @@ impl<'a> Reference<'a> {
                 Previous::Surface { pdf: sample.pdf, normal: vertex.frame.z, kind: vertex.shader.kind }
             };
             path_class = path_class.then(sample.is_delta());
-            ray = [vertex.surface.ray_origin(wi), wi];
+            ray = vertex.ray(wi);
             throughput *= sample.weight;
             // Russian roulette, by the throughput without the scale of radiance in the medium
             eta_scale *= sample.eta * sample.eta;
@@ -141,7 +146,7 @@ impl<'a> Reference<'a> {
     }
 
     /// The weight of light that a ray finds, among the techniques that could have found it from the previous vertex.
-    fn weight(&self, source: Source, previous: Previous, [origin, wi]: [Vec3; 2]) -> f32 {
+    fn weight(&self, source: Source, previous: Previous, Ray { origin, direction: wi }: Ray) -> f32 {
         let Previous::Surface { pdf, normal, kind } = previous else { return 1.0 };
         match (self.scene.sampling, source) {
             (_, Source::CameraOnly) => 0.0,
@@ -167,9 +172,8 @@ impl<'a> Reference<'a> {
     }
 
     /// Direct light at a vertex, scattered towards the viewer.
-    fn direct_light(&mut self, vertex: &Vertex, numbers: &SampleLanes, slot: u32, scatterings: u32) -> Rgb {
+    fn direct_light(&mut self, vertex: &Vertex, samples: RaySamples, slot: u32) -> Rgb {
         let scene = self.scene;
-        let dimensions = scene.dimensions(scatterings);
         let by_mis = matches!(scene.sampling, Sampling::Mis | Sampling::MisLt);
         let (kind, normal) = (vertex.shader.kind, vertex.frame.z);
         let position = vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo));
@@ -177,9 +181,9 @@ impl<'a> Reference<'a> {
         // Sample the lights. BSDF samples find only those that rays can hit.
         for (number, &round) in scene.lights.rounds().iter().enumerate() {
             for index in 0..round.count {
-                let sub_sample = (index, round.count);
-                let [choice, _] = numbers.short_pair(slot, dimensions.light_choice(), sub_sample);
-                let u = numbers.short_pair(slot, dimensions.light(number), sub_sample);
+                let sub = SubSample { index, count: round.count };
+                let [choice, _] = samples.light_choice.short_pair(slot, sub);
+                let u = samples.light(number).short_pair(slot, sub);
                 let chosen = match round.light {
                     Some(light) => Some((light, 1.0)),
                     None => scene
@@ -191,30 +195,30 @@ impl<'a> Reference<'a> {
                 let sample = scene.lights.sample(light, probability, position, u);
                 // Beyond a surface that transmits, the light is seen from the other side.
                 let (f, pdf) = vertex.eval(sample.wi);
-                let origin = vertex.surface.ray_origin(sample.wi);
+                let ray = vertex.ray(sample.wi);
                 let sampled = &scene.lights.all[light as usize];
-                let Some(distance) = sampled.ahead([origin, sample.wi], sample.distance) else { continue };
+                let Some(distance) = sampled.ahead(ray, sample.distance) else { continue };
                 let is_weighted = by_mis && sampled.object != NOTHING;
-                let density = || scene.lights.density(light, origin, kind.one_sided(normal));
+                let density = || scene.lights.density(light, ray.origin, kind.one_sided(normal));
                 let share = if is_weighted { balance_heuristic(density(), pdf) } else { 1.0 };
                 let value = f * sample.weight * (share / round.count as f32);
-                sum += self.unoccluded(vertex, light, sample.wi, distance, value);
+                sum += self.unoccluded(light, ray, distance, value);
             }
         }
         let count = scene.request.light_samples;
         for index in 0..count {
-            let sub_sample = (index, count);
+            let sub = SubSample { index, count };
             // Sample the environment.
-            let u = numbers.pair(slot, dimensions.environment(), sub_sample);
+            let u = samples.environment.pair(slot, sub);
             if let Some(sample) = scene.environment.as_ref().and_then(|map| map.sample(u, normal, kind)) {
                 let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
                 let share = if by_mis { balance_heuristic(density, pdf) } else { 1.0 };
                 let value = f * sample.radiance * (share / density);
-                sum += self.unoccluded(vertex, NOTHING, wi, f32::INFINITY, value);
+                sum += self.unoccluded(NOTHING, vertex.ray(wi), f32::INFINITY, value);
             }
             // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
-            let u = numbers.pair(slot, dimensions.bsdf_direct(), sub_sample);
+            let u = samples.direct.pair(slot, sub);
             let sampled = match (scene.sampling, kind) {
                 (Sampling::Bsdf, Kind::Diffuse) => {
                     let local = warp::cosine_hemisphere(u);
@@ -227,8 +231,7 @@ impl<'a> Reference<'a> {
             if let Some((local, pdf)) = sampled {
                 let wi = Frame::from_normal(normal).to_world(local.as_vec3());
                 let weight = 1.0 / (pdf as f32 * count as f32);
-                let ray = [vertex.surface.ray_origin(wi), wi];
-                let found = self.nearest(ray).map_or_else(|| self.environment(wi), |vertex| vertex.emission);
+                let found = self.nearest(vertex.ray(wi)).map_or_else(|| self.environment(wi), |vertex| vertex.emission);
                 if let Some(Emission { radiance, source: Source::Environment | Source::Surface(_) }) = found {
                     sum += vertex.eval(wi).0 * radiance * weight;
                 }
@@ -238,9 +241,8 @@ impl<'a> Reference<'a> {
     }
 
     /// The value of a shadow ray that is not occluded.
-    fn unoccluded(&mut self, vertex: &Vertex, light: u32, wi: Vec3, distance: f32, value: Rgb) -> Rgb {
-        let ray = [vertex.surface.ray_origin(wi), wi];
-        self.set_ray(ray);
+    fn unoccluded(&mut self, light: u32, ray: Ray, distance: f32, value: Rgb) -> Rgb {
+        self.rays.set(0, ray);
         let limit = [self.scene.shadow_limit(light, ray, distance); LANES];
         let mut blocked = [0; LANES];
         self.scene.geometry.occluded(&self.rays, 1, &limit, &mut blocked);
@@ -254,8 +256,8 @@ impl<'a> Reference<'a> {
     }
 
     /// The first surface along a ray.
-    fn nearest(&mut self, ray: [Vec3; 2]) -> Option<Vertex<'a>> {
-        self.set_ray(ray);
+    fn nearest(&mut self, ray: Ray) -> Option<Vertex<'a>> {
+        self.rays.set(0, ray);
         let geometry = &self.scene.geometry;
         geometry.nearest(&self.rays, 1, &mut self.hits);
         if self.hits.object[0] == NOTHING {
@@ -264,7 +266,7 @@ impl<'a> Reference<'a> {
         let shader = &self.scene.shaders[self.hits.object[0] as usize];
         let outside = geometry.surface(&self.rays, &self.hits, 0);
         // A light emits from the side of its normal, or from both.
-        let emits = shader.emission.filter(|emission| emission.two_sided || outside.normal.dot(ray[1]) < 0.0);
+        let emits = shader.emission.filter(|emission| emission.two_sided || outside.normal.dot(ray.direction) < 0.0);
         let emission = emits.map(|emission| {
             let source = match emission.visibility {
                 EmitterVisibility::CameraOnly => Source::CameraOnly,
@@ -274,15 +276,11 @@ impl<'a> Reference<'a> {
             };
             Emission { radiance: emission.radiance, source }
         });
-        let surface = shader.facing(outside, -ray[1]);
-        let frame = shader.frame(&surface, -ray[1], || geometry.tangent(&self.hits, 0, surface.normal));
+        let wo = -ray.direction;
+        let surface = shader.facing(outside, wo);
+        let frame = shader.frame(&surface, wo, || geometry.tangent(&self.hits, 0, surface.normal));
         let bsdf = shader.bsdf_at(|| geometry.uv(&self.hits, 0, surface.position));
-        Some(Vertex { surface, shader, bsdf, frame, wo: frame.to_local(-ray[1]), emission })
-    }
-
-    fn set_ray(&mut self, [origin, direction]: [Vec3; 2]) {
-        set(&mut self.rays.origin, 0, origin);
-        set(&mut self.rays.direction, 0, direction);
+        Some(Vertex { surface, shader, bsdf, frame, wo: frame.to_local(wo), emission })
     }
 }
 

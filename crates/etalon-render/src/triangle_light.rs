@@ -1,5 +1,6 @@
 //! Sampling a triangle of an emissive mesh by the solid angle that it subtends.
 
+use super::lanes::Ray;
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::solids;
@@ -74,7 +75,7 @@ impl SampleLight for TriangleLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, [origin, wi]: [Vec3; 2], distance: f32) -> f32 {
+    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         solids::short_of(&self.plane, [self.plane.offset(origin + distance * wi), self.size], origin, wi, distance)
     }
 

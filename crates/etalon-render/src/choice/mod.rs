@@ -4,12 +4,12 @@
 use super::adaptive::allocate;
 use super::film::Splat;
 use super::job::Job;
-use super::kernel::{Buffers, LightPathBuffers, Radiance, Work, trace, trace_light_paths};
+use super::kernel::{Buffers, LightPathBuffers, Pixels, Radiance, Work, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
 use super::needs::lone_convex_from_outside;
 use super::prepared::PreparedScene;
-use super::sample_lanes::SampleLanes;
+use super::ray_samples::Streams;
 use super::settings::{Sampling, Settings};
 use super::shaders::plain;
 use etalon_core::envmap::samplers::MapSampling;
@@ -164,7 +164,10 @@ impl Job<'_> {
         let rows: Vec<usize> = (row / 2..height).step_by(row).collect();
         let block = |x: usize, y: usize| y * BLOCKS / height * BLOCKS + x * BLOCKS / width;
         let mut trial = Trial::default();
-        let traced: Vec<_> = rows.par_iter().map(|&y| self.trace_row(scene, &columns, y)).collect();
+        let traced: Vec<_> = rows
+            .par_iter()
+            .map_init(Default::default, |buffers, &y| self.trace_row(scene, &columns, y, buffers))
+            .collect();
         for (traced, y) in traced.iter().zip(rows) {
             for (values, &x) in traced.values.chunks(SAMPLES as usize).zip(&columns) {
                 let block = &mut trial.blocks[block(x, y)];
@@ -187,21 +190,28 @@ impl Job<'_> {
     }
 
     /// Traces the samples of pixels of a row, and a light path for each.
-    fn trace_row(&self, scene: &PreparedScene, columns: &[usize], y: usize) -> Traced {
+    fn trace_row(
+        &self,
+        scene: &PreparedScene,
+        columns: &[usize],
+        y: usize,
+        (buffers, light_paths): &mut (Buffers, LightPathBuffers),
+    ) -> Traced {
         // Samples that are well distributed together say too little of the variance of one.
-        let mut numbers = SampleLanes::new(StreamKind::Independent, mix64(!self.settings.seed));
+        let mut streams = Streams::new(StreamKind::Independent, mix64(!self.settings.seed));
         let (mut column, mut count) = ([0; LANES], 0);
         for (&x, sample) in columns.iter().flat_map(|x| (0..SAMPLES).map(move |sample| (x, sample))) {
-            numbers.assign(count, (y * scene.request.width + x) as u64, sample);
+            streams.assign(count, (y * scene.request.width + x) as u64, sample);
             column[count] = x as u32;
             count += 1;
         }
         let mut radiance = Radiance::new(None);
-        trace(scene, &self.lens, (&column, y as u32, count), &numbers, &mut Buffers::default(), &mut radiance);
+        let pixels = Pixels { columns: &column, row: y as u32, count };
+        trace(scene, &self.lens, pixels, &streams, buffers, &mut radiance);
         let values = (0..count).map(|slot| at(&radiance.sum, slot).as_dvec3()).collect();
-        let (mut light_paths, mut splats) = (LightPathBuffers::default(), Vec::new());
-        trace_light_paths(scene, &self.lens, (&numbers, count), &mut light_paths, &mut splats);
-        Traced { values, work: radiance.work, splats, light_path_rays: light_paths.traced }
+        let mut splats = Vec::new();
+        let light_path_rays = trace_light_paths(scene, &self.lens, (&streams, count), light_paths, &mut splats);
+        Traced { values, work: radiance.work, splats, light_path_rays }
     }
 }
 

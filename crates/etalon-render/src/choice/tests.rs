@@ -85,7 +85,7 @@ fn measured(scene: &Scene, request: &Request, sampling: Sampling) -> [f64; 4] {
     let columns: Vec<usize> = (0..request.width).collect();
     let run = || {
         let start = Instant::now();
-        let rows = (0..request.height).map(|y| job.trace_row(&job.scene, &columns, y));
+        let rows = (0..request.height).map(|y| job.trace_row(&job.scene, &columns, y, &mut Default::default()));
         let counts = rows.fold([0; 3], |[rays, choices, of_light_paths], row| {
             [rays + row.work.rays, choices + row.work.choices, of_light_paths + row.light_path_rays]
         });

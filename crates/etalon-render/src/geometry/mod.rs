@@ -8,14 +8,12 @@ mod loops;
 #[cfg(test)]
 mod tests;
 
-use super::lanes::wide;
 use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
 use super::solids::{Panel, Wall, offset_of_sphere};
 use etalon_core::math::Frame;
 use etalon_core::scene::bvh::{self, Bvh};
 use etalon_core::scene::{Object, Scene, Shape, Sphere};
 use glam::{Vec2, Vec3};
-use loops::{Blocked, Nearest, Reach};
 use pulp::Arch;
 use std::f32::consts::{PI, TAU};
 
@@ -32,6 +30,9 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// No surface.
+    pub const NONE: Self = Self { position: Vec3::ZERO, normal: Vec3::Z, shading: Vec3::Z, offset: 0.0 };
+
     /// Whether the normal for shading is that of the surface.
     #[inline(always)]
     pub fn is_flat(&self) -> bool {
@@ -158,18 +159,17 @@ impl<'a> Geometry<'a> {
         for wall in &self.walls {
             let object = wall.object;
             match &wall.panel {
-                Panel::X(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
-                Panel::Y(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
-                Panel::Z(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
-                Panel::Tilted(solid) => wide(self.arch, Nearest { solid, object, rays, count, hits }),
+                Panel::X(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
+                Panel::Y(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
+                Panel::Z(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
+                Panel::Tilted(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
             }
         }
         for (sphere, object) in &self.spheres {
-            wide(self.arch, Nearest { solid: sphere, object: *object, rays, count, hits });
+            loops::nearest(self.arch, sphere, *object, rays, count, hits);
         }
         if let Some(tree) = &self.tree {
-            let mut reach = [0.0; LANES];
-            wide(self.arch, Reach { bounds: tree.bounds, rays, count, limit: &hits.t, reach: &mut reach });
+            let reach = loops::reach(self.arch, tree.bounds, rays, count, &hits.t);
             let mut found = [None; LANES];
             tree.bvh.nearest_many(limited(rays, &reach, count), &mut found[..count]);
             for (i, hit) in found[..count].iter().enumerate() {
@@ -194,18 +194,17 @@ impl<'a> Geometry<'a> {
         blocked[..count].fill(0);
         for wall in &self.walls {
             match &wall.panel {
-                Panel::X(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
-                Panel::Y(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
-                Panel::Z(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
-                Panel::Tilted(solid) => wide(self.arch, Blocked { solid, rays, count, limit, blocked }),
+                Panel::X(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
+                Panel::Y(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
+                Panel::Z(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
+                Panel::Tilted(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
             }
         }
         for (sphere, _) in &self.spheres {
-            wide(self.arch, Blocked { solid: sphere, rays, count, limit, blocked });
+            loops::blocked(self.arch, sphere, rays, count, limit, blocked);
         }
         if let Some(tree) = &self.tree {
-            let mut reach = [0.0; LANES];
-            wide(self.arch, Reach { bounds: tree.bounds, rays, count, limit, reach: &mut reach });
+            let mut reach = loops::reach(self.arch, tree.bounds, rays, count, limit);
             for (reach, &blocked) in reach[..count].iter_mut().zip(blocked.iter()) {
                 // A ray that is stopped already needs no tree.
                 *reach = if blocked == 0 { *reach } else { 0.0 };

@@ -77,8 +77,7 @@ fn lights_do_not_occlude_their_own_samples() {
         for geometry in both(&scene) {
             let mut short = limit;
             for k in 0..LANES {
-                let ray = [at(&rays.origin, k), at(&rays.direction, k)];
-                short[k] = light.shadow_length(ray, limit[k]);
+                short[k] = light.shadow_length(rays.at(k), limit[k]);
             }
             let mut blocked = [0; LANES];
             geometry.occluded(&rays, LANES, &short, &mut blocked);

@@ -1,189 +1,336 @@
-//! Direct light at the hits: light sampling, and directions that are sampled without regard to light.
+//! Direct light: samples of every source of light at the interactions with a material, and the shadow rays towards them.
 
-use super::light_samples::{Choice, Places, Source, sample, sources};
-use super::paths::{Points, Radiance, Shadows, Step, Vertex};
-use super::rough::{self, Bsdfs, Scattered};
-use super::{diffuse, general};
-use crate::lanes::{Hits, LANES, Lane3, NOTHING, ZERO3, at, set};
-use crate::light_sample::{LightSampleLanes, balance_heuristic};
-use crate::light_selection::Round;
+use super::bsdf::{Scattered, eval_many, reverse_pdf_many};
+use super::scatter::light_tracing_ratio;
+use super::state::{Interactions, Radiance, ShadingFrames, ShadowRay, ShadowRays, Step};
+use super::surfaces::Material;
+use crate::environment::BsdfOnly;
+use crate::lanes::{BLOCK, Hits, LANES, Lane, Lane3, NOTHING, Ray, Rows, at, fill, set, wide};
+use crate::light_lanes;
+use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
+use crate::light_selection::{Round, Selection};
 use crate::prepared::PreparedScene;
-use crate::shaders::{Kind, SurfaceShader};
+use crate::ray_samples::SubSample;
+use crate::shaders::Kind;
+use etalon_core::math::{Frame, Rgb};
 use etalon_core::scene::EmitterVisibility;
-use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
 
 /// The buffers of direct light.
 #[derive(Default)]
 pub struct DirectLight {
-    vertices: Box<VertexLanes>,
     choices: Vec<Choice>,
     samples: Box<LightSampleLanes>,
     scattered: Box<Scattered>,
-    shadows: Box<Shadows>,
+    shadow_rays: Box<ShadowRays>,
     hits: Box<Hits>,
 }
 
-/// Hits on one object side by side.
-struct VertexLanes {
-    position: Lane3,
-    /// For shading.
-    normal: Lane3,
-    /// In the shading frame.
-    wo: Lane3,
-    slots: [u32; LANES],
+/// A source of directions towards light.
+#[derive(Clone, Copy)]
+enum Source {
+    /// A round of light samples, by its number.
+    Lights(usize, Round),
+    /// Light samples of the environment.
+    Environment,
+    /// A strategy that ignores the lights: its rays find emitters.
+    BsdfOnly(BsdfOnly),
 }
 
-impl Default for VertexLanes {
-    fn default() -> Self {
-        Self { position: ZERO3, normal: ZERO3, wo: ZERO3, slots: [0; LANES] }
-    }
+/// The sources for surfaces of a kind, each with its number of samples.
+fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Item = (Source, u32)> + 'a {
+    let count = scene.request.light_samples;
+    let rounds = scene.lights.rounds().iter().enumerate().map(|(i, &round)| (Source::Lights(i, round), round.count));
+    let environment = scene.environment.iter().map(move |_| (Source::Environment, count));
+    let bsdf_only = BsdfOnly::of(scene.sampling, surface).into_iter();
+    rounds.chain(environment).chain(bsdf_only.map(move |strategy| (Source::BsdfOnly(strategy), count)))
 }
 
-/// Adds direct light at the diffuse hits.
-pub fn light_diffuse(step: Step, points: &Points, buffers: &mut DirectLight, radiance: &mut Radiance) {
-    let DirectLight { choices, samples, shadows, hits, .. } = buffers;
-    let slots = &points.slot[..points.count];
-    let places = Places { position: &points.position, normal: &points.normal, slots, surface: Kind::Diffuse };
-    // Every point has a shadow ray, of no length where its value is 0: copying some only would cost more.
-    shadows.count = points.count;
-    shadows.rays.origin = points.position;
-    shadows.slot = points.slot;
-    shadows.path_class = points.path_class;
-    for (source, count) in sources(step.scene, Kind::Diffuse) {
-        for index in 0..count {
-            sample(step, source, (index, count), &places, choices, samples);
-            diffuse::values(step.scene.arch, points, samples, count as f32, shadows);
-            shadows.rays.direction = samples.wi;
-            add_light(step.scene, source, shadows, hits, radiance);
-        }
-    }
-}
-
-/// Adds direct light at hits on one object.
-pub fn light_general(
+/// Adds the direct light at interactions with one material.
+pub fn sample_direct_light(
     step: Step,
-    vertices: &[Vertex],
-    (shader, bsdfs): (&SurfaceShader, Bsdfs),
+    material: Material,
+    (interactions, frames): (&Interactions, &ShadingFrames),
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
-    let DirectLight { vertices: lanes, choices, samples, scattered, shadows, hits } = buffers;
-    let VertexLanes { position, normal, wo, slots } = &mut **lanes;
-    for (i, vertex) in vertices.iter().enumerate() {
-        set(position, i, vertex.surface.ray_origin(vertex.frame.to_world(vertex.wo)));
-        set(normal, i, vertex.frame.z);
-        set(wo, i, vertex.wo);
-        slots[i] = vertex.slot;
+    let DirectLight { choices, samples, scattered, shadow_rays, hits } = buffers;
+    if material.kind().is_diffuse() {
+        // Every interaction has a shadow ray, of no length where its value is 0: copying some only would cost more.
+        let (from, count) = (interactions, interactions.count);
+        shadow_rays.count = count;
+        copy(&from.origin, count, &mut shadow_rays.ray.origin);
+        shadow_rays.slot[..count].copy_from_slice(&from.slot[..count]);
+        shadow_rays.path_class[..count].copy_from_slice(&from.path_class[..count]);
     }
-    let slots = &slots[..vertices.len()];
-    let places = Places { position, normal, slots, surface: shader.kind };
-    for (source, count) in sources(step.scene, shader.kind) {
+    for (source, count) in sources(step.scene, material.kind()) {
         for index in 0..count {
-            sample(step, source, (index, count), &places, choices, samples);
-            for (i, vertex) in vertices.iter().enumerate() {
-                set(&mut scattered.wi, i, vertex.frame.to_local(at(&samples.wi, i)));
+            let sub = SubSample { index, count };
+            sample_light(step, source, sub, interactions, material.kind(), choices, samples);
+            if material.kind().is_diffuse() {
+                diffuse_shadow_rays(step, interactions, samples, count, shadow_rays);
+            } else {
+                let surfaces = (interactions, frames);
+                any_shadow_rays(step, material, surfaces, samples, count, scattered, shadow_rays);
             }
-            rough::eval_many(step.scene.arch, bsdfs, wo, vertices.len(), scattered);
-            if step.needs_reverse_pdf(&shader.bsdf) {
-                rough::reverse_pdf_many(step.scene.arch, bsdfs, wo, vertices.len(), scattered);
+            radiance.work.rays += shadow_rays.count;
+            if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
+                radiance.work.choices += shadow_rays.count;
             }
-            shadows.count = 0;
-            for (i, vertex) in vertices.iter().enumerate() {
-                let wi = at(&samples.wi, i);
-                let local = at(&scattered.wi, i);
-                let (f, pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
-                let value = vertex.throughput * f * at(&samples.weight, i) * (local.z.abs() / count as f32);
-                // Skip black samples, and those on whose side the normals disagree.
-                if !(value.max_element() > 0.0 && vertex.surface.normal.dot(wi) * local.z > 0.0) {
-                    continue;
-                }
-                let by_light_tracing = if vertex.light_tracing > 0.0 && step.scatterings > 0 {
-                    let emission = emission_density(step.scene, vertex, samples, i);
-                    general::light_tracing_ratio(step, vertex, local, 1.0, || scattered.reverse_pdf[i]) * emission
-                } else {
-                    0.0
-                };
-                let ray = [vertex.surface.ray_origin(wi), wi];
-                let (light, density) = (samples.light[i], count as f32 * samples.pdf[i]);
-                let seen = match light != NOTHING && local.z * vertex.wo.z < 0.0 {
-                    true => from_other_side(step.scene, light, ray, [samples.distance[i], density]),
-                    false => Some([samples.limit[i], density]),
-                };
-                let Some([limit, density]) = seen else { continue };
-                let share = balance_heuristic(density, [pdf, by_light_tracing]);
-                shadows.push(ray, limit, value * share, vertex.slot, vertex.path_class.then(false));
+            match source {
+                Source::Lights(..) | Source::Environment => trace_shadow_rays(step.scene, shadow_rays, radiance),
+                Source::BsdfOnly(_) => trace_to_emitters(step.scene, shadow_rays, hits, radiance),
             }
-            add_light(step.scene, source, shadows, hits, radiance);
         }
+    }
+}
+
+/// Samples a direction towards light from each interaction. The pdf is infinite where no BSDF samples are combined with it.
+fn sample_light(
+    step: Step,
+    source: Source,
+    sub: SubSample,
+    interactions: &Interactions,
+    kind: Kind,
+    choices: &mut Vec<Choice>,
+    out: &mut LightSampleLanes,
+) {
+    let Step { scene, samples, .. } = step;
+    let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
+    let by_mis = scene.sampling.is_mis();
+    match source {
+        Source::Lights(number, Round { light: Some(light), .. }) => {
+            let u = samples.light(number).lanes(slots, sub);
+            let sampled = &scene.lights.all[light as usize];
+            light_lanes::sample_many(scene.arch, sampled, &interactions.origin, count, &u, out);
+            out.light[..count].fill(light);
+            if !by_mis || !scene.lights.is_found_by_rays(light) {
+                out.pdf[..count].fill(f32::INFINITY);
+            }
+        }
+        Source::Lights(number, Round { light: None, .. }) => {
+            // With the first sample, choose the lights of all.
+            if sub.index == 0 {
+                choose_lights(step, sub.count, interactions, kind, choices);
+            }
+            let choice = &choices[sub.index as usize];
+            let u = samples.light(number).lanes(slots, sub);
+            let positions = &interactions.origin;
+            light_lanes::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], positions, &u, out);
+            // Divide the samples by the probability of the choice
+            wide(
+                scene.arch,
+                #[inline(always)]
+                move || {
+                    for i in 0..count.min(LANES) {
+                        let (light, probability) = (choice.light[i], choice.probability[i]);
+                        let weight = at(&out.weight, i) / probability;
+                        set(&mut out.weight, i, weight);
+                        let is_weighed = by_mis && scene.lights.is_found_by_rays(light);
+                        out.pdf[i] = if is_weighed { out.pdf[i] * probability } else { f32::INFINITY };
+                    }
+                },
+            );
+        }
+        Source::Environment => {
+            let Some(environment) = &scene.environment else { return };
+            let u = samples.environment.lanes(slots, sub);
+            environment.sample_many(&u, &interactions.ns, kind, count, out);
+            if !by_mis {
+                out.pdf[..count].fill(f32::INFINITY);
+            }
+        }
+        Source::BsdfOnly(strategy) => {
+            for i in 0..count {
+                let local = strategy.sample(samples.direct.pair(slots[i], sub));
+                let wi = Frame::from_normal(at(&interactions.ns, i)).to_world(local.as_vec3());
+                let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
+                let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };
+                out.set(i, NOTHING, sample, f32::INFINITY);
+            }
+        }
+    }
+}
+
+/// The lights that the tree has chosen for the interactions, with their probabilities.
+struct Choice {
+    light: [u32; LANES],
+    probability: Lane,
+}
+
+/// Chooses n lights for each interaction, all of them together.
+fn choose_lights(step: Step, n: u32, interactions: &Interactions, kind: Kind, choices: &mut Vec<Choice>) {
+    let (scene, count) = (step.scene, interactions.count.min(LANES));
+    choices.clear();
+    choices.extend((0..n).map(|index| {
+        let sub = SubSample { index, count: n };
+        let [probability, _] = step.samples.light_choice.lanes(&interactions.slot[..count], sub);
+        Choice { light: [NOTHING; LANES], probability }
+    }));
+    wide(
+        scene.arch,
+        #[inline(always)]
+        move || {
+            for start in (0..count).step_by(BLOCK) {
+                let end = count.min(start + BLOCK);
+                let Some(mut selections) = selection(scene, interactions, kind, start).map(|first| [first; BLOCK])
+                else {
+                    return;
+                };
+                for i in start + 1..end {
+                    if let Some(selection) = selection(scene, interactions, kind, i) {
+                        selections[i - start] = selection;
+                    }
+                }
+                for choice in &mut *choices {
+                    let (light, probability) = (&mut choice.light[start..end], &mut choice.probability[start..end]);
+                    Selection::sample_each(&selections, light, probability);
+                }
+            }
+        },
+    );
+}
+
+/// The selection of lights for an interaction, if there is a tree.
+#[inline(always)]
+fn selection<'a>(scene: &'a PreparedScene, interactions: &Interactions, kind: Kind, i: usize) -> Option<Selection<'a>> {
+    scene.lights.selection(at(&interactions.origin, i), kind.one_sided(at(&interactions.ns, i)))
+}
+
+fn copy(from: &Lane3, count: usize, to: &mut Lane3) {
+    for (from, to) in from.iter().zip(to) {
+        to[..count].copy_from_slice(&from[..count]);
+    }
+}
+
+/// Directs the rays from diffuse surfaces towards light samples, `n` for each: beta / π · cos · light.
+fn diffuse_shadow_rays(
+    step: Step,
+    interactions: &Interactions,
+    samples: &LightSampleLanes,
+    n: u32,
+    out: &mut ShadowRays,
+) {
+    let (count, n) = (interactions.count, n as f32);
+    copy(&samples.wi, count, &mut out.ray.direction);
+    let [r, g, b] = &mut out.value;
+    fill(
+        step.scene.arch,
+        count,
+        [r, g, b, &mut out.t_max],
+        #[inline(always)]
+        move |i| {
+            let wi = at(&samples.wi, i);
+            let cos = at(&interactions.ns, i).dot(wi).max(0.0);
+            // What the shading normal would let through the surface is black.
+            let cos = if at(&interactions.n, i).dot(wi) > 0.0 { cos } else { 0.0 };
+            let by_bsdf = cos * FRAC_1_PI;
+            let share = balance_heuristic(n * samples.pdf[i], [by_bsdf, 0.0]);
+            let value = at(&interactions.beta, i) * at(&samples.weight, i) * (by_bsdf * share / n);
+            let t_max = if value == Rgb::ZERO { 0.0 } else { samples.limit[i] };
+            [value.x, value.y, value.z, t_max]
+        },
+    );
+}
+
+/// Rays from any other surface towards light samples, `n` for each, except black ones.
+fn any_shadow_rays(
+    step: Step,
+    material: Material,
+    (interactions, frames): (&Interactions, &ShadingFrames),
+    samples: &LightSampleLanes,
+    n: u32,
+    scattered: &mut Scattered,
+    out: &mut ShadowRays,
+) {
+    let (scene, count, n) = (step.scene, interactions.count, n as f32);
+    fill(
+        scene.arch,
+        count,
+        scattered.wi.each_mut(),
+        #[inline(always)]
+        move |i| frames.frame(interactions, i).to_local(at(&samples.wi, i)).to_array(),
+    );
+    eval_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
+    if step.needs_reverse_pdf(&material.shader.bsdf) {
+        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
+    }
+    out.count = 0;
+    for i in 0..count {
+        let (wi, local, surface) = (at(&samples.wi, i), at(&scattered.wi, i), &frames.surface[i]);
+        let (f, pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
+        let value = at(&interactions.beta, i) * f * at(&samples.weight, i) * (local.z.abs() / n);
+        // Skip black samples, and those on whose side the normals disagree.
+        if !(value.max_element() > 0.0 && surface.normal.dot(wi) * local.z > 0.0) {
+            continue;
+        }
+        let by_light_tracing = if interactions.light_tracing[i] > 0.0 && step.depth > 0 {
+            let emission = emission_density(scene, frames, samples, i);
+            let reverse_pdf = || scattered.reverse_pdf[i];
+            light_tracing_ratio(step, interactions, frames, i, (wi, 1.0), reverse_pdf) * emission
+        } else {
+            0.0
+        };
+        let ray = Ray { origin: surface.ray_origin(wi), direction: wi };
+        let (light, density) = (samples.light[i], n * samples.pdf[i]);
+        let seen = match light != NOTHING && local.z * frames.local_wo[2][i] < 0.0 {
+            true => from_other_side(scene, light, ray, [samples.distance[i], density]),
+            false => Some([samples.limit[i], density]),
+        };
+        let Some([t_max, density]) = seen else { continue };
+        let value = value * balance_heuristic(density, [pdf, by_light_tracing]);
+        let (slot, path_class) = (interactions.slot[i], interactions.path_class[i]);
+        out.push(ShadowRay { ray, t_max, value, slot, path_class });
     }
 }
 
 /// The length of the shadow ray and the density of a light sample, whose distance and density from the viewer's side of a surface are
 /// `sampled`, for the ray that leaves its other side; `None` if the light cannot be seen from there. A BSDF sample on that ray is
 /// weighted by the same density.
-fn from_other_side(scene: &PreparedScene, light: u32, ray: [Vec3; 2], sampled: [f32; 2]) -> Option<[f32; 2]> {
+fn from_other_side(scene: &PreparedScene, light: u32, ray: Ray, sampled: [f32; 2]) -> Option<[f32; 2]> {
     let [distance, density] = sampled;
     let distance = scene.lights.all[light as usize].ahead(ray, distance)?;
     let is_weighted = density.is_finite();
-    let limit = scene.shadow_limit(light, ray, distance);
-    Some([limit, if is_weighted { scene.lights.density(light, ray[0], None) } else { density }])
+    let t_max = scene.shadow_limit(light, ray, distance);
+    Some([t_max, if is_weighted { scene.lights.density(light, ray.origin, None) } else { density }])
 }
 
 /// What the light of sample `i` contributes to the density of light tracing.
-fn emission_density(scene: &PreparedScene, vertex: &Vertex, samples: &LightSampleLanes, i: usize) -> f32 {
+fn emission_density(scene: &PreparedScene, frames: &ShadingFrames, samples: &LightSampleLanes, i: usize) -> f32 {
     let Some(tracing) = &scene.light_tracing else { return 0.0 };
-    let wi = at(&samples.wi, i);
+    let (position, wi) = (frames.surface[i].position, at(&samples.wi, i));
     match samples.light[i] {
-        NOTHING => scene.density_of_light_paths(vertex.surface.position, wi),
+        NOTHING => scene.density_of_light_paths(position, wi),
         light => {
-            let place = vertex.surface.position + wi * samples.distance[i];
+            let place = position + wi * samples.distance[i];
             let cos = scene.lights.all[light as usize].cos_at(place, wi);
             tracing.density(&scene.lights, light, place, -wi, cos)
         }
     }
 }
 
-/// Traces the rays of a source and adds their values where they find its light.
-fn add_light(scene: &PreparedScene, source: Source, shadows: &Shadows, hits: &mut Hits, radiance: &mut Radiance) {
-    radiance.work.rays += shadows.count;
-    if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
-        radiance.work.choices += shadows.count;
-    }
-    match source {
-        Source::Lights(..) | Source::Environment => add_unoccluded(scene, shadows, radiance),
-        Source::BsdfOnly(_) => add_emission_found(scene, shadows, hits, radiance),
-    }
-}
-
 /// Traces shadow rays and adds the values of those that are not occluded.
-fn add_unoccluded(scene: &PreparedScene, shadows: &Shadows, radiance: &mut Radiance) {
+fn trace_shadow_rays(scene: &PreparedScene, rays: &ShadowRays, radiance: &mut Radiance) {
     let mut blocked = [0; LANES];
     if scene.needs.occlusion {
-        scene.geometry.occluded(&shadows.rays, shadows.count, &shadows.limit, &mut blocked);
+        scene.geometry.occluded(&rays.ray, rays.count, &rays.t_max, &mut blocked);
     }
-    for i in 0..shadows.count {
-        if blocked[i] == 0 {
-            radiance.add(shadows.slot[i], shadows.path_class[i], at(&shadows.value, i));
-        }
+    for i in (0..rays.count).filter(|&i| blocked[i] == 0) {
+        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.value, i));
     }
 }
 
 /// Traces rays and adds the emission that they find, times their values.
-fn add_emission_found(scene: &PreparedScene, shadows: &Shadows, hits: &mut Hits, radiance: &mut Radiance) {
-    scene.geometry.nearest(&shadows.rays, shadows.count, hits);
-    for i in 0..shadows.count {
-        let direction = at(&shadows.rays.direction, i);
-        let emitted = match hits.object[i] {
-            NOTHING => scene.environment_radiance(direction),
-            object => {
-                let shader = &scene.shaders[object as usize];
-                // Emission that only the camera sees lights nothing.
-                if shader.emission.is_none_or(|emission| emission.visibility == EmitterVisibility::CameraOnly) {
-                    continue;
-                }
-                shader.emitted(scene.geometry.surface(&shadows.rays, hits, i).normal, direction)
-            }
+fn trace_to_emitters(scene: &PreparedScene, rays: &ShadowRays, hits: &mut Hits, radiance: &mut Radiance) {
+    scene.geometry.nearest(&rays.ray, rays.count, hits);
+    for i in 0..rays.count {
+        let direction = rays.ray.at(i).direction;
+        let emitted = match scene.shaders.get(hits.object[i] as usize) {
+            None => scene.environment_radiance(direction),
+            // Emission that only the camera sees lights nothing.
+            Some(shader) if shader.emission.is_none_or(|e| e.visibility == EmitterVisibility::CameraOnly) => continue,
+            Some(shader) => shader.emitted(scene.geometry.surface(&rays.ray, hits, i).normal, direction),
         };
-        radiance.add(shadows.slot[i], shadows.path_class[i], at(&shadows.value, i) * emitted);
+        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.value, i) * emitted);
     }
 }

@@ -2,70 +2,66 @@
 //!
 //! The MIS weights mirror those of the camera paths: see [`crate::light_tracing`].
 
-use super::general::groups;
-use super::paths::Step;
-use super::rough::{self, Bsdfs, Scattered};
+use super::bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
+use super::state::{Interaction, Interactions, ShadingFrames};
+use super::surfaces::{ByMaterial, Material, shading_frame};
 use crate::film::{PathClass, Splat};
 use crate::geometry::Surface;
-use crate::lanes::{Hits, LANES, Lane, Lane3, Rays, ZERO3, at, set};
+use crate::lanes::{Hits, LANES, Lane, Lane3, Ray, Rays, Rows, ZERO3, at, lanes, plain_items, set};
 use crate::lens::{Lens, View};
-use crate::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_ratio, projected};
+use crate::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_ratio};
 use crate::lights::SHORT;
-use crate::prepared::{Dimensions, PreparedScene};
-use crate::sample_lanes::SampleLanes;
-use crate::shaders::{Kind, SurfaceShader, adjoint_factor, is_sound};
+use crate::prepared::PreparedScene;
+use crate::ray_samples::{RaySamples, Streams, SubSample};
+use crate::shaders::{Kind, SurfaceShader, adjoint_factor};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
-use etalon_core::math::{Frame, Rgb};
-use glam::{Vec2, Vec3};
+use etalon_core::math::Rgb;
+use glam::Vec3;
 
-/// A light path in flight. Its ray is in [`LightPathBuffers`].
-#[derive(Clone, Copy)]
-struct LightPath {
-    /// Power that it carries.
-    power: Rgb,
-    last: LastVertex,
-    /// The slot of its random numbers.
-    slot: u32,
-    /// The kinds of scattering so far.
-    path_class: PathClass,
+lanes! {
+    /// Light paths in flight: the ray of each, and what it carries.
+    pub struct LightPaths of LightPath {
+        ray: Ray,
+        power: Rgb,
+        previous: PreviousOfLight,
+        /// The slot of its random numbers.
+        slot: u32,
+        /// The kinds of scattering so far.
+        path_class: PathClass,
+    }
 }
 
-/// What the MIS weight needs of the path up to its last vertex.
+/// The vertex before a ray of a light path, as far as the MIS weight needs it.
 #[derive(Clone, Copy)]
-enum LastVertex {
-    /// It has just left a light (`None`: the environment), with this density.
+pub enum PreviousOfLight {
+    /// It is on a light (`None`: the environment), with this density.
     Light { light: Option<u32>, density: f32 },
     /// Σ density of another technique / density of light tracing, without the factors of the vertices to come.
-    Scattering { others: f32 },
+    Surface { others: f32 },
 }
+
+plain_items! { PreviousOfLight = PreviousOfLight::Surface { others: 0.0 } }
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]
 pub struct LightPathBuffers {
-    paths: Vec<LightPath>,
-    rays: Box<Rays>,
+    paths: Box<LightPaths>,
+    next: Box<LightPaths>,
     hits: Box<Hits>,
-    vertices: Vec<Vertex>,
+    by_material: ByMaterial,
+    vertices: Box<Vertices>,
+    scattered: Box<Scattered>,
     views: Vec<(usize, View)>,
-    local: Box<Local>,
     connections: Connections,
     /// The BSDFs of vertices on an object with textures.
     varying: Vec<Bsdf>,
-    /// How many rays were traced.
-    pub traced: usize,
 }
 
-/// Directions at the vertices on one object, in their shading frames.
-struct Local {
-    /// Where the BSDF is sampled or evaluated for.
-    wo: Lane3,
-    scattered: Scattered,
-}
-
-impl Default for Local {
-    fn default() -> Self {
-        Self { wo: ZERO3, scattered: Scattered::default() }
-    }
+/// Points where light paths have hit one object.
+#[derive(Default)]
+struct Vertices {
+    interactions: Interactions,
+    frames: ShadingFrames,
 }
 
 /// Light that reaches the camera at a film position.
@@ -96,121 +92,121 @@ impl Default for Connections {
 }
 
 /// Traces a light path for each of the first `count` slots and appends its contributions, which stand for
-/// [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel, to `splats`.
+/// [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel, to `splats`. Returns how many rays it has traced.
 pub fn trace_light_paths(
     scene: &PreparedScene,
     lens: &Lens,
-    (numbers, count): (&SampleLanes, usize),
+    (streams, count): (&Streams, usize),
     buffers: &mut LightPathBuffers,
     splats: &mut Vec<Splat>,
-) {
-    let Some(tracing) = &scene.light_tracing else { return };
-    let LightPathBuffers { paths, rays, hits, vertices, views, local, connections, varying, traced } = buffers;
-    start(scene, tracing, (numbers, count), paths, rays);
+) -> usize {
+    let Some(tracing) = &scene.light_tracing else { return 0 };
+    let LightPathBuffers { paths, next, hits, by_material, vertices, scattered, views, connections, varying } = buffers;
+    start(scene, tracing, (streams, count), paths);
+    let mut traced = 0;
     for scatterings in 0..scene.request.max_depth {
-        if paths.is_empty() {
-            return;
+        if paths.count == 0 {
+            break;
         }
-        scene.geometry.nearest(rays, paths.len(), hits);
-        *traced += paths.len();
-        let step = Step { scene, numbers, scatterings };
-        vertices.clear();
-        vertices.extend((0..paths.len()).filter_map(|i| Vertex::new(scene, rays, hits, i, paths[i])));
-        paths.clear();
-        for group in groups(vertices, |vertex| vertex.object) {
-            let shader = &scene.shaders[group[0].object as usize];
+        scene.geometry.nearest(&paths.ray, paths.count, hits);
+        traced += paths.count;
+        let samples = RaySamples::of_light_paths(streams, scatterings + 1);
+        next.count = 0;
+        // Light paths start towards surfaces that are not diffuse.
+        let object = |i: usize, shader: &SurfaceShader| {
+            let is_start = matches!(paths.previous[i], PreviousOfLight::Light { .. }) && shader.kind.is_diffuse();
+            (shader.bsdf.is_reciprocal() && !is_start).then_some(hits.object[i])
+        };
+        for group in by_material.sort(scene, hits, paths.count, object) {
+            let shader = vertices.evaluate(scene, paths, hits, group);
             if scatterings > 0 && shader.kind != Kind::Delta {
-                connect(scene, lens, shader, group, (views, local, varying), connections);
+                connect(scene, lens, shader, (paths, vertices), (views, scattered, varying), connections);
             }
-            let bsdfs = Bsdfs::of(shader, group.iter().map(|vertex| vertex.uv), varying);
-            scatter(step, (shader, bsdfs), group, local, (paths, rays));
+            let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
+            scatter(scene, samples, Material { shader, bsdfs }, (paths, vertices), scattered, next);
         }
-        *traced += connections.contributions.len();
+        traced += connections.contributions.len();
         connections.splat(scene, lens, splats);
+        std::mem::swap(paths, next);
     }
-    paths.clear();
+    traced
 }
 
 /// Starts the light paths.
-fn start(
-    scene: &PreparedScene,
-    tracing: &LightTracing,
-    (numbers, count): (&SampleLanes, usize),
-    paths: &mut Vec<LightPath>,
-    rays: &mut Rays,
-) {
-    let dimensions = Dimensions::of_light_paths(0);
-    paths.clear();
+fn start(scene: &PreparedScene, tracing: &LightTracing, (streams, count): (&Streams, usize), paths: &mut LightPaths) {
+    let samples = RaySamples::of_light_paths(streams, 0);
+    paths.count = 0;
     for slot in 0..count as u32 {
-        let pair = |dimension| numbers.pair(slot, dimension, (0, 1));
-        let u = [dimensions.choice(), dimensions.bsdf_direct(), dimensions.bsdf()].map(pair);
+        let u = [samples.choice, samples.direct, samples.bsdf].map(|numbers| numbers.pair(slot, SubSample::ONLY));
         let Some(start) = tracing.start(&scene.lights, scene.environment.as_deref(), u) else { continue };
         let offset = |light: u32| scene.lights.all[light as usize].offset(start.origin);
         let offset = start.light.map_or(0.0, offset).copysign(start.normal.dot(start.direction));
-        set(&mut rays.origin, paths.len(), start.origin + start.normal * offset);
-        set(&mut rays.direction, paths.len(), start.direction);
         paths.push(LightPath {
+            ray: Ray { origin: start.origin + start.normal * offset, direction: start.direction },
             power: start.power * SAMPLES_PER_LIGHT_PATH as f32,
-            last: LastVertex::Light { light: start.light, density: start.density },
+            previous: PreviousOfLight::Light { light: start.light, density: start.density },
             slot,
             path_class: PathClass::DIRECT,
         });
     }
 }
 
-/// A point where a light path has hit a surface.
-#[derive(Clone, Copy)]
-struct Vertex {
-    path: LightPath,
-    object: u32,
-    surface: Surface,
-    frame: Frame,
-    /// Texture coordinates, if the material has textures.
-    uv: Vec2,
-    /// To the last vertex.
-    wo: Vec3,
-}
-
-impl Vertex {
-    /// The vertex, if light is scattered there.
-    fn new(scene: &PreparedScene, rays: &Rays, hits: &Hits, i: usize, path: LightPath) -> Option<Self> {
-        let object = hits.object[i];
-        let shader = scene.shaders.get(object as usize)?;
-        let from_light = matches!(path.last, LastVertex::Light { .. });
-        // Light paths start towards surfaces that are not diffuse.
-        if shader.kind == Kind::Black || !shader.bsdf.is_reciprocal() || from_light && shader.kind.is_diffuse() {
-            return None;
+impl Vertices {
+    /// Evaluates the surfaces that these paths, all on one object, have hit, where both normals agree about the light.
+    fn evaluate<'a>(
+        &mut self,
+        scene: &'a PreparedScene,
+        paths: &LightPaths,
+        hits: &Hits,
+        group: &[u32],
+    ) -> &'a SurfaceShader {
+        let shader = &scene.shaders[hits.object[group[0] as usize] as usize];
+        (self.interactions.count, self.frames.count) = (0, 0);
+        for &path in group {
+            let i = path as usize;
+            let (frame, ns) = shading_frame(scene, shader, &paths.ray, hits, i);
+            let (n, origin) = (frame.surface.normal, frame.surface.position);
+            let (slot, beta) = (paths.slot[i], at(&paths.power, i));
+            self.frames.push(frame);
+            if self.frames.is_sound(self.frames.count - 1, frame.wo) {
+                let path_class = paths.path_class[i].then(false);
+                self.interactions.push(Interaction { path, slot, n, ns, origin, beta, path_class, light_tracing: 0.0 });
+            } else {
+                self.frames.count -= 1;
+            }
         }
-        let wo = -at(&rays.direction, i);
-        let surface = scene.geometry.surface(rays, hits, i);
-        let surface = shader.facing(surface, wo);
-        let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
-        let uv = scene.uv(hits, i, surface.position);
-        is_sound([surface.normal, surface.shading], wo).then_some(Self { path, object, surface, frame, uv, wo })
+        shader
     }
 
-    /// The pdf per projected solid angle of a direction.
-    fn projected(&self, w: Vec3, pdf: f32) -> f32 {
-        projected([self.surface.normal, self.surface.shading], w, pdf)
+    fn surface(&self, i: usize) -> &Surface {
+        &self.frames.surface[i]
     }
 
     /// Whether light goes on in direction `wi`: the normals must agree.
-    fn reaches(&self, wi: Vec3) -> bool {
-        let normals = [self.surface.normal, self.surface.shading];
-        normals[0].dot(wi) * self.frame.z.dot(wi) > 0.0 && is_sound(normals, wi)
+    fn reaches(&self, i: usize, wi: Vec3) -> bool {
+        let [n, ns] = [&self.interactions.n, &self.interactions.ns].map(|normal| at(normal, i).dot(wi));
+        n * ns > 0.0 && self.frames.is_sound(i, wi)
     }
 
     /// The densities of the techniques of camera paths, summed, over that of light tracing, at a vertex that
-    /// continues in direction `wi` with this pdf; `reverse_pdf` is that of a camera path's direction to the last vertex.
-    fn others(&self, scene: &PreparedScene, kind: Kind, wi: Vec3, pdf: f32, reverse_pdf: f32) -> f32 {
-        let ratio = self.projected(self.wo, 1.0) / self.projected(wi, pdf);
-        match self.path.last {
-            LastVertex::Scattering { others } => others * ratio * reverse_pdf,
-            LastVertex::Light { light, density } => {
-                let normal = self.frame.z;
+    /// continues in direction `wi` with this pdf; `reverse_pdf` is that of a camera path's direction to the vertex before.
+    fn others(
+        &self,
+        scene: &PreparedScene,
+        (paths, kind): (&LightPaths, Kind),
+        i: usize,
+        (wi, pdf): (Vec3, f32),
+        reverse_pdf: f32,
+    ) -> f32 {
+        let wo = at(&self.frames.wo, i);
+        let ratio = self.frames.projected(i, wo, 1.0) / self.frames.projected(i, wi, pdf);
+        match paths.previous[self.interactions.path[i] as usize] {
+            PreviousOfLight::Surface { others } => others * ratio * reverse_pdf,
+            PreviousOfLight::Light { light, density } => {
+                let normal = at(&self.interactions.ns, i);
                 let by_light = match light {
-                    Some(light) => scene.lights.density(light, self.surface.position, kind.one_sided(normal)),
-                    None => scene.environment_density(self.wo, normal, kind),
+                    Some(light) => scene.lights.density(light, self.surface(i).position, kind.one_sided(normal)),
+                    None => scene.environment_density(wo, normal, kind),
                 };
                 ratio / density * (reverse_pdf + by_light)
             }
@@ -223,41 +219,45 @@ fn connect(
     scene: &PreparedScene,
     lens: &Lens,
     shader: &SurfaceShader,
-    vertices: &[Vertex],
-    (views, local, varying): (&mut Vec<(usize, View)>, &mut Local, &mut Vec<Bsdf>),
+    (paths, vertices): (&LightPaths, &Vertices),
+    (views, scattered, varying): (&mut Vec<(usize, View)>, &mut Scattered, &mut Vec<Bsdf>),
     connections: &mut Connections,
 ) {
-    let Local { wo, scattered } = local;
     // Evaluate the BSDF and its pdf for a camera path, which comes from the camera.
+    let Vertices { interactions, frames } = vertices;
+    let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
     views.clear();
-    for (number, vertex) in vertices.iter().enumerate() {
-        if let Some(view) = lens.project(vertex.surface.position).filter(|view| vertex.reaches(view.direction)) {
-            set(wo, views.len(), vertex.frame.to_local(view.direction));
-            set(&mut scattered.wi, views.len(), vertex.frame.to_local(vertex.wo));
-            views.push((number, view));
+    for i in 0..interactions.count {
+        let view = lens.project(frames.surface[i].position).filter(|view| vertices.reaches(i, view.direction));
+        if let Some(view) = view {
+            set(&mut wo, views.len(), frames.frame(interactions, i).to_local(view.direction));
+            set(&mut scattered.wi, views.len(), at(&frames.local_wo, i));
+            uv.push(frames.uv[i]);
+            views.push((i, view));
         }
     }
-    let bsdfs = Bsdfs::of(shader, views.iter().map(|&(number, _)| vertices[number].uv), varying);
-    rough::eval_many(scene.arch, bsdfs, wo, views.len(), scattered);
-    for (i, (number, view)) in views.drain(..).enumerate() {
-        let (f, reverse_pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
+    let bsdfs = Bsdfs::of(shader, &uv, varying);
+    eval_many(scene.arch, bsdfs, &wo, views.len(), scattered);
+    for (k, (i, view)) in views.drain(..).enumerate() {
+        let (f, reverse_pdf) = (at(&scattered.weight, k), scattered.pdf[k]);
         if f == Rgb::ZERO {
             continue;
         }
         // Weight the path by MIS.
-        let (vertex, wi) = (&vertices[number], view.direction);
-        let area = lens.area_at(vertex.surface.position);
-        let others = vertex.others(scene, shader.kind, wi, 1.0, reverse_pdf) / LightTracing::from_camera(area);
-        let factor = adjoint_factor(&vertex.surface, vertex.wo, wi) * at(wo, i).z.abs() / area;
-        let path_class = vertex.path.path_class.then(false).reversed();
+        let (surface, wi) = (vertices.surface(i), view.direction);
+        let area = lens.area_at(surface.position);
+        let others = vertices.others(scene, (paths, shader.kind), i, (wi, 1.0), reverse_pdf);
+        let others = others / LightTracing::from_camera(area);
+        let factor = adjoint_factor(surface, at(&frames.wo, i), wi) * at(&wo, k).z.abs() / area;
+        let path_class = interactions.path_class[i].reversed();
         connections.push(
-            [vertex.surface.ray_origin(wi), wi],
+            Ray { origin: surface.ray_origin(wi), direction: wi },
             view.distance * SHORT,
             Contribution {
-                slot: vertex.path.slot,
+                slot: interactions.slot[i],
                 film: view.film,
                 class: scene.classes.map_or(0, |classes| classes.index(path_class)),
-                value: vertex.path.power * f * (factor / (1.0 + others)),
+                value: at(&interactions.beta, i) * f * (factor / (1.0 + others)),
                 others,
             },
         );
@@ -266,73 +266,65 @@ fn connect(
 
 /// Samples the directions in which the paths continue at vertices on one object.
 fn scatter(
-    step: Step,
-    (shader, bsdfs): (&SurfaceShader, Bsdfs),
-    vertices: &[Vertex],
-    local: &mut Local,
-    (paths, rays): (&mut Vec<LightPath>, &mut Rays),
+    scene: &PreparedScene,
+    samples: RaySamples,
+    material: Material,
+    (paths, vertices): (&LightPaths, &Vertices),
+    scattered: &mut Scattered,
+    next: &mut LightPaths,
 ) {
-    let Step { scene, numbers, scatterings } = step;
-    let Local { wo, scattered } = local;
-    let dimensions = Dimensions::of_light_paths(scatterings + 1);
-    let (mut choice, mut u, mut slots) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [0; LANES]);
-    for (i, vertex) in vertices.iter().enumerate() {
-        set(wo, i, vertex.frame.to_local(vertex.wo));
-        slots[i] = vertex.path.slot;
-    }
-    numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.bsdf(), (0, 1), &mut u);
-    numbers.fill(scene.arch, &slots[..vertices.len()], dimensions.choice(), (0, 1), &mut choice);
-    let random = (&choice[0], &u);
-    let is_sampled = rough::sample_many(scene.arch, bsdfs, wo, random, vertices.len(), scattered);
+    let Vertices { interactions, frames } = vertices;
+    let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
+    let u = samples.bsdf.lanes(slots, SubSample::ONLY);
+    let [choice, roulette] = samples.choice.lanes(slots, SubSample::ONLY);
+    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, (&choice, &u), count, scattered);
     if is_sampled {
-        rough::reverse_pdf_many(scene.arch, bsdfs, wo, vertices.len(), scattered);
+        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     }
-    for (i, vertex) in vertices.iter().enumerate() {
-        let (slot, bsdf) = (vertex.path.slot, bsdfs.at(i));
-        let [uc, roulette] = [choice[0][i], choice[1][i]];
+    for i in 0..count {
+        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.path[i] as usize);
         let sample = if is_sampled {
             scattered.sample(i).map(BsdfSample::adjoint)
         } else {
-            bsdf.sample_adjoint(at(wo, i), uc, [u[0][i], u[1][i]])
+            bsdf.sample_adjoint(local_wo, choice[i], [u[0][i], u[1][i]])
         };
         let Some(sample) = sample else { continue };
-        let wi = vertex.frame.to_world(sample.wi);
-        if sample.weight == Rgb::ZERO || !vertex.reaches(wi) {
+        let wi = frames.frame(interactions, i).to_world(sample.wi);
+        if sample.weight == Rgb::ZERO || !vertices.reaches(i, wi) {
             continue;
         }
         let others = if sample.is_delta() {
             let ratio = delta_ratio(bsdf, &sample);
-            match vertex.path.last {
-                LastVertex::Scattering { others } => others * ratio,
-                LastVertex::Light { density, .. } => ratio / density,
+            match paths.previous[path] {
+                PreviousOfLight::Surface { others } => others * ratio,
+                PreviousOfLight::Light { density, .. } => ratio / density,
             }
         } else {
-            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, at(wo, i)) };
-            vertex.others(scene, shader.kind, wi, sample.pdf, reverse_pdf)
+            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
+            vertices.others(scene, (paths, material.kind()), i, (wi, sample.pdf), reverse_pdf)
         };
-        let power = vertex.path.power * sample.weight * adjoint_factor(&vertex.surface, vertex.wo, wi);
+        let factor = adjoint_factor(vertices.surface(i), at(&frames.wo, i), wi);
+        let power = at(&interactions.beta, i) * sample.weight * factor;
         // Russian roulette by the weight of this scattering, which keeps the power of a path
         let survival = sample.weight.max_element().min(1.0);
-        if roulette >= survival {
+        if roulette[i] >= survival {
             continue;
         }
-        set(&mut rays.origin, paths.len(), vertex.surface.ray_origin(wi));
-        set(&mut rays.direction, paths.len(), wi);
-        paths.push(LightPath {
+        next.push(LightPath {
+            ray: Ray { origin: vertices.surface(i).ray_origin(wi), direction: wi },
             power: power / survival,
-            last: LastVertex::Scattering { others },
-            slot,
-            path_class: vertex.path.path_class.then(sample.is_delta()),
+            previous: PreviousOfLight::Surface { others },
+            slot: interactions.slot[i],
+            path_class: if sample.is_delta() { paths.path_class[path].then(true) } else { interactions.path_class[i] },
         });
     }
 }
 
 impl Connections {
     /// Adds a ray to the camera.
-    fn push(&mut self, [origin, direction]: [Vec3; 2], limit: f32, contribution: Contribution) {
+    fn push(&mut self, ray: Ray, limit: f32, contribution: Contribution) {
         let i = self.contributions.len();
-        set(&mut self.rays.origin, i, origin);
-        set(&mut self.rays.direction, i, direction);
+        self.rays.set(i, ray);
         self.limits[i] = limit;
         self.contributions.push(contribution);
     }

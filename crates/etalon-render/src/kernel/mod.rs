@@ -1,208 +1,176 @@
 //! The path tracer in lanes: the algorithm of [`super::reference`], for [`LANES`] paths at once.
 //!
-//! The paths take one step together: all rays are traced, emission is added, and the hits are sorted by
-//! the kind of their BSDF, so that diffuse and rough surfaces are shaded in loops that the compiler vectorizes. Every random
-//! number is a function of its pixel, sample and dimension, so the radiance of a path has the same bits whichever paths share
-//! its batch.
+//! The paths take one step together, stage by stage, as in a wavefront path tracer: intersect the rays with the scene; add the
+//! light of those that escape and of the emitters that are hit; and for the interactions with each material sample direct light,
+//! trace shadow rays, and sample the BSDF, whose directions are the rays of the next step. Loops over the paths of a stage
+//! vectorize. Every random number is a function of its pixel, sample and purpose, so the radiance of a path has the same bits
+//! whichever paths share its batch.
+//!
+//! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, chapter 15 (the stages of the wavefront
+//! integrator).
 
-mod diffuse;
+mod bsdf;
 mod direct;
-mod general;
 mod light_paths;
-mod light_samples;
-mod paths;
-mod rough;
+mod scatter;
+mod state;
+mod surfaces;
 
-pub use diffuse::ExtendPaths;
+pub use bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 pub use light_paths::{LightPathBuffers, trace_light_paths};
-pub use paths::{Paths, Points};
-pub use paths::{Radiance, Work};
-pub use rough::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
+pub use scatter::sample_cosine_hemisphere;
+pub use state::{Radiance, Work};
 
-use super::departure::{Departure, EmitterHit};
 use super::film::PathClass;
-use super::lanes::{Hits, LANES, NOTHING, at, set};
+use super::lanes::{Hits, LANES, NOTHING, Rows, at, set};
 use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
-use super::sample_lanes::SampleLanes;
-use super::shaders::Kind;
-use direct::DirectLight;
+use super::previous::{EmitterHit, PreviousVertex};
+use super::ray_samples::{Streams, SubSample};
+use super::shaders::{Kind, SurfaceShader};
+use direct::{DirectLight, sample_direct_light};
 use etalon_core::bsdf::Bsdf;
-use paths::{Step, Vertex};
+use scatter::sample_bsdf;
+use state::{Interactions, PathRays, ShadingFrames, Step};
+use surfaces::{ByMaterial, evaluate};
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]
 pub struct Buffers {
-    paths: Box<Paths>,
-    next: Box<Paths>,
+    rays: Box<PathRays>,
+    next: Box<PathRays>,
     hits: Box<Hits>,
-    sorted: Sorted,
+    by_material: ByMaterial,
+    interactions: Box<Interactions>,
+    frames: Box<ShadingFrames>,
     scattered: Box<Scattered>,
     direct: DirectLight,
-    /// The BSDFs of hits on an object with textures.
+    /// The BSDFs of interactions with an object that has textures.
     varying: Vec<Bsdf>,
 }
 
-/// The hits of a step by the kind of their BSDF.
-#[derive(Default)]
-struct Sorted {
-    diffuse: Box<Points>,
-    /// Indices of paths.
-    delta: Vec<u32>,
-    general: Vec<Vertex>,
+/// The pixels of camera samples: of each slot the column, all in one row.
+#[derive(Clone, Copy)]
+pub struct Pixels<'a> {
+    pub columns: &'a [u32; LANES],
+    pub row: u32,
+    /// Slots in use.
+    pub count: usize,
 }
 
-/// Traces the camera samples in the first `count` slots, which belong to row `y` of the film and to these columns of it.
+/// Traces the camera samples of these pixels.
 pub fn trace(
     scene: &PreparedScene,
     lens: &Lens,
-    (columns, y, count): (&[u32; LANES], u32, usize),
-    numbers: &SampleLanes,
+    pixels: Pixels,
+    streams: &Streams,
     buffers: &mut Buffers,
     radiance: &mut Radiance,
 ) {
-    let Buffers { paths, next, hits, sorted, scattered, direct, varying } = buffers;
-    radiance.clear(count);
-    start(scene, lens, (columns, y, count), numbers, paths);
-    for scatterings in 0..=scene.request.max_depth {
-        if paths.count == 0 {
+    let Buffers { rays, next, hits, by_material, interactions, frames, scattered, direct, varying } = buffers;
+    radiance.clear(pixels.count);
+    generate_camera_rays(scene, lens, pixels, streams, rays);
+    for depth in 0..=scene.request.max_depth {
+        if rays.count == 0 {
             break;
         }
-        scene.geometry.nearest(&paths.rays, paths.count, hits);
-        radiance.work.rays += paths.count;
-        add_emission(scene, paths, hits, radiance);
-        if scatterings == scene.request.max_depth {
+        scene.geometry.nearest(&rays.ray, rays.count, hits);
+        radiance.work.rays += rays.count;
+        add_escaped_rays(scene, rays, hits, radiance);
+        add_emissive_intersections(scene, rays, hits, radiance);
+        if depth == scene.request.max_depth {
             break;
         }
-        if scatterings == 0 && scene.light_tracing.is_some() {
-            begin_light_tracing(scene, lens, hits, paths);
+        if depth == 0 && scene.light_tracing.is_some() {
+            begin_light_tracing(scene, lens, hits, rays);
         }
-        sort(scene, scatterings == 0, paths, hits, sorted);
-        // Add direct light and sample the next directions, kind by kind.
-        let step = Step { scene, numbers, scatterings };
+        let step = Step { scene, samples: scene.ray_samples(streams, depth), depth };
         next.count = 0;
-        if sorted.diffuse.count > 0 {
-            direct::light_diffuse(step, &sorted.diffuse, direct, radiance);
-            diffuse::extend(step, &sorted.diffuse, next);
+        // Diffuse surfaces of any object are one material.
+        let number =
+            |i: usize, shader: &SurfaceShader| Some(if shader.kind.is_diffuse() { NOTHING } else { hits.object[i] });
+        for group in by_material.sort(scene, hits, rays.count, number) {
+            let material = evaluate(step, rays, hits, group, (interactions, frames), varying);
+            if material.kind() != Kind::Delta {
+                sample_direct_light(step, material, (interactions, frames), direct, radiance);
+            }
+            sample_bsdf(step, material, rays, (interactions, frames), scattered, next);
         }
-        if !sorted.delta.is_empty() {
-            general::extend_delta(step, paths, hits, &sorted.delta, next);
+        if depth >= ROULETTE_AFTER {
+            russian_roulette(step, next);
         }
-        for group in general::groups(&mut sorted.general, |vertex| vertex.object) {
-            let shader = &scene.shaders[group[0].object as usize];
-            let bsdfs = Bsdfs::of(shader, group.iter().map(|vertex| vertex.uv), varying);
-            direct::light_general(step, group, (shader, bsdfs), direct, radiance);
-            general::extend(step, group, (shader, bsdfs), scattered, next);
-        }
-        roulette(step, next);
-        std::mem::swap(paths, next);
+        std::mem::swap(rays, next);
     }
 }
 
-/// Generates the camera rays.
-fn start(
-    scene: &PreparedScene,
-    lens: &Lens,
-    (columns, y, count): (&[u32; LANES], u32, usize),
-    numbers: &SampleLanes,
-    paths: &mut Paths,
-) {
-    let mut u = [[0.0; LANES]; 2];
-    paths.count = count;
-    for (slot, number) in paths.slot[..count].iter_mut().zip(0..) {
+fn generate_camera_rays(scene: &PreparedScene, lens: &Lens, pixels: Pixels, streams: &Streams, rays: &mut PathRays) {
+    let Pixels { columns, row, count } = pixels;
+    rays.count = count;
+    for (slot, number) in rays.slot[..count].iter_mut().zip(0..) {
         *slot = number;
     }
-    numbers.fill(scene.arch, &paths.slot[..count], 0, (0, 1), &mut u);
-    lens.rays(scene.arch, columns, y, &u, count, &mut paths.rays);
-    for channel in &mut paths.throughput {
+    let u = streams.film().lanes(&rays.slot[..count], SubSample::ONLY);
+    lens.rays(scene.arch, columns, row, &u, count, &mut rays.ray);
+    for channel in &mut rays.beta {
         channel[..count].fill(1.0);
     }
-    paths.eta_scale[..count].fill(1.0);
-    paths.departure[..count].fill(Departure::CAMERA);
-    paths.path_class[..count].fill(PathClass::DIRECT);
+    rays.eta_scale[..count].fill(1.0);
+    rays.previous[..count].fill(PreviousVertex::CAMERA);
+    rays.path_class[..count].fill(PathClass::DIRECT);
 }
 
-/// Adds the emission of the surfaces that the rays have hit, and the environment's radiance to those that have left the scene.
-fn add_emission(scene: &PreparedScene, paths: &Paths, hits: &Hits, radiance: &mut Radiance) {
-    for i in 0..paths.count {
-        let direction = at(&paths.rays.direction, i);
-        let departure = &paths.departure[i];
-        let found = match hits.object[i] {
-            NOTHING => scene.environment_light(departure, at(&paths.rays.origin, i), direction),
-            object => {
-                let shader = &scene.shaders[object as usize];
-                let Some(emission) = &shader.emission else { continue };
-                let surface = scene.geometry.surface(&paths.rays, hits, i);
-                if !emission.is_emitted(surface.normal, direction) {
-                    continue;
-                }
-                let hit = EmitterHit {
-                    visibility: emission.visibility,
-                    light: shader.light.map(|first| first + scene.geometry.triangle(hits, i)),
-                    cos: surface.normal.dot(direction).abs(),
-                    position: surface.position,
-                };
-                emission.radiance * scene.emitter_weight(departure, at(&paths.rays.origin, i), direction, &hit)
-            }
+/// Adds the environment's radiance to the camera samples whose rays have left the scene.
+fn add_escaped_rays(scene: &PreparedScene, rays: &PathRays, hits: &Hits, radiance: &mut Radiance) {
+    if scene.scene.environment.is_none() {
+        return;
+    }
+    for i in (0..rays.count).filter(|&i| hits.object[i] == NOTHING) {
+        let ray = rays.ray.at(i);
+        let found = scene.environment_light(&rays.previous[i], ray.origin, ray.direction);
+        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * found);
+    }
+}
+
+/// Adds the emission of the surfaces that rays have hit.
+fn add_emissive_intersections(scene: &PreparedScene, rays: &PathRays, hits: &Hits, radiance: &mut Radiance) {
+    for i in 0..rays.count {
+        let Some(shader) = scene.shaders.get(hits.object[i] as usize) else { continue };
+        let Some(emission) = &shader.emission else { continue };
+        let (ray, surface) = (rays.ray.at(i), scene.geometry.surface(&rays.ray, hits, i));
+        if !emission.is_emitted(surface.normal, ray.direction) {
+            continue;
+        }
+        let hit = EmitterHit {
+            visibility: emission.visibility,
+            light: shader.light.map(|first| first + scene.geometry.triangle(hits, i)),
+            cos: surface.normal.dot(ray.direction).abs(),
+            position: surface.position,
         };
-        radiance.add(paths.slot[i], paths.path_class[i], at(&paths.throughput, i) * found);
+        let weight = scene.emitter_weight(&rays.previous[i], ray.origin, ray.direction, &hit);
+        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * (emission.radiance * weight));
     }
 }
 
 /// Sets the density of light tracing at the first hits.
-fn begin_light_tracing(scene: &PreparedScene, lens: &Lens, hits: &Hits, paths: &mut Paths) {
-    for i in 0..paths.count {
-        if hits.object[i] != NOTHING {
-            let position = at(&paths.rays.origin, i) + hits.t[i] * at(&paths.rays.direction, i);
-            paths.departure[i].light_tracing = match scene.shaders[hits.object[i] as usize].kind {
-                Kind::Delta => 0.0,
-                _ => LightTracing::from_camera(lens.area_at(position)),
-            };
-        }
+fn begin_light_tracing(scene: &PreparedScene, lens: &Lens, hits: &Hits, rays: &mut PathRays) {
+    for i in (0..rays.count).filter(|&i| hits.object[i] != NOTHING) {
+        let ray = rays.ray.at(i);
+        rays.previous[i].light_tracing = match scene.shaders[hits.object[i] as usize].kind {
+            Kind::Delta => 0.0,
+            _ => LightTracing::from_camera(lens.area_at(ray.origin + hits.t[i] * ray.direction)),
+        };
     }
 }
 
-/// Sorts the hits by the kind of their BSDF.
-fn sort(scene: &PreparedScene, is_first: bool, paths: &Paths, hits: &Hits, sorted: &mut Sorted) {
-    let Sorted { diffuse, delta, general } = sorted;
-    diffuse.count = 0;
-    delta.clear();
-    general.clear();
-    for i in 0..paths.count {
-        let object = hits.object[i];
-        if object == NOTHING {
-            continue;
-        }
-        let shader = &scene.shaders[object as usize];
-        match shader.kind {
-            Kind::Black => {}
-            Kind::Diffuse => {
-                let surface =
-                    shader.facing(scene.geometry.surface(&paths.rays, hits, i), -at(&paths.rays.direction, i));
-                let bsdf = shader.bsdf_at(|| scene.geometry.uv(hits, i, surface.position));
-                diffuse::collect(surface, is_first, paths, i, &bsdf, diffuse);
-            }
-            Kind::Delta => delta.push(i as u32),
-            Kind::Reflecting | Kind::Transmitting => {
-                general.extend(general::collect(scene, paths, hits, i));
-            }
-        }
-    }
-}
-
-/// Russian roulette: ends paths of low throughput at random and raises the throughput of the survivors. The scale of radiance in a
-/// medium of index η, 1/η², does not count: it is undone where the light has come from.
-fn roulette(step: Step, paths: &mut Paths) {
-    if step.scatterings < ROULETTE_AFTER {
-        return;
-    }
-    let dimension = step.scene.dimensions(step.scatterings).choice();
-    paths.retain(|paths, i| {
-        let throughput = at(&paths.throughput, i);
-        let survival = (paths.eta_scale[i] * throughput.max_element() * ROULETTE_BELOW.recip()).min(1.0);
-        let [_, u] = step.numbers.short_pair(paths.slot[i], dimension, (0, 1));
-        set(&mut paths.throughput, i, throughput / survival);
+/// Ends paths of low throughput at random and raises the throughput of the survivors. The scale of radiance in a medium of index η,
+/// 1/η², does not count: it is undone where the light has come from.
+fn russian_roulette(step: Step, rays: &mut PathRays) {
+    rays.retain(|rays, i| {
+        let beta = at(&rays.beta, i);
+        let survival = (rays.eta_scale[i] * beta.max_element() * ROULETTE_BELOW.recip()).min(1.0);
+        let [_, u] = step.samples.choice.short_pair(rays.slot[i], SubSample::ONLY);
+        set(&mut rays.beta, i, beta / survival);
         u < survival
     });
 }

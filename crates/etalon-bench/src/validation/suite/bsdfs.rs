@@ -15,7 +15,7 @@ use etalon_core::optics::metals::SILVER;
 use etalon_core::optics::microfacet::Distribution;
 use etalon_core::scene::{Conductor, Material, ScatterModel};
 use etalon_render::probe::{
-    Bsdfs, ExtendPaths, LANES, Lane, Paths, Points, Scattered, at, eval_many, reverse_pdf_many, sample_many, set, wide,
+    Bsdfs, LANES, Lane, Scattered, at, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many, set,
 };
 use etalon_stats::bsdf::{Bsdf as _, Energy};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
@@ -279,10 +279,9 @@ fn made_when_run(
 fn diffuse_in_lanes(name: &str, normal: DVec3) -> (&'static str, Case) {
     let case = Case::of(format!("bsdf/diffuse/lanes-{name}"), Directions::sphere(Pole::Z), move || {
         let draw = move |[u]: &[[Lane; 2]; 1], count| {
-            let (mut points, mut next) = (Points { count, ..Points::default() }, Paths::default());
-            (0..count).for_each(|i| set(&mut points.normal, i, normal.as_vec3()));
-            wide(Arch::new(), ExtendPaths { points: &points, u, start: 0, next: &mut next });
-            (0..count).map(|i| Some(Sample::new(at(&next.rays.direction, i).as_dvec3().to_array()))).collect()
+            let normals = normal.as_vec3().to_array().map(|axis| [axis; LANES]);
+            let wi = sample_cosine_hemisphere(Arch::new(), &normals, u, count);
+            (0..count).map(|i| Some(Sample::new(at(&wi, i).as_dvec3().to_array()))).collect()
         };
         // Rounding may move directions below the surface.
         let pdf = move |wi: DVec3| (wi.dot(normal).max(0.0)) * FRAC_1_PI;

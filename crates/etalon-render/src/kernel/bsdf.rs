@@ -1,6 +1,6 @@
 //! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
 
-use crate::lanes::{BLOCK, LANES, Lane, Lane3, Wide, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set, wide};
+use crate::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
 use crate::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use glam::Vec2;
@@ -17,10 +17,10 @@ pub enum Bsdfs<'a> {
 
 impl<'a> Bsdfs<'a> {
     /// Those of an object where the hits have these texture coordinates; `varying` has room for them.
-    pub fn of(shader: &'a SurfaceShader, uv: impl Iterator<Item = Vec2>, varying: &'a mut Vec<Bsdf>) -> Self {
+    pub fn of(shader: &'a SurfaceShader, uv: &[Vec2], varying: &'a mut Vec<Bsdf>) -> Self {
         let Some(bsdf) = &shader.varying else { return Self::Same(&shader.bsdf) };
         varying.clear();
-        varying.extend(uv.map(|uv| bsdf.at(uv)));
+        varying.extend(uv.iter().map(|&uv| bsdf.at(uv)));
         Self::Each(varying)
     }
 
@@ -86,19 +86,11 @@ struct InWideCode<W> {
 
 impl<W: VectorizedLoop> VectorizedLoop for InWideCode<W> {
     fn over(self, bsdf: impl Vectorizable) {
-        wide(self.arch, With { bsdf, work: self.work });
-    }
-}
-
-struct With<B, W> {
-    bsdf: B,
-    work: W,
-}
-
-impl<B: Vectorizable, W: VectorizedLoop> Wide for With<B, W> {
-    #[inline(always)]
-    fn run(self) {
-        self.work.over(self.bsdf);
+        let Self { arch, work } = self;
+        arch.dispatch(
+            #[inline(always)]
+            move || work.over(bsdf),
+        );
     }
 }
 

@@ -1,0 +1,170 @@
+//! The next direction of each path, sampled by the BSDF of the surface that it has hit.
+
+use super::bsdf::{Scattered, reverse_pdf_many, sample_many};
+use super::state::{Interactions, PathRay, PathRays, ShadingFrames, Step};
+use super::surfaces::Material;
+use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, ZERO3, at, fill};
+use crate::light_tracing::{delta_ratio, projected};
+use crate::previous::PreviousVertex;
+use crate::ray_samples::{Numbers, SubSample};
+use crate::shaders::Kind;
+use etalon_core::bsdf::Scatter;
+use etalon_core::math::circular::Circular;
+use etalon_core::math::{Frame, Rgb};
+use glam::Vec3;
+use pulp::Arch;
+use std::f32::consts::FRAC_1_PI;
+
+/// Appends to `next` the paths that continue at interactions with one material.
+pub fn sample_bsdf(
+    step: Step,
+    material: Material,
+    rays: &PathRays,
+    (interactions, frames): (&Interactions, &ShadingFrames),
+    scattered: &mut Scattered,
+    next: &mut PathRays,
+) {
+    // After the last scattering, go on only to light that rays find. Light samples miss what delta lobes find.
+    let (kind, bsdf) = (material.kind(), &material.shader.bsdf);
+    let has_delta = bsdf.lobes().iter().any(|lobe| lobe.is_delta());
+    let finds_light = step.scene.rays_find_light(kind) || has_delta && step.scene.rays_find_light(Kind::Delta);
+    if !step.scene.goes_on(step.depth) && !finds_light {
+        return;
+    }
+    if kind.is_diffuse() {
+        sample_diffuse(step, rays, interactions, next);
+    } else {
+        sample_any(step, material, rays, (interactions, frames), scattered, next);
+    }
+}
+
+/// Directions of pdf cos θ / π about the first `count` normals.
+pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize) -> Lane3 {
+    let mut wi = ZERO3;
+    fill(
+        arch,
+        count,
+        wi.each_mut(),
+        #[inline(always)]
+        move |i| {
+            let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
+            let (r, z) = (u[0][i].sqrt(), (1.0 - u[0][i]).sqrt());
+            let normal = at(normals, i);
+            let Frame { x: tangent, y: bitangent, .. } = Frame::from_normal(normal);
+            ((tangent * cos_phi + bitangent * sin_phi) * r + normal * z).to_array()
+        },
+    );
+    wi
+}
+
+/// Diffuse surfaces need no frame.
+fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, next: &mut PathRays) {
+    let count = interactions.count;
+    let u = step.samples.bsdf.lanes(&interactions.slot[..count], SubSample::ONLY);
+    let directions = sample_cosine_hemisphere(step.scene.arch, &interactions.ns, &u, count);
+    for i in 0..count {
+        let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(&directions, i));
+        // The normals must agree on the side.
+        if n.dot(direction) <= 0.0 {
+            continue;
+        }
+        let pdf = normal.dot(direction) * FRAC_1_PI;
+        let projected_pdf = || projected([n, normal], direction, pdf);
+        let light_tracing = PreviousVertex::continued(interactions.light_tracing[i], projected_pdf);
+        let kind = Kind::Diffuse;
+        next.push(PathRay {
+            ray: Ray { origin: at(&interactions.origin, i), direction },
+            beta: at(&interactions.beta, i),
+            eta_scale: rays.eta_scale[interactions.path[i] as usize],
+            previous: PreviousVertex { specular: false, pdf, normal, kind, light_tracing, is_caustic: false },
+            slot: interactions.slot[i],
+            path_class: interactions.path_class[i],
+        });
+    }
+}
+
+/// Random numbers of BSDFs that need none.
+static NO_NUMBERS: [Lane; 2] = [[0.0; LANES]; 2];
+
+/// Any other surface.
+fn sample_any(
+    step: Step,
+    material: Material,
+    rays: &PathRays,
+    (interactions, frames): (&Interactions, &ShadingFrames),
+    scattered: &mut Scattered,
+    next: &mut PathRays,
+) {
+    let (scene, kind, shared) = (step.scene, material.kind(), &material.shader.bsdf);
+    let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
+    // Ask for those random numbers only that the BSDF needs.
+    let numbers = |needed: bool, numbers: Numbers| needed.then(|| numbers.lanes(slots, SubSample::ONLY));
+    let (u, choice) =
+        (numbers(kind != Kind::Delta, step.samples.bsdf), numbers(shared.needs_choice(), step.samples.choice));
+    let (u, [choice, _]) = (u.as_ref().unwrap_or(&NO_NUMBERS), choice.as_ref().unwrap_or(&NO_NUMBERS));
+    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, (choice, u), count, scattered);
+    if is_sampled && step.needs_reverse_pdf(shared) {
+        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
+    }
+    for i in 0..count {
+        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.path[i] as usize);
+        let sample =
+            if is_sampled { scattered.sample(i) } else { bsdf.sample(local_wo, choice[i], [u[0][i], u[1][i]]) };
+        let Some(sample) = sample.filter(|sample| sample.weight != Rgb::ZERO) else { continue };
+        let (surface, frame) = (&frames.surface[i], frames.frame(interactions, i));
+        let wi = frame.to_world(sample.wi);
+        // The normals must agree on the side.
+        if !sample.is_delta() && surface.normal.dot(wi) * sample.wi.z <= 0.0 {
+            continue;
+        }
+        let previous = if sample.is_delta() {
+            let light_tracing = interactions.light_tracing[i];
+            let is_traced = light_tracing > 0.0
+                && step.depth > 0
+                && frames.is_sound(i, wi)
+                && frames.is_sound(i, at(&frames.wo, i));
+            // Light tracing cannot connect a delta lobe to the camera.
+            let light_tracing = if is_traced { light_tracing * delta_ratio(bsdf, &sample) } else { 0.0 };
+            PreviousVertex { specular: true, light_tracing, is_caustic: true, ..PreviousVertex::CAMERA }
+        } else {
+            let reverse_pdf = || if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
+            PreviousVertex {
+                specular: false,
+                pdf: sample.pdf,
+                normal: frame.z,
+                kind,
+                light_tracing: light_tracing_ratio(step, interactions, frames, i, (wi, sample.pdf), reverse_pdf),
+                is_caustic: step.depth > 0,
+            }
+        };
+        next.push(PathRay {
+            ray: Ray { origin: surface.ray_origin(wi), direction: wi },
+            beta: at(&interactions.beta, i) * sample.weight,
+            eta_scale: rays.eta_scale[path] * sample.eta * sample.eta,
+            previous,
+            slot: interactions.slot[i],
+            path_class: if sample.is_delta() { rays.path_class[path].then(true) } else { interactions.path_class[i] },
+        });
+    }
+}
+
+/// [`PreviousVertex::light_tracing`] of a direction `wi` and its pdf; `reverse_pdf` is that of the direction to the viewer if light
+/// comes from `wi`.
+#[inline]
+pub fn light_tracing_ratio(
+    step: Step,
+    interactions: &Interactions,
+    frames: &ShadingFrames,
+    i: usize,
+    (wi, pdf): (Vec3, f32),
+    reverse_pdf: impl FnOnce() -> f32,
+) -> f32 {
+    let light_tracing = interactions.light_tracing[i];
+    if light_tracing == 0.0 {
+        return 0.0;
+    }
+    // Light tracing connects the first vertex to the camera without sampling.
+    let reverse_pdf = if step.depth == 0 { 1.0 } else { reverse_pdf() };
+    let reverse = light_tracing * frames.projected(i, at(&frames.wo, i), reverse_pdf);
+    PreviousVertex::continued(reverse, || frames.projected(i, wi, pdf))
+}

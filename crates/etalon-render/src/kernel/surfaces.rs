@@ -1,0 +1,147 @@
+//! Hits sorted by material, and the interactions there: each surface is evaluated once.
+
+use super::bsdf::Bsdfs;
+use super::state::{Interaction, Interactions, PathRays, ShadingFrame, ShadingFrames, Step};
+use crate::lanes::{Hits, NOTHING, Rays, Rows, at};
+use crate::light_tracing::projected;
+use crate::prepared::PreparedScene;
+use crate::shaders::{Kind, SurfaceShader};
+use etalon_core::bsdf::{Bsdf, Scatter};
+use etalon_core::math::Rgb;
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+/// The material of interactions: that of one object, or diffuse ones of any.
+#[derive(Clone, Copy)]
+pub struct Material<'a> {
+    pub shader: &'a SurfaceShader,
+    /// In the order of the interactions; of diffuse ones their throughput has the albedo.
+    pub bsdfs: Bsdfs<'a>,
+}
+
+impl Material<'_> {
+    pub fn kind(&self) -> Kind {
+        self.shader.kind
+    }
+}
+
+/// The hits of a step, sorted by material.
+#[derive(Default)]
+pub struct ByMaterial {
+    /// Rays whose material is [`NOTHING`], which are the most and need not be sorted.
+    diffuse: Vec<u32>,
+    /// Of the others the number of the material, and that of the ray in the lower half.
+    others: Vec<u64>,
+    /// The numbers of those rays, in the same order.
+    rays: Vec<u32>,
+}
+
+impl ByMaterial {
+    /// The numbers of the first `count` rays that have hit surfaces which scatter light, for each material. `material` is a number
+    /// of the material of a ray's hit, if the ray scatters there.
+    pub fn sort<'a>(
+        &'a mut self,
+        scene: &PreparedScene,
+        hits: &Hits,
+        count: usize,
+        material: impl Fn(usize, &SurfaceShader) -> Option<u32>,
+    ) -> impl Iterator<Item = &'a [u32]> {
+        self.diffuse.clear();
+        self.others.clear();
+        for i in 0..count {
+            let Some(shader) = scene.shaders.get(hits.object[i] as usize) else { continue };
+            if shader.kind == Kind::Black {
+                continue;
+            }
+            match material(i, shader) {
+                Some(NOTHING) => self.diffuse.push(i as u32),
+                Some(material) => self.others.push(u64::from(material) << 32 | i as u64),
+                None => {}
+            }
+        }
+        self.others.sort_unstable();
+        self.rays.clear();
+        self.rays.extend(self.others.iter().map(|&hit| hit as u32));
+        let (others, rays, mut start) = (&self.others, &self.rays, 0);
+        let groups = others.chunk_by(|a, b| a >> 32 == b >> 32).map(move |group| {
+            start += group.len();
+            &rays[start - group.len()..start]
+        });
+        groups.chain((!self.diffuse.is_empty()).then_some(&self.diffuse[..]))
+    }
+}
+
+/// Evaluates the surfaces that these rays, all of one material, have hit.
+pub fn evaluate<'a>(
+    step: Step<'a>,
+    rays: &PathRays,
+    hits: &Hits,
+    group: &[u32],
+    (interactions, frames): (&mut Interactions, &mut ShadingFrames),
+    varying: &'a mut Vec<Bsdf>,
+) -> Material<'a> {
+    let shader = &step.scene.shaders[hits.object[group[0] as usize] as usize];
+    interactions.count = 0;
+    if shader.kind.is_diffuse() {
+        group.iter().for_each(|&i| diffuse(step, rays, hits, i as usize, interactions));
+        return Material { shader, bsdfs: Bsdfs::Same(&shader.bsdf) };
+    }
+    let is_traced = step.scene.light_tracing.is_some() && shader.bsdf.is_reciprocal();
+    frames.count = 0;
+    for &path in group {
+        let i = path as usize;
+        let (frame, normal) = shading_frame(step.scene, shader, &rays.ray, hits, i);
+        // The back of what only reflects
+        if shader.kind == Kind::Reflecting && frame.surface.normal.dot(frame.wo) < 0.0 {
+            continue;
+        }
+        let (slot, beta) = (rays.slot[i], at(&rays.beta, i));
+        // Light paths do not scatter at surfaces that are not reciprocal.
+        let light_tracing = if is_traced { rays.previous[i].light_tracing } else { 0.0 };
+        let (n, origin) = (frame.surface.normal, frame.surface.ray_origin(frame.wo));
+        let path_class = rays.path_class[i].then(false);
+        interactions.push(Interaction { path, slot, n, ns: normal, origin, beta, path_class, light_tracing });
+        frames.push(frame);
+    }
+    Material { shader, bsdfs: Bsdfs::of(shader, &frames.uv[..frames.count], varying) }
+}
+
+/// Adds the diffuse surface that a ray has hit.
+#[inline(always)]
+fn diffuse(step: Step, rays: &PathRays, hits: &Hits, i: usize, out: &mut Interactions) {
+    let shader = &step.scene.shaders[hits.object[i] as usize];
+    let wo = -at(&rays.ray.direction, i);
+    let surface = shader.facing(step.scene.geometry.surface(&rays.ray, hits, i), wo);
+    let bsdf = shader.bsdf_at(|| step.scene.geometry.uv(hits, i, surface.position));
+    let albedo = if let Bsdf::Diffuse(diffuse) = &*bsdf { diffuse.albedo() } else { Rgb::ZERO };
+    // Light tracing connects the first vertex to the camera without sampling.
+    let reverse_pdf = if step.depth == 0 { 1.0 } else { surface.shading.dot(wo) * FRAC_1_PI };
+    let light_tracing = rays.previous[i].light_tracing;
+    let normals = [surface.normal, surface.shading];
+    out.push(Interaction {
+        path: i as u32,
+        slot: rays.slot[i],
+        n: surface.normal,
+        ns: surface.shading_for(wo),
+        origin: surface.ray_origin(wo),
+        beta: at(&rays.beta, i) * albedo,
+        path_class: rays.path_class[i].then(false),
+        light_tracing: if light_tracing > 0.0 { light_tracing * projected(normals, wo, reverse_pdf) } else { 0.0 },
+    });
+}
+
+/// The surface that ray `i` has hit, with its shading frame, and the z axis of that.
+#[inline(always)]
+pub fn shading_frame(
+    scene: &PreparedScene,
+    shader: &SurfaceShader,
+    rays: &Rays,
+    hits: &Hits,
+    i: usize,
+) -> (ShadingFrame, Vec3) {
+    let wo = -at(&rays.direction, i);
+    let surface = shader.facing(scene.geometry.surface(rays, hits, i), wo);
+    let frame = shader.frame(&surface, wo, || scene.geometry.tangent(hits, i, surface.normal));
+    let uv = scene.uv(hits, i, surface.position);
+    (ShadingFrame { surface, x: frame.x, y: frame.y, wo, local_wo: frame.to_local(wo), uv }, frame.z)
+}
