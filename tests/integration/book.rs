@@ -181,6 +181,24 @@ fn files_and_tests_that_texts_name_exist() {
     assert!(count > 25, "{count} names");
 }
 
+/// Code that a page quotes, below the path of its file, stands in the file, so that it compiles; indentation aside.
+#[test]
+fn quoted_code_is_that_of_the_sources() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let lines = |text: &str| text.trim().lines().map(|line| format!("{}\n", line.trim())).collect::<String>();
+    let mut count = 0;
+    for (name, text) in texts().iter().filter(|(name, _)| name.ends_with(".md")) {
+        for (before, rest) in text.match_indices("```rust,ignore\n").map(|(i, mark)| (&text[..i], &text[i + mark.len()..])) {
+            let (_, file) = before.trim_end().rsplit_once('\n').expect("a quotation has the path of its file above it");
+            let source = std::fs::read_to_string(root.join(file.trim_matches('`'))).expect(file);
+            let (code, _) = rest.split_once("\n```").expect("the end of a block");
+            assert!(lines(&source).contains(&lines(code)), "{name}: not in {file}:\n{code}");
+            count += 1;
+        }
+    }
+    assert!(count >= 11, "{count} quotations");
+}
+
 #[test]
 fn the_table_of_materials_has_every_bsdf() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/materials.md");

@@ -1,11 +1,11 @@
 //! A render as a job: prepared once, run over any range of samples, stopped and taken up again.
 
 use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
+use super::camera::PreparedCamera;
 use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
 use super::fingerprint;
 use super::kernel::{Buffers, LightPathBuffers, Pixels, Radiance, trace, trace_light_paths};
 use super::lanes::{LANES, at};
-use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::prepared::PreparedScene;
 use super::ray_samples::Streams;
@@ -51,7 +51,7 @@ pub struct Job<'a> {
     pub(super) settings: Settings,
     /// Whether it chose the techniques.
     pub(super) chooses: bool,
-    pub(super) lens: Lens,
+    pub(super) camera: PreparedCamera,
     /// How many paths the samples of each pixel have, after the first samples.
     counts: OnceLock<PathCounts>,
     start: Instant,
@@ -82,8 +82,8 @@ impl<'a> Job<'a> {
                 .with_hint("use `sampling` mis, light, bsdf or hemisphere"));
         }
         let prepared = PreparedScene::new(scene, request, &settings)?;
-        let lens = Lens::new(&scene.camera, request.width, request.height);
-        let mut job = Self { scene: prepared, settings, chooses, lens, counts: OnceLock::new(), start };
+        let camera = PreparedCamera::new(&scene.camera, request.width, request.height);
+        let mut job = Self { scene: prepared, settings, chooses, camera, counts: OnceLock::new(), start };
         job.choose(candidates)?;
         Ok(job)
     }
@@ -277,7 +277,7 @@ impl<'a> Batch<'a> {
             radiance: Radiance::new(job.scene.classes),
             tracer: match job.settings.kernel {
                 Kernel::Lanes => Tracer::Lanes(Box::default()),
-                Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.lens)),
+                Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.camera)),
             },
             light_tracing,
             light_streams: Streams::new(stream, seed),
@@ -305,7 +305,7 @@ impl<'a> Batch<'a> {
         match &mut self.tracer {
             Tracer::Lanes(buffers) => {
                 let pixels = Pixels { columns: &self.column, row: y, count };
-                trace(&job.scene, &job.lens, pixels, &self.streams, buffers, &mut self.radiance);
+                trace(&job.scene, &job.camera, pixels, &self.streams, buffers, &mut self.radiance);
             }
             Tracer::Reference(reference) => {
                 self.radiance.clear(count);
@@ -339,8 +339,8 @@ impl<'a> Batch<'a> {
             for (slot, (pixel, number)) in self.waiting.drain(..count).enumerate() {
                 self.light_streams.assign(slot, pixel, number);
             }
-            let samples = (&self.light_streams, count);
-            trace_light_paths(&job.scene, &job.lens, samples, &mut self.light_paths, &mut self.splats);
+            let (streams, buffers) = (&self.light_streams, &mut self.light_paths);
+            trace_light_paths(&job.scene, &job.camera, streams, count, buffers, &mut self.splats);
             row.splat(&self.splats);
             self.splats.clear();
         }

@@ -4,6 +4,7 @@
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
 mod adaptive;
+mod camera;
 mod choice;
 mod environment;
 pub mod film;
@@ -12,7 +13,6 @@ mod geometry;
 mod job;
 mod kernel;
 mod lanes;
-mod lens;
 mod light_lanes;
 mod light_sample;
 mod light_selection;

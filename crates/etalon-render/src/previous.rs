@@ -58,7 +58,7 @@ pub struct EmitterHit {
 impl PreparedScene<'_> {
     /// Whether paths go on to other surfaces after n scatterings and one more.
     #[inline]
-    pub fn goes_on(&self, scatterings: u32) -> bool {
+    pub fn may_continue(&self, scatterings: u32) -> bool {
         scatterings + 1 < self.request.max_depth && !self.is_lone_convex
     }
 

@@ -1,9 +1,9 @@
 //! What may be tested from outside: samplers and densities of the renderer, called as the kernel calls them.
 
+pub use crate::camera::PreparedCamera;
 pub use crate::geometry::Surface;
 pub use crate::kernel::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
 pub use crate::lanes::{BLOCK, LANES, Lane, NOTHING, Ray, Rays, at, set};
-pub use crate::lens::Lens;
 pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
 pub use crate::light_selection::{Lights, Selection};
 pub use crate::light_tracing::{SAMPLES_PER_LIGHT_PATH, Start};

@@ -31,8 +31,8 @@ impl Streams {
     }
 
     /// Positions on the film.
-    pub fn film(&self) -> Numbers<'_> {
-        Numbers { streams: self, dimension: 0 }
+    pub fn film(&self) -> Dimension<'_> {
+        Dimension { streams: self, dimension: 0 }
     }
 }
 
@@ -51,16 +51,16 @@ impl SubSample {
 #[derive(Clone, Copy)]
 pub struct RaySamples<'a> {
     /// The direction in which a path continues.
-    pub bsdf: Numbers<'a>,
+    pub bsdf: Dimension<'a>,
     /// The choice of a lobe, and Russian roulette. At the start of a light path the choice of light and target.
-    pub choice: Numbers<'a>,
+    pub choice: Dimension<'a>,
     /// Directions of direct light that are sampled without regard to the lights. At the start of a light path the place on
     /// the light.
-    pub direct: Numbers<'a>,
+    pub direct: Dimension<'a>,
     /// Light samples of the environment.
-    pub environment: Numbers<'a>,
+    pub environment: Dimension<'a>,
     /// The choice of a light.
-    pub light_choice: Numbers<'a>,
+    pub light_choice: Dimension<'a>,
 }
 
 impl<'a> RaySamples<'a> {
@@ -83,13 +83,13 @@ impl<'a> RaySamples<'a> {
 
     fn from(streams: &'a Streams, first: u32) -> Self {
         let [bsdf, choice, direct, environment, light_choice] =
-            [0, 1, 2, 3, 4].map(|i| Numbers { streams, dimension: first + i });
+            [0, 1, 2, 3, 4].map(|i| Dimension { streams, dimension: first + i });
         Self { bsdf, choice, direct, environment, light_choice }
     }
 
     /// Light samples of a round.
-    pub fn light(self, round: usize) -> Numbers<'a> {
-        Numbers { dimension: self.bsdf.dimension + Self::OTHERS + round as u32, ..self.bsdf }
+    pub fn light(self, round: usize) -> Dimension<'a> {
+        Dimension { dimension: self.bsdf.dimension + Self::OTHERS + round as u32, ..self.bsdf }
     }
 
     /// Whether camera paths of that depth stay below the dimensions of light paths.
@@ -98,24 +98,24 @@ impl<'a> RaySamples<'a> {
     }
 }
 
-/// Pairs of random numbers for one purpose.
+/// A dimension of the samples: the pairs of random numbers for one purpose.
 #[derive(Clone, Copy)]
-pub struct Numbers<'a> {
+pub struct Dimension<'a> {
     streams: &'a Streams,
     dimension: u32,
 }
 
-impl Numbers<'_> {
+impl Dimension<'_> {
     /// The pairs of the given slots, in single precision as [`Stream::short_pair_of`] has them and in double precision as
     /// [`Stream::pair_of`] has.
-    pub fn lanes<T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
+    pub fn get_2d_lanes<T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
         match self.streams.kind {
-            StreamKind::Sobol => self.lanes_of::<Sobol, T>(slots, sub),
-            StreamKind::Independent => self.lanes_of::<Independent, T>(slots, sub),
+            StreamKind::Sobol => self.lanes_by::<Sobol, T>(slots, sub),
+            StreamKind::Independent => self.lanes_by::<Independent, T>(slots, sub),
         }
     }
 
-    fn lanes_of<S: Stream, T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
+    fn lanes_by<S: Stream, T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
         let Self { streams, dimension } = self;
         let (mut key, mut sample) = ([0; LANES], [0; LANES]);
         // Neighbours mostly belong to one pixel.
@@ -143,7 +143,7 @@ impl Numbers<'_> {
 
     /// The pair of one slot.
     #[inline]
-    pub fn pair(self, slot: u32, SubSample { index, count }: SubSample) -> [f64; 2] {
+    pub fn get_2d_f64(self, slot: u32, SubSample { index, count }: SubSample) -> [f64; 2] {
         let (key, sample) = (self.streams.key[slot as usize % LANES], self.streams.sample[slot as usize % LANES]);
         match self.streams.kind {
             StreamKind::Sobol => Sobol::join(key, sample).pair_of(self.dimension, index, count),
@@ -151,9 +151,9 @@ impl Numbers<'_> {
         }
     }
 
-    /// [`Numbers::pair`] rounded down to 24 bits.
+    /// [`Dimension::get_2d_f64`] rounded down to 24 bits.
     #[inline]
-    pub fn short_pair(self, slot: u32, SubSample { index, count }: SubSample) -> [f32; 2] {
+    pub fn get_2d(self, slot: u32, SubSample { index, count }: SubSample) -> [f32; 2] {
         let (key, sample) = (self.streams.key[slot as usize % LANES], self.streams.sample[slot as usize % LANES]);
         match self.streams.kind {
             StreamKind::Sobol => Sobol::join(key, sample).short_pair_of(self.dimension, index, count),

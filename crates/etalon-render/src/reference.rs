@@ -8,10 +8,10 @@
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
 
+use super::camera::PreparedCamera;
 use super::film::PathClass;
 use super::geometry::Surface;
 use super::lanes::{Hits, LANES, NOTHING, Ray, Rays};
-use super::lens::Lens;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::ray_samples::{RaySamples, Streams, SubSample};
 use super::settings::Sampling;
@@ -26,7 +26,7 @@ use std::borrow::Cow;
 /// The path tracer, with room for the ray that it traces.
 pub struct Reference<'a> {
     scene: &'a PreparedScene<'a>,
-    lens: &'a Lens,
+    camera: &'a PreparedCamera,
     rays: Box<Rays>,
     hits: Box<Hits>,
 }
@@ -94,16 +94,16 @@ impl Vertex<'_> {
 
 impl<'a> Reference<'a> {
     /// A path tracer for a scene and a camera.
-    pub fn new(scene: &'a PreparedScene<'a>, lens: &'a Lens) -> Self {
-        Self { scene, lens, rays: Box::default(), hits: Box::default() }
+    pub fn new(scene: &'a PreparedScene<'a>, camera: &'a PreparedCamera) -> Self {
+        Self { scene, camera, rays: Box::default(), hits: Box::default() }
     }
 
     /// Traces the camera sample of a slot, which belongs to a pixel, and calls `add` with the light that it finds.
     pub fn trace(&mut self, streams: &Streams, slot: u32, [x, y]: [u32; 2], mut add: impl FnMut(PathClass, Rgb)) {
         let scene = self.scene;
         // Generate the camera ray.
-        let u = streams.film().short_pair(slot, SubSample::ONLY).map(|u| [u; LANES]);
-        self.lens.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
+        let u = streams.film().get_2d(slot, SubSample::ONLY).map(|u| [u; LANES]);
+        self.camera.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
         let mut ray = self.rays.at(0);
         let (mut throughput, mut eta_scale) = (Rgb::ONE, 1.0);
         let (mut path_class, mut previous) = (PathClass::DIRECT, Previous::Specular);
@@ -120,17 +120,17 @@ impl<'a> Reference<'a> {
             }
             let samples = scene.ray_samples(streams, scatterings);
             // Add direct light, of which a delta BSDF scatters none.
-            add(path_class.then(false), throughput * self.direct_light(&vertex, samples, slot));
+            add(path_class.then_diffuse(), throughput * self.direct_light(&vertex, samples, slot));
             // Sample the next direction.
-            let [uc, roulette] = samples.choice.short_pair(slot, SubSample::ONLY);
-            let u = samples.bsdf.short_pair(slot, SubSample::ONLY);
+            let [uc, roulette] = samples.choice.get_2d(slot, SubSample::ONLY);
+            let u = samples.bsdf.get_2d(slot, SubSample::ONLY);
             let Some((sample, wi)) = vertex.sample(uc, u) else { return };
-            previous = if sample.is_delta() {
-                Previous::Specular
+            (previous, path_class) = if sample.is_delta() {
+                (Previous::Specular, path_class.then_specular())
             } else {
-                Previous::Surface { pdf: sample.pdf, normal: vertex.frame.z, kind: vertex.shader.kind }
+                let (normal, kind) = (vertex.frame.z, vertex.shader.kind);
+                (Previous::Surface { pdf: sample.pdf, normal, kind }, path_class.then_diffuse())
             };
-            path_class = path_class.then(sample.is_delta());
             ray = vertex.ray(wi);
             throughput *= sample.weight;
             // Russian roulette, by the throughput without the scale of radiance in the medium
@@ -182,8 +182,8 @@ impl<'a> Reference<'a> {
         for (number, &round) in scene.lights.rounds().iter().enumerate() {
             for index in 0..round.count {
                 let sub = SubSample { index, count: round.count };
-                let [choice, _] = samples.light_choice.short_pair(slot, sub);
-                let u = samples.light(number).short_pair(slot, sub);
+                let [choice, _] = samples.light_choice.get_2d(slot, sub);
+                let u = samples.light(number).get_2d(slot, sub);
                 let chosen = match round.light {
                     Some(light) => Some((light, 1.0)),
                     None => scene
@@ -209,7 +209,7 @@ impl<'a> Reference<'a> {
         for index in 0..count {
             let sub = SubSample { index, count };
             // Sample the environment.
-            let u = samples.environment.pair(slot, sub);
+            let u = samples.environment.get_2d_f64(slot, sub);
             if let Some(sample) = scene.environment.as_ref().and_then(|map| map.sample(u, normal, kind)) {
                 let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
@@ -218,7 +218,7 @@ impl<'a> Reference<'a> {
                 sum += self.unoccluded(NOTHING, vertex.ray(wi), f32::INFINITY, value);
             }
             // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
-            let u = samples.direct.pair(slot, sub);
+            let u = samples.direct.get_2d_f64(slot, sub);
             let sampled = match (scene.sampling, kind) {
                 (Sampling::Bsdf, Kind::Diffuse) => {
                     let local = warp::cosine_hemisphere(u);

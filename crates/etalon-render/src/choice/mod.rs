@@ -207,10 +207,10 @@ impl Job<'_> {
         }
         let mut radiance = Radiance::new(None);
         let pixels = Pixels { columns: &column, row: y as u32, count };
-        trace(scene, &self.lens, pixels, &streams, buffers, &mut radiance);
+        trace(scene, &self.camera, pixels, &streams, buffers, &mut radiance);
         let values = (0..count).map(|slot| at(&radiance.sum, slot).as_dvec3()).collect();
         let mut splats = Vec::new();
-        let light_path_rays = trace_light_paths(scene, &self.lens, (&streams, count), light_paths, &mut splats);
+        let light_path_rays = trace_light_paths(scene, &self.camera, &streams, count, light_paths, &mut splats);
         Traced { values, work: radiance.work, splats, light_path_rays }
     }
 }

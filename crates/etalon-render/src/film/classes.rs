@@ -16,16 +16,28 @@ impl PathClass {
     /// A path of more scatterings keeps the class that it has.
     const LONGEST: u32 = 30;
 
-    /// The path with one more scattering, between the light and what there was: the next vertex on the way from the
-    /// eye.
+    /// The path with one more scattering, in a mirror or smooth glass, between the light and what there was: the next vertex on the way from
+    /// the eye.
     #[inline]
     #[must_use]
-    pub fn then(self, specular: bool) -> Self {
+    pub fn then_specular(self) -> Self {
+        self.then(2)
+    }
+
+    /// The path with one more scattering, at a diffuse or rough surface.
+    #[inline]
+    #[must_use]
+    pub fn then_diffuse(self) -> Self {
+        self.then(1)
+    }
+
+    /// Moves the leading bit up by one and sets the bit below: to 0 by adding the leading bit once, to 1 by adding it twice.
+    #[inline]
+    fn then(self, markers: u32) -> Self {
         if self.scatterings() == Self::LONGEST {
             return self;
         }
-        let marker = 1 << self.scatterings();
-        Self(self.0 + if specular { 2 * marker } else { marker })
+        Self(self.0 + (markers << self.scatterings()))
     }
 
     /// The path the other way round: from the eye to the light, if this one was traced from the light to the eye.
@@ -95,7 +107,9 @@ mod tests {
     use super::*;
 
     fn word(from_the_eye: &str) -> PathClass {
-        from_the_eye.chars().fold(PathClass::DIRECT, |word, letter| word.then(letter == 'S'))
+        from_the_eye.chars().fold(PathClass::DIRECT, |word, letter| {
+            if letter == 'S' { word.then_specular() } else { word.then_diffuse() }
+        })
     }
 
     #[test]

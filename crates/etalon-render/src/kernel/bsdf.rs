@@ -1,11 +1,11 @@
 //! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
 
-use crate::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, put, set};
+use crate::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, fill, put, set, wide};
 use crate::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use glam::Vec2;
 use pulp::Arch;
-use std::array::from_mut;
+use std::array::{from_mut, from_ref};
 
 /// The BSDFs of hits on one object: one for all or, with textures, one for each.
 #[derive(Clone, Copy)]
@@ -73,44 +73,29 @@ impl Scattered {
 }
 
 /// Runs a loop over a BSDF if it is the same for all hits and vectorizes; returns whether it does.
-fn run(arch: Arch, bsdfs: Bsdfs, work: impl VectorizedLoop) -> bool {
+fn run(bsdfs: Bsdfs, work: impl VectorizedLoop) -> bool {
     let Bsdfs::Same(bsdf) = bsdfs else { return false };
-    bsdf.vectorize(InWideCode { arch, work })
-}
-
-/// A loop over the hits on a surface, in code for wide vectors.
-struct InWideCode<W> {
-    arch: Arch,
-    work: W,
-}
-
-impl<W: VectorizedLoop> VectorizedLoop for InWideCode<W> {
-    fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, work } = self;
-        arch.dispatch(
-            #[inline(always)]
-            move || work.over(bsdf),
-        );
-    }
+    bsdf.vectorize(work)
 }
 
 /// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
-/// there is. `u` are the random numbers that choose a lobe, and those of the direction.
+/// there is. `choice` are the random numbers that choose a lobe, `u` those of the direction.
 pub fn sample_many(
     arch: Arch,
     bsdfs: Bsdfs,
     wo: &Lane3,
-    (choice, u): (&Lane, &[Lane; 2]),
+    choice: &Lane,
+    u: &[Lane; 2],
     count: usize,
     out: &mut Scattered,
 ) -> bool {
-    run(arch, bsdfs, SampleLoop { wo, choice, u, count, out })
+    run(bsdfs, SampleLoop { arch, wo, choice, u, count, out })
 }
 
 /// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
 pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(arch, bsdfs, EvalLoop { wo, count, out }) {
+    if run(bsdfs, EvalLoop { arch, wo, count, out }) {
         return;
     }
     for i in 0..count {
@@ -122,7 +107,7 @@ pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut S
 
 /// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
 pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(arch, bsdfs, ReversePdfLoop { wo, count, out }) {
+    if run(bsdfs, ReversePdfLoop { arch, wo, count, out }) {
         return;
     }
     for i in 0..count {
@@ -131,6 +116,7 @@ pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out:
 }
 
 struct SampleLoop<'a> {
+    arch: Arch,
     wo: &'a Lane3,
     choice: &'a Lane,
     u: &'a [Lane; 2],
@@ -139,72 +125,77 @@ struct SampleLoop<'a> {
 }
 
 struct EvalLoop<'a> {
+    arch: Arch,
     wo: &'a Lane3,
     count: usize,
     out: &'a mut Scattered,
 }
 
 struct ReversePdfLoop<'a> {
+    arch: Arch,
     wo: &'a Lane3,
     count: usize,
     out: &'a mut Scattered,
 }
 
 impl VectorizedLoop for SampleLoop<'_> {
-    #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { wo, choice, u, count, out } = self;
-        for number in 0..blocks(count) {
-            let (wo, [uc], u) = (block(wo, number), block(std::array::from_ref(choice), number), block(u, number));
-            let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
-            let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
-            let mut lobe = [Lobe::GlossyReflection; BLOCK];
-            for i in 0..BLOCK {
-                let sample = bsdf.sample_lane(at(&wo, i), uc[i], [u[0][i], u[1][i]]);
-                set(&mut wi, i, sample.wi);
-                set(&mut weight, i, sample.weight);
-                pdf[i] = sample.pdf;
-                (lobe[i], probability[i], eta[i]) = (sample.lobe, sample.probability, sample.eta);
-            }
-            put(&mut out.wi, number, &wi);
-            put(&mut out.weight, number, &weight);
-            put(from_mut(&mut out.pdf), number, &[pdf]);
-            put(from_mut(&mut out.probability), number, &[probability]);
-            put(from_mut(&mut out.eta), number, &[eta]);
-            out.lobe.as_chunks_mut().0[number] = lobe;
-        }
+        let Self { arch, wo, choice, u, count, out } = self;
+        wide(
+            arch,
+            #[inline(always)]
+            move || {
+                for number in 0..blocks(count) {
+                    let (wo, [uc], u) = (block(wo, number), block(from_ref(choice), number), block(u, number));
+                    let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
+                    let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
+                    let mut lobe = [Lobe::GlossyReflection; BLOCK];
+                    for i in 0..BLOCK {
+                        let sample = bsdf.sample_lane(at(&wo, i), uc[i], [u[0][i], u[1][i]]);
+                        set(&mut wi, i, sample.wi);
+                        set(&mut weight, i, sample.weight);
+                        pdf[i] = sample.pdf;
+                        (lobe[i], probability[i], eta[i]) = (sample.lobe, sample.probability, sample.eta);
+                    }
+                    put(&mut out.wi, number, &wi);
+                    put(&mut out.weight, number, &weight);
+                    put(from_mut(&mut out.pdf), number, &[pdf]);
+                    put(from_mut(&mut out.probability), number, &[probability]);
+                    put(from_mut(&mut out.eta), number, &[eta]);
+                    out.lobe.as_chunks_mut().0[number] = lobe;
+                }
+            },
+        );
     }
 }
 
 impl VectorizedLoop for EvalLoop<'_> {
-    #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { wo, count, out } = self;
-        for number in 0..blocks(count) {
-            let (wo, wi) = (block(wo, number), block(&out.wi, number));
-            let (mut weight, mut pdf) = (ZERO_BLOCK3, [0.0; BLOCK]);
-            for i in 0..BLOCK {
-                let (f, value) = bsdf.eval_pdf_lane(at(&wo, i), at(&wi, i));
-                set(&mut weight, i, f);
-                pdf[i] = value;
-            }
-            put(&mut out.weight, number, &weight);
-            put(from_mut(&mut out.pdf), number, &[pdf]);
-        }
+        let Self { arch, wo, count, out: Scattered { wi, weight: [r, g, b], pdf, .. } } = self;
+        let wi = &*wi;
+        fill(
+            arch,
+            count,
+            [r, g, b, pdf],
+            #[inline(always)]
+            move |i| {
+                let (f, pdf) = bsdf.eval_pdf_lane(at(wo, i), at(wi, i));
+                [f.x, f.y, f.z, pdf]
+            },
+        );
     }
 }
 
 impl VectorizedLoop for ReversePdfLoop<'_> {
-    #[inline(always)]
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { wo, count, out } = self;
-        for number in 0..blocks(count) {
-            let (wo, wi) = (block(wo, number), block(&out.wi, number));
-            let mut pdf = [0.0; BLOCK];
-            for i in 0..BLOCK {
-                (_, pdf[i]) = bsdf.eval_pdf_lane(at(&wi, i), at(&wo, i));
-            }
-            put(from_mut(&mut out.reverse_pdf), number, &[pdf]);
-        }
+        let Self { arch, wo, count, out: Scattered { wi, reverse_pdf, .. } } = self;
+        let wi = &*wi;
+        fill(
+            arch,
+            count,
+            [reverse_pdf],
+            #[inline(always)]
+            move |i| [bsdf.eval_pdf_lane(at(wi, i), at(wo, i)).1],
+        );
     }
 }

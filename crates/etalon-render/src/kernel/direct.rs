@@ -2,7 +2,7 @@
 
 use super::bsdf::{Scattered, eval_many, reverse_pdf_many};
 use super::scatter::light_tracing_ratio;
-use super::state::{Interactions, Radiance, ShadingFrames, ShadowRay, ShadowRays, Step};
+use super::state::{Interactions, Radiance, ShadowRay, ShadowRays, Step, Vertices};
 use super::surfaces::Material;
 use crate::environment::BsdfOnly;
 use crate::lanes::{BLOCK, Hits, LANES, Lane, Lane3, NOTHING, Ray, Rows, at, fill, set, wide};
@@ -14,6 +14,7 @@ use crate::ray_samples::SubSample;
 use crate::shaders::Kind;
 use etalon_core::math::{Frame, Rgb};
 use etalon_core::scene::EmitterVisibility;
+use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
 /// The buffers of direct light.
@@ -50,10 +51,11 @@ fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Item = 
 pub fn sample_direct_light(
     step: Step,
     material: Material,
-    (interactions, frames): (&Interactions, &ShadingFrames),
+    vertices: &Vertices,
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
+    let interactions = &vertices.interactions;
     let DirectLight { choices, samples, scattered, shadow_rays, hits } = buffers;
     if material.kind().is_diffuse() {
         // Every interaction has a shadow ray, of no length where its value is 0: copying some only would cost more.
@@ -70,8 +72,7 @@ pub fn sample_direct_light(
             if material.kind().is_diffuse() {
                 diffuse_shadow_rays(step, interactions, samples, count, shadow_rays);
             } else {
-                let surfaces = (interactions, frames);
-                any_shadow_rays(step, material, surfaces, samples, count, scattered, shadow_rays);
+                any_shadow_rays(step, material, vertices, samples, count, scattered, shadow_rays);
             }
             radiance.work.rays += shadow_rays.count;
             if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
@@ -100,7 +101,7 @@ fn sample_light(
     let by_mis = scene.sampling.is_mis();
     match source {
         Source::Lights(number, Round { light: Some(light), .. }) => {
-            let u = samples.light(number).lanes(slots, sub);
+            let u = samples.light(number).get_2d_lanes(slots, sub);
             let sampled = &scene.lights.all[light as usize];
             light_lanes::sample_many(scene.arch, sampled, &interactions.origin, count, &u, out);
             out.light[..count].fill(light);
@@ -114,7 +115,7 @@ fn sample_light(
                 choose_lights(step, sub.count, interactions, kind, choices);
             }
             let choice = &choices[sub.index as usize];
-            let u = samples.light(number).lanes(slots, sub);
+            let u = samples.light(number).get_2d_lanes(slots, sub);
             let positions = &interactions.origin;
             light_lanes::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], positions, &u, out);
             // Divide the samples by the probability of the choice
@@ -134,7 +135,7 @@ fn sample_light(
         }
         Source::Environment => {
             let Some(environment) = &scene.environment else { return };
-            let u = samples.environment.lanes(slots, sub);
+            let u = samples.environment.get_2d_lanes(slots, sub);
             environment.sample_many(&u, &interactions.ns, kind, count, out);
             if !by_mis {
                 out.pdf[..count].fill(f32::INFINITY);
@@ -142,7 +143,7 @@ fn sample_light(
         }
         Source::BsdfOnly(strategy) => {
             for i in 0..count {
-                let local = strategy.sample(samples.direct.pair(slots[i], sub));
+                let local = strategy.sample(samples.direct.get_2d_f64(slots[i], sub));
                 let wi = Frame::from_normal(at(&interactions.ns, i)).to_world(local.as_vec3());
                 let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
                 let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };
@@ -164,7 +165,7 @@ fn choose_lights(step: Step, n: u32, interactions: &Interactions, kind: Kind, ch
     choices.clear();
     choices.extend((0..n).map(|index| {
         let sub = SubSample { index, count: n };
-        let [probability, _] = step.samples.light_choice.lanes(&interactions.slot[..count], sub);
+        let [probability, _] = step.samples.light_choice.get_2d_lanes(&interactions.slot[..count], sub);
         Choice { light: [NOTHING; LANES], probability }
     }));
     wide(
@@ -237,19 +238,20 @@ fn diffuse_shadow_rays(
 fn any_shadow_rays(
     step: Step,
     material: Material,
-    (interactions, frames): (&Interactions, &ShadingFrames),
+    vertices: &Vertices,
     samples: &LightSampleLanes,
     n: u32,
     scattered: &mut Scattered,
     out: &mut ShadowRays,
 ) {
+    let Vertices { interactions, frames } = vertices;
     let (scene, count, n) = (step.scene, interactions.count, n as f32);
     fill(
         scene.arch,
         count,
         scattered.wi.each_mut(),
         #[inline(always)]
-        move |i| frames.frame(interactions, i).to_local(at(&samples.wi, i)).to_array(),
+        move |i| vertices.frame(i).to_local(at(&samples.wi, i)).to_array(),
     );
     eval_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     if step.needs_reverse_pdf(&material.shader.bsdf) {
@@ -257,7 +259,7 @@ fn any_shadow_rays(
     }
     out.count = 0;
     for i in 0..count {
-        let (wi, local, surface) = (at(&samples.wi, i), at(&scattered.wi, i), &frames.surface[i]);
+        let (wi, local, surface) = (at(&samples.wi, i), at(&scattered.wi, i), vertices.surface(i));
         let (f, pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
         let value = at(&interactions.beta, i) * f * at(&samples.weight, i) * (local.z.abs() / n);
         // Skip black samples, and those on whose side the normals disagree.
@@ -265,40 +267,34 @@ fn any_shadow_rays(
             continue;
         }
         let by_light_tracing = if interactions.light_tracing[i] > 0.0 && step.depth > 0 {
-            let emission = emission_density(scene, frames, samples, i);
+            let emission = emission_density(scene, vertices.surface(i).position, samples, i);
             let reverse_pdf = || scattered.reverse_pdf[i];
-            light_tracing_ratio(step, interactions, frames, i, (wi, 1.0), reverse_pdf) * emission
+            light_tracing_ratio(step, vertices, i, wi, 1.0, reverse_pdf) * emission
         } else {
             0.0
         };
         let ray = Ray { origin: surface.ray_origin(wi), direction: wi };
-        let (light, density) = (samples.light[i], n * samples.pdf[i]);
-        let seen = match light != NOTHING && local.z * frames.local_wo[2][i] < 0.0 {
-            true => from_other_side(scene, light, ray, [samples.distance[i], density]),
-            false => Some([samples.limit[i], density]),
-        };
-        let Some([t_max, density]) = seen else { continue };
+        let light = samples.light[i];
+        let (mut t_max, mut density) = (samples.limit[i], n * samples.pdf[i]);
+        if light != NOTHING && local.z * frames.local_wo[2][i] < 0.0 {
+            // The light was sampled from the viewer's side, and is seen by the ray that leaves the other side. A BSDF sample on that
+            // ray is weighted by the same density.
+            let Some(distance) = scene.lights.all[light as usize].ahead(ray, samples.distance[i]) else { continue };
+            t_max = scene.shadow_limit(light, ray, distance);
+            if density.is_finite() {
+                density = scene.lights.density(light, ray.origin, None);
+            }
+        }
         let value = value * balance_heuristic(density, [pdf, by_light_tracing]);
         let (slot, path_class) = (interactions.slot[i], interactions.path_class[i]);
         out.push(ShadowRay { ray, t_max, value, slot, path_class });
     }
 }
 
-/// The length of the shadow ray and the density of a light sample, whose distance and density from the viewer's side of a surface are
-/// `sampled`, for the ray that leaves its other side; `None` if the light cannot be seen from there. A BSDF sample on that ray is
-/// weighted by the same density.
-fn from_other_side(scene: &PreparedScene, light: u32, ray: Ray, sampled: [f32; 2]) -> Option<[f32; 2]> {
-    let [distance, density] = sampled;
-    let distance = scene.lights.all[light as usize].ahead(ray, distance)?;
-    let is_weighted = density.is_finite();
-    let t_max = scene.shadow_limit(light, ray, distance);
-    Some([t_max, if is_weighted { scene.lights.density(light, ray.origin, None) } else { density }])
-}
-
-/// What the light of sample `i` contributes to the density of light tracing.
-fn emission_density(scene: &PreparedScene, frames: &ShadingFrames, samples: &LightSampleLanes, i: usize) -> f32 {
+/// What the light of sample `i`, taken at a position, contributes to the density of light tracing.
+fn emission_density(scene: &PreparedScene, position: Vec3, samples: &LightSampleLanes, i: usize) -> f32 {
     let Some(tracing) = &scene.light_tracing else { return 0.0 };
-    let (position, wi) = (frames.surface[i].position, at(&samples.wi, i));
+    let wi = at(&samples.wi, i);
     match samples.light[i] {
         NOTHING => scene.density_of_light_paths(position, wi),
         light => {

@@ -3,17 +3,16 @@
 //! The MIS weights mirror those of the camera paths: see [`crate::light_tracing`].
 
 use super::bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
-use super::state::{Interaction, Interactions, ShadingFrames};
+use super::state::{Interaction, Vertices};
 use super::surfaces::{ByMaterial, Material, shading_frame};
+use crate::camera::{PreparedCamera, View};
 use crate::film::{PathClass, Splat};
-use crate::geometry::Surface;
 use crate::lanes::{Hits, LANES, Lane, Lane3, Ray, Rays, Rows, ZERO3, at, lanes, plain_items, set};
-use crate::lens::{Lens, View};
 use crate::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, delta_ratio};
 use crate::lights::SHORT;
 use crate::prepared::PreparedScene;
 use crate::ray_samples::{RaySamples, Streams, SubSample};
-use crate::shaders::{Kind, SurfaceShader, adjoint_factor};
+use crate::shaders::{Kind, SurfaceShader, adjoint_factor, is_sound};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
 use etalon_core::math::Rgb;
 use glam::Vec3;
@@ -51,17 +50,9 @@ pub struct LightPathBuffers {
     by_material: ByMaterial,
     vertices: Box<Vertices>,
     scattered: Box<Scattered>,
-    views: Vec<(usize, View)>,
     connections: Connections,
     /// The BSDFs of vertices on an object with textures.
     varying: Vec<Bsdf>,
-}
-
-/// Points where light paths have hit one object.
-#[derive(Default)]
-struct Vertices {
-    interactions: Interactions,
-    frames: ShadingFrames,
 }
 
 /// Light that reaches the camera at a film position.
@@ -83,11 +74,22 @@ struct Connections {
     contributions: Vec<Contribution>,
     rays: Box<Rays>,
     limits: Lane,
+    /// The vertices on one object that the camera may see, by number, and what evaluates the BSDF there.
+    views: Vec<(usize, View)>,
+    values: Box<Scattered>,
+    varying: Vec<Bsdf>,
 }
 
 impl Default for Connections {
     fn default() -> Self {
-        Self { contributions: Vec::new(), rays: Box::default(), limits: [0.0; LANES] }
+        Self {
+            contributions: Vec::new(),
+            rays: Box::default(),
+            limits: [0.0; LANES],
+            views: Vec::new(),
+            values: Box::default(),
+            varying: Vec::new(),
+        }
     }
 }
 
@@ -95,14 +97,15 @@ impl Default for Connections {
 /// [`SAMPLES_PER_LIGHT_PATH`] samples of a pixel, to `splats`. Returns how many rays it has traced.
 pub fn trace_light_paths(
     scene: &PreparedScene,
-    lens: &Lens,
-    (streams, count): (&Streams, usize),
+    camera: &PreparedCamera,
+    streams: &Streams,
+    count: usize,
     buffers: &mut LightPathBuffers,
     splats: &mut Vec<Splat>,
 ) -> usize {
     let Some(tracing) = &scene.light_tracing else { return 0 };
-    let LightPathBuffers { paths, next, hits, by_material, vertices, scattered, views, connections, varying } = buffers;
-    start(scene, tracing, (streams, count), paths);
+    let LightPathBuffers { paths, next, hits, by_material, vertices, scattered, connections, varying } = buffers;
+    start(scene, tracing, streams, count, paths);
     let mut traced = 0;
     for scatterings in 0..scene.request.max_depth {
         if paths.count == 0 {
@@ -118,26 +121,26 @@ pub fn trace_light_paths(
             (shader.bsdf.is_reciprocal() && !is_start).then_some(hits.object[i])
         };
         for group in by_material.sort(scene, hits, paths.count, object) {
-            let shader = vertices.evaluate(scene, paths, hits, group);
+            let shader = evaluate(scene, paths, hits, group, vertices);
             if scatterings > 0 && shader.kind != Kind::Delta {
-                connect(scene, lens, shader, (paths, vertices), (views, scattered, varying), connections);
+                connections.add(scene, camera, shader, paths, vertices);
             }
             let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
-            scatter(scene, samples, Material { shader, bsdfs }, (paths, vertices), scattered, next);
+            scatter(scene, samples, Material { shader, bsdfs }, paths, vertices, scattered, next);
         }
         traced += connections.contributions.len();
-        connections.splat(scene, lens, splats);
+        connections.splat(scene, camera, splats);
         std::mem::swap(paths, next);
     }
     traced
 }
 
 /// Starts the light paths.
-fn start(scene: &PreparedScene, tracing: &LightTracing, (streams, count): (&Streams, usize), paths: &mut LightPaths) {
+fn start(scene: &PreparedScene, tracing: &LightTracing, streams: &Streams, count: usize, paths: &mut LightPaths) {
     let samples = RaySamples::of_light_paths(streams, 0);
     paths.count = 0;
     for slot in 0..count as u32 {
-        let u = [samples.choice, samples.direct, samples.bsdf].map(|numbers| numbers.pair(slot, SubSample::ONLY));
+        let u = [samples.choice, samples.direct, samples.bsdf].map(|numbers| numbers.get_2d_f64(slot, SubSample::ONLY));
         let Some(start) = tracing.start(&scene.lights, scene.environment.as_deref(), u) else { continue };
         let offset = |light: u32| scene.lights.all[light as usize].offset(start.origin);
         let offset = start.light.map_or(0.0, offset).copysign(start.normal.dot(start.direction));
@@ -151,55 +154,58 @@ fn start(scene: &PreparedScene, tracing: &LightTracing, (streams, count): (&Stre
     }
 }
 
-impl Vertices {
-    /// Evaluates the surfaces that these paths, all on one object, have hit, where both normals agree about the light.
-    fn evaluate<'a>(
-        &mut self,
-        scene: &'a PreparedScene,
-        paths: &LightPaths,
-        hits: &Hits,
-        group: &[u32],
-    ) -> &'a SurfaceShader {
-        let shader = &scene.shaders[hits.object[group[0] as usize] as usize];
-        (self.interactions.count, self.frames.count) = (0, 0);
-        for &path in group {
-            let i = path as usize;
-            let (frame, ns) = shading_frame(scene, shader, &paths.ray, hits, i);
-            let (n, origin) = (frame.surface.normal, frame.surface.position);
+/// Evaluates the surfaces that these paths, all on one object, have hit, where both normals agree about the light.
+fn evaluate<'a>(
+    scene: &'a PreparedScene,
+    paths: &LightPaths,
+    hits: &Hits,
+    group: &[u32],
+    vertices: &mut Vertices,
+) -> &'a SurfaceShader {
+    let Vertices { interactions, frames } = vertices;
+    let shader = &scene.shaders[hits.object[group[0] as usize] as usize];
+    (interactions.count, frames.count) = (0, 0);
+    for &path in group {
+        let i = path as usize;
+        let (frame, ns) = shading_frame(scene, shader, &paths.ray, hits, i);
+        let (n, origin) = (frame.surface.normal, frame.surface.position);
+        if is_sound([n, frame.surface.shading], frame.wo) {
             let (slot, beta) = (paths.slot[i], at(&paths.power, i));
-            self.frames.push(frame);
-            if self.frames.is_sound(self.frames.count - 1, frame.wo) {
-                let path_class = paths.path_class[i].then(false);
-                self.interactions.push(Interaction { path, slot, n, ns, origin, beta, path_class, light_tracing: 0.0 });
-            } else {
-                self.frames.count -= 1;
-            }
+            let path_class = paths.path_class[i].then_diffuse();
+            frames.push(frame);
+            interactions.push(Interaction { path, slot, n, ns, origin, beta, path_class, light_tracing: 0.0 });
         }
-        shader
     }
+    shader
+}
 
-    fn surface(&self, i: usize) -> &Surface {
-        &self.frames.surface[i]
-    }
+/// The direction in which a light path goes on from a vertex, with its pdf, and the pdf of a camera path's direction to the vertex
+/// before.
+struct Continuation {
+    wi: Vec3,
+    pdf: f32,
+    reverse_pdf: f32,
+}
 
+impl Vertices {
     /// Whether light goes on in direction `wi`: the normals must agree.
     fn reaches(&self, i: usize, wi: Vec3) -> bool {
         let [n, ns] = [&self.interactions.n, &self.interactions.ns].map(|normal| at(normal, i).dot(wi));
-        n * ns > 0.0 && self.frames.is_sound(i, wi)
+        n * ns > 0.0 && self.is_sound(i, wi)
     }
 
-    /// The densities of the techniques of camera paths, summed, over that of light tracing, at a vertex that
-    /// continues in direction `wi` with this pdf; `reverse_pdf` is that of a camera path's direction to the vertex before.
+    /// The densities of the techniques of camera paths, summed, over that of light tracing, for light paths that go on from a
+    /// surface of this kind.
     fn others(
         &self,
         scene: &PreparedScene,
-        (paths, kind): (&LightPaths, Kind),
+        paths: &LightPaths,
+        kind: Kind,
         i: usize,
-        (wi, pdf): (Vec3, f32),
-        reverse_pdf: f32,
+        Continuation { wi, pdf, reverse_pdf }: Continuation,
     ) -> f32 {
         let wo = at(&self.frames.wo, i);
-        let ratio = self.frames.projected(i, wo, 1.0) / self.frames.projected(i, wi, pdf);
+        let ratio = self.projected(i, wo, 1.0) / self.projected(i, wi, pdf);
         match paths.previous[self.interactions.path[i] as usize] {
             PreviousOfLight::Surface { others } => others * ratio * reverse_pdf,
             PreviousOfLight::Light { light, density } => {
@@ -214,70 +220,21 @@ impl Vertices {
     }
 }
 
-/// Connects vertices on one object to the camera.
-fn connect(
-    scene: &PreparedScene,
-    lens: &Lens,
-    shader: &SurfaceShader,
-    (paths, vertices): (&LightPaths, &Vertices),
-    (views, scattered, varying): (&mut Vec<(usize, View)>, &mut Scattered, &mut Vec<Bsdf>),
-    connections: &mut Connections,
-) {
-    // Evaluate the BSDF and its pdf for a camera path, which comes from the camera.
-    let Vertices { interactions, frames } = vertices;
-    let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
-    views.clear();
-    for i in 0..interactions.count {
-        let view = lens.project(frames.surface[i].position).filter(|view| vertices.reaches(i, view.direction));
-        if let Some(view) = view {
-            set(&mut wo, views.len(), frames.frame(interactions, i).to_local(view.direction));
-            set(&mut scattered.wi, views.len(), at(&frames.local_wo, i));
-            uv.push(frames.uv[i]);
-            views.push((i, view));
-        }
-    }
-    let bsdfs = Bsdfs::of(shader, &uv, varying);
-    eval_many(scene.arch, bsdfs, &wo, views.len(), scattered);
-    for (k, (i, view)) in views.drain(..).enumerate() {
-        let (f, reverse_pdf) = (at(&scattered.weight, k), scattered.pdf[k]);
-        if f == Rgb::ZERO {
-            continue;
-        }
-        // Weight the path by MIS.
-        let (surface, wi) = (vertices.surface(i), view.direction);
-        let area = lens.area_at(surface.position);
-        let others = vertices.others(scene, (paths, shader.kind), i, (wi, 1.0), reverse_pdf);
-        let others = others / LightTracing::from_camera(area);
-        let factor = adjoint_factor(surface, at(&frames.wo, i), wi) * at(&wo, k).z.abs() / area;
-        let path_class = interactions.path_class[i].reversed();
-        connections.push(
-            Ray { origin: surface.ray_origin(wi), direction: wi },
-            view.distance * SHORT,
-            Contribution {
-                slot: interactions.slot[i],
-                film: view.film,
-                class: scene.classes.map_or(0, |classes| classes.index(path_class)),
-                value: at(&interactions.beta, i) * f * (factor / (1.0 + others)),
-                others,
-            },
-        );
-    }
-}
-
 /// Samples the directions in which the paths continue at vertices on one object.
 fn scatter(
     scene: &PreparedScene,
     samples: RaySamples,
     material: Material,
-    (paths, vertices): (&LightPaths, &Vertices),
+    paths: &LightPaths,
+    vertices: &Vertices,
     scattered: &mut Scattered,
     next: &mut LightPaths,
 ) {
     let Vertices { interactions, frames } = vertices;
     let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
-    let u = samples.bsdf.lanes(slots, SubSample::ONLY);
-    let [choice, roulette] = samples.choice.lanes(slots, SubSample::ONLY);
-    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, (&choice, &u), count, scattered);
+    let u = samples.bsdf.get_2d_lanes(slots, SubSample::ONLY);
+    let [choice, roulette] = samples.choice.get_2d_lanes(slots, SubSample::ONLY);
+    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, &choice, &u, count, scattered);
     if is_sampled {
         reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     }
@@ -289,7 +246,7 @@ fn scatter(
             bsdf.sample_adjoint(local_wo, choice[i], [u[0][i], u[1][i]])
         };
         let Some(sample) = sample else { continue };
-        let wi = frames.frame(interactions, i).to_world(sample.wi);
+        let wi = vertices.frame(i).to_world(sample.wi);
         if sample.weight == Rgb::ZERO || !vertices.reaches(i, wi) {
             continue;
         }
@@ -301,7 +258,7 @@ fn scatter(
             }
         } else {
             let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
-            vertices.others(scene, (paths, material.kind()), i, (wi, sample.pdf), reverse_pdf)
+            vertices.others(scene, paths, material.kind(), i, Continuation { wi, pdf: sample.pdf, reverse_pdf })
         };
         let factor = adjoint_factor(vertices.surface(i), at(&frames.wo, i), wi);
         let power = at(&interactions.beta, i) * sample.weight * factor;
@@ -315,22 +272,66 @@ fn scatter(
             power: power / survival,
             previous: PreviousOfLight::Surface { others },
             slot: interactions.slot[i],
-            path_class: if sample.is_delta() { paths.path_class[path].then(true) } else { interactions.path_class[i] },
+            path_class: if sample.is_delta() {
+                paths.path_class[path].then_specular()
+            } else {
+                interactions.path_class[i]
+            },
         });
     }
 }
 
 impl Connections {
-    /// Adds a ray to the camera.
-    fn push(&mut self, ray: Ray, limit: f32, contribution: Contribution) {
-        let i = self.contributions.len();
-        self.rays.set(i, ray);
-        self.limits[i] = limit;
-        self.contributions.push(contribution);
+    /// Connects vertices on one object to the camera.
+    fn add(
+        &mut self,
+        scene: &PreparedScene,
+        camera: &PreparedCamera,
+        shader: &SurfaceShader,
+        paths: &LightPaths,
+        vertices: &Vertices,
+    ) {
+        // Evaluate the BSDF and its pdf for a camera path, which comes from the camera.
+        let Self { contributions, rays, limits, views, values, varying } = self;
+        let Vertices { interactions, frames } = vertices;
+        let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
+        for i in 0..interactions.count {
+            let view = camera.project(frames.surface[i].position).filter(|view| vertices.reaches(i, view.direction));
+            if let Some(view) = view {
+                set(&mut wo, views.len(), vertices.frame(i).to_local(view.direction));
+                set(&mut values.wi, views.len(), at(&frames.local_wo, i));
+                uv.push(frames.uv[i]);
+                views.push((i, view));
+            }
+        }
+        let bsdfs = Bsdfs::of(shader, &uv, varying);
+        eval_many(scene.arch, bsdfs, &wo, views.len(), values);
+        for (k, (i, view)) in views.drain(..).enumerate() {
+            let (f, reverse_pdf) = (at(&values.weight, k), values.pdf[k]);
+            if f == Rgb::ZERO {
+                continue;
+            }
+            // Weight the path by MIS.
+            let (surface, wi) = (vertices.surface(i), view.direction);
+            let area = camera.area_at(surface.position);
+            let others = vertices.others(scene, paths, shader.kind, i, Continuation { wi, pdf: 1.0, reverse_pdf });
+            let others = others / LightTracing::from_camera(area);
+            let factor = adjoint_factor(surface, at(&frames.wo, i), wi) * at(&wo, k).z.abs() / area;
+            let path_class = interactions.path_class[i].reversed();
+            rays.set(contributions.len(), Ray { origin: surface.ray_origin(wi), direction: wi });
+            limits[contributions.len()] = view.distance * SHORT;
+            contributions.push(Contribution {
+                slot: interactions.slot[i],
+                film: view.film,
+                class: scene.classes.map_or(0, |classes| classes.index(path_class)),
+                value: at(&interactions.beta, i) * f * (factor / (1.0 + others)),
+                others,
+            });
+        }
     }
 
     /// Moves what is not occluded to `splats`, weighted by the filters of the pixels around it.
-    fn splat(&mut self, scene: &PreparedScene, lens: &Lens, splats: &mut Vec<Splat>) {
+    fn splat(&mut self, scene: &PreparedScene, camera: &PreparedCamera, splats: &mut Vec<Splat>) {
         let mut blocked = [0; LANES];
         scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
         for (Contribution { slot, film, class, value, others }, blocked) in self.contributions.drain(..).zip(blocked) {
@@ -342,7 +343,7 @@ impl Connections {
                 let path = slot as usize;
                 let splat =
                     |pixel, weight| Splat { path, pixel, class, value: value * weight, spared: spared * weight };
-                lens.pixels_around(film, |pixel, weight| splats.push(splat(pixel, weight)));
+                camera.pixels_around(film, |pixel, weight| splats.push(splat(pixel, weight)));
             }
         }
     }

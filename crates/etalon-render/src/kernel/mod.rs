@@ -21,9 +21,9 @@ pub use light_paths::{LightPathBuffers, trace_light_paths};
 pub use scatter::sample_cosine_hemisphere;
 pub use state::{Radiance, Work};
 
+use super::camera::PreparedCamera;
 use super::film::PathClass;
 use super::lanes::{Hits, LANES, NOTHING, Rows, at, set};
-use super::lens::Lens;
 use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::previous::{EmitterHit, PreviousVertex};
@@ -32,7 +32,7 @@ use super::shaders::{Kind, SurfaceShader};
 use direct::{DirectLight, sample_direct_light};
 use etalon_core::bsdf::Bsdf;
 use scatter::sample_bsdf;
-use state::{Interactions, PathRays, ShadingFrames, Step};
+use state::{PathRays, Step, Vertices};
 use surfaces::{ByMaterial, evaluate};
 
 /// The buffers of a thread, which hold nothing between batches.
@@ -42,8 +42,7 @@ pub struct Buffers {
     next: Box<PathRays>,
     hits: Box<Hits>,
     by_material: ByMaterial,
-    interactions: Box<Interactions>,
-    frames: Box<ShadingFrames>,
+    vertices: Box<Vertices>,
     scattered: Box<Scattered>,
     direct: DirectLight,
     /// The BSDFs of interactions with an object that has textures.
@@ -62,15 +61,15 @@ pub struct Pixels<'a> {
 /// Traces the camera samples of these pixels.
 pub fn trace(
     scene: &PreparedScene,
-    lens: &Lens,
+    camera: &PreparedCamera,
     pixels: Pixels,
     streams: &Streams,
     buffers: &mut Buffers,
     radiance: &mut Radiance,
 ) {
-    let Buffers { rays, next, hits, by_material, interactions, frames, scattered, direct, varying } = buffers;
+    let Buffers { rays, next, hits, by_material, vertices, scattered, direct, varying } = buffers;
     radiance.clear(pixels.count);
-    generate_camera_rays(scene, lens, pixels, streams, rays);
+    generate_camera_rays(scene, camera, pixels, streams, rays);
     for depth in 0..=scene.request.max_depth {
         if rays.count == 0 {
             break;
@@ -83,7 +82,7 @@ pub fn trace(
             break;
         }
         if depth == 0 && scene.light_tracing.is_some() {
-            begin_light_tracing(scene, lens, hits, rays);
+            begin_light_tracing(scene, camera, hits, rays);
         }
         let step = Step { scene, samples: scene.ray_samples(streams, depth), depth };
         next.count = 0;
@@ -91,11 +90,11 @@ pub fn trace(
         let number =
             |i: usize, shader: &SurfaceShader| Some(if shader.kind.is_diffuse() { NOTHING } else { hits.object[i] });
         for group in by_material.sort(scene, hits, rays.count, number) {
-            let material = evaluate(step, rays, hits, group, (interactions, frames), varying);
+            let material = evaluate(step, rays, hits, group, vertices, varying);
             if material.kind() != Kind::Delta {
-                sample_direct_light(step, material, (interactions, frames), direct, radiance);
+                sample_direct_light(step, material, vertices, direct, radiance);
             }
-            sample_bsdf(step, material, rays, (interactions, frames), scattered, next);
+            sample_bsdf(step, material, rays, vertices, scattered, next);
         }
         if depth >= ROULETTE_AFTER {
             russian_roulette(step, next);
@@ -104,14 +103,20 @@ pub fn trace(
     }
 }
 
-fn generate_camera_rays(scene: &PreparedScene, lens: &Lens, pixels: Pixels, streams: &Streams, rays: &mut PathRays) {
+fn generate_camera_rays(
+    scene: &PreparedScene,
+    camera: &PreparedCamera,
+    pixels: Pixels,
+    streams: &Streams,
+    rays: &mut PathRays,
+) {
     let Pixels { columns, row, count } = pixels;
     rays.count = count;
     for (slot, number) in rays.slot[..count].iter_mut().zip(0..) {
         *slot = number;
     }
-    let u = streams.film().lanes(&rays.slot[..count], SubSample::ONLY);
-    lens.rays(scene.arch, columns, row, &u, count, &mut rays.ray);
+    let u = streams.film().get_2d_lanes(&rays.slot[..count], SubSample::ONLY);
+    camera.rays(scene.arch, columns, row, &u, count, &mut rays.ray);
     for channel in &mut rays.beta {
         channel[..count].fill(1.0);
     }
@@ -153,12 +158,12 @@ fn add_emissive_intersections(scene: &PreparedScene, rays: &PathRays, hits: &Hit
 }
 
 /// Sets the density of light tracing at the first hits.
-fn begin_light_tracing(scene: &PreparedScene, lens: &Lens, hits: &Hits, rays: &mut PathRays) {
+fn begin_light_tracing(scene: &PreparedScene, camera: &PreparedCamera, hits: &Hits, rays: &mut PathRays) {
     for i in (0..rays.count).filter(|&i| hits.object[i] != NOTHING) {
         let ray = rays.ray.at(i);
         rays.previous[i].light_tracing = match scene.shaders[hits.object[i] as usize].kind {
             Kind::Delta => 0.0,
-            _ => LightTracing::from_camera(lens.area_at(ray.origin + hits.t[i] * ray.direction)),
+            _ => LightTracing::from_camera(camera.area_at(ray.origin + hits.t[i] * ray.direction)),
         };
     }
 }
@@ -169,7 +174,7 @@ fn russian_roulette(step: Step, rays: &mut PathRays) {
     rays.retain(|rays, i| {
         let beta = at(&rays.beta, i);
         let survival = (rays.eta_scale[i] * beta.max_element() * ROULETTE_BELOW.recip()).min(1.0);
-        let [_, u] = step.samples.choice.short_pair(rays.slot[i], SubSample::ONLY);
+        let [_, u] = step.samples.choice.get_2d(rays.slot[i], SubSample::ONLY);
         set(&mut rays.beta, i, beta / survival);
         u < survival
     });

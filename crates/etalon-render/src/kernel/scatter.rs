@@ -1,12 +1,12 @@
 //! The next direction of each path, sampled by the BSDF of the surface that it has hit.
 
 use super::bsdf::{Scattered, reverse_pdf_many, sample_many};
-use super::state::{Interactions, PathRay, PathRays, ShadingFrames, Step};
+use super::state::{Interactions, PathRay, PathRays, Step, Vertices};
 use super::surfaces::Material;
 use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, ZERO3, at, fill};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
-use crate::ray_samples::{Numbers, SubSample};
+use crate::ray_samples::{Dimension, SubSample};
 use crate::shaders::Kind;
 use etalon_core::bsdf::Scatter;
 use etalon_core::math::circular::Circular;
@@ -20,7 +20,7 @@ pub fn sample_bsdf(
     step: Step,
     material: Material,
     rays: &PathRays,
-    (interactions, frames): (&Interactions, &ShadingFrames),
+    vertices: &Vertices,
     scattered: &mut Scattered,
     next: &mut PathRays,
 ) {
@@ -28,13 +28,13 @@ pub fn sample_bsdf(
     let (kind, bsdf) = (material.kind(), &material.shader.bsdf);
     let has_delta = bsdf.lobes().iter().any(|lobe| lobe.is_delta());
     let finds_light = step.scene.rays_find_light(kind) || has_delta && step.scene.rays_find_light(Kind::Delta);
-    if !step.scene.goes_on(step.depth) && !finds_light {
+    if !step.scene.may_continue(step.depth) && !finds_light {
         return;
     }
     if kind.is_diffuse() {
-        sample_diffuse(step, rays, interactions, next);
+        sample_diffuse(step, rays, &vertices.interactions, next);
     } else {
-        sample_any(step, material, rays, (interactions, frames), scattered, next);
+        sample_any(step, material, rays, vertices, scattered, next);
     }
 }
 
@@ -60,7 +60,7 @@ pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], coun
 /// Diffuse surfaces need no frame.
 fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, next: &mut PathRays) {
     let count = interactions.count;
-    let u = step.samples.bsdf.lanes(&interactions.slot[..count], SubSample::ONLY);
+    let u = step.samples.bsdf.get_2d_lanes(&interactions.slot[..count], SubSample::ONLY);
     let directions = sample_cosine_hemisphere(step.scene.arch, &interactions.ns, &u, count);
     for i in 0..count {
         let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(&directions, i));
@@ -91,18 +91,19 @@ fn sample_any(
     step: Step,
     material: Material,
     rays: &PathRays,
-    (interactions, frames): (&Interactions, &ShadingFrames),
+    vertices: &Vertices,
     scattered: &mut Scattered,
     next: &mut PathRays,
 ) {
+    let Vertices { interactions, frames } = vertices;
     let (scene, kind, shared) = (step.scene, material.kind(), &material.shader.bsdf);
     let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
     // Ask for those random numbers only that the BSDF needs.
-    let numbers = |needed: bool, numbers: Numbers| needed.then(|| numbers.lanes(slots, SubSample::ONLY));
+    let numbers = |needed: bool, numbers: Dimension| needed.then(|| numbers.get_2d_lanes(slots, SubSample::ONLY));
     let (u, choice) =
         (numbers(kind != Kind::Delta, step.samples.bsdf), numbers(shared.needs_choice(), step.samples.choice));
     let (u, [choice, _]) = (u.as_ref().unwrap_or(&NO_NUMBERS), choice.as_ref().unwrap_or(&NO_NUMBERS));
-    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, (choice, u), count, scattered);
+    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, choice, u, count, scattered);
     if is_sampled && step.needs_reverse_pdf(shared) {
         reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     }
@@ -111,7 +112,7 @@ fn sample_any(
         let sample =
             if is_sampled { scattered.sample(i) } else { bsdf.sample(local_wo, choice[i], [u[0][i], u[1][i]]) };
         let Some(sample) = sample.filter(|sample| sample.weight != Rgb::ZERO) else { continue };
-        let (surface, frame) = (&frames.surface[i], frames.frame(interactions, i));
+        let (surface, frame) = (vertices.surface(i), vertices.frame(i));
         let wi = frame.to_world(sample.wi);
         // The normals must agree on the side.
         if !sample.is_delta() && surface.normal.dot(wi) * sample.wi.z <= 0.0 {
@@ -121,8 +122,8 @@ fn sample_any(
             let light_tracing = interactions.light_tracing[i];
             let is_traced = light_tracing > 0.0
                 && step.depth > 0
-                && frames.is_sound(i, wi)
-                && frames.is_sound(i, at(&frames.wo, i));
+                && vertices.is_sound(i, wi)
+                && vertices.is_sound(i, at(&frames.wo, i));
             // Light tracing cannot connect a delta lobe to the camera.
             let light_tracing = if is_traced { light_tracing * delta_ratio(bsdf, &sample) } else { 0.0 };
             PreviousVertex { specular: true, light_tracing, is_caustic: true, ..PreviousVertex::CAMERA }
@@ -133,7 +134,7 @@ fn sample_any(
                 pdf: sample.pdf,
                 normal: frame.z,
                 kind,
-                light_tracing: light_tracing_ratio(step, interactions, frames, i, (wi, sample.pdf), reverse_pdf),
+                light_tracing: light_tracing_ratio(step, vertices, i, wi, sample.pdf, reverse_pdf),
                 is_caustic: step.depth > 0,
             }
         };
@@ -143,7 +144,11 @@ fn sample_any(
             eta_scale: rays.eta_scale[path] * sample.eta * sample.eta,
             previous,
             slot: interactions.slot[i],
-            path_class: if sample.is_delta() { rays.path_class[path].then(true) } else { interactions.path_class[i] },
+            path_class: if sample.is_delta() {
+                rays.path_class[path].then_specular()
+            } else {
+                interactions.path_class[i]
+            },
         });
     }
 }
@@ -153,18 +158,18 @@ fn sample_any(
 #[inline]
 pub fn light_tracing_ratio(
     step: Step,
-    interactions: &Interactions,
-    frames: &ShadingFrames,
+    vertices: &Vertices,
     i: usize,
-    (wi, pdf): (Vec3, f32),
+    wi: Vec3,
+    pdf: f32,
     reverse_pdf: impl FnOnce() -> f32,
 ) -> f32 {
-    let light_tracing = interactions.light_tracing[i];
+    let light_tracing = vertices.interactions.light_tracing[i];
     if light_tracing == 0.0 {
         return 0.0;
     }
     // Light tracing connects the first vertex to the camera without sampling.
     let reverse_pdf = if step.depth == 0 { 1.0 } else { reverse_pdf() };
-    let reverse = light_tracing * frames.projected(i, at(&frames.wo, i), reverse_pdf);
-    PreviousVertex::continued(reverse, || frames.projected(i, wi, pdf))
+    let reverse = light_tracing * vertices.projected(i, at(&vertices.frames.wo, i), reverse_pdf);
+    PreviousVertex::continued(reverse, || vertices.projected(i, wi, pdf))
 }

@@ -81,16 +81,29 @@ lanes! {
     }
 }
 
-impl ShadingFrames {
-    /// The shading frame of an interaction.
+/// Vertices of paths at surfaces of one material.
+#[derive(Default)]
+pub struct Vertices {
+    pub interactions: Interactions,
+    /// In the same order, unless the surfaces are diffuse.
+    pub frames: ShadingFrames,
+}
+
+impl Vertices {
     #[inline(always)]
-    pub fn frame(&self, interactions: &Interactions, i: usize) -> Frame {
-        Frame { x: at(&self.x, i), y: at(&self.y, i), z: at(&interactions.ns, i) }
+    pub fn surface(&self, i: usize) -> &Surface {
+        &self.frames.surface[i]
+    }
+
+    /// The shading frame.
+    #[inline(always)]
+    pub fn frame(&self, i: usize) -> Frame {
+        Frame { x: at(&self.frames.x, i), y: at(&self.frames.y, i), z: at(&self.interactions.ns, i) }
     }
 
     #[inline(always)]
     fn normals(&self, i: usize) -> [Vec3; 2] {
-        [self.surface[i].normal, self.surface[i].shading]
+        [self.surface(i).normal, self.surface(i).shading]
     }
 
     /// The pdf per projected solid angle of a direction.

@@ -1,7 +1,7 @@
 //! Hits sorted by material, and the interactions there: each surface is evaluated once.
 
 use super::bsdf::Bsdfs;
-use super::state::{Interaction, Interactions, PathRays, ShadingFrame, ShadingFrames, Step};
+use super::state::{Interaction, Interactions, PathRays, ShadingFrame, Step, Vertices};
 use crate::lanes::{Hits, NOTHING, Rays, Rows, at};
 use crate::light_tracing::projected;
 use crate::prepared::PreparedScene;
@@ -77,9 +77,10 @@ pub fn evaluate<'a>(
     rays: &PathRays,
     hits: &Hits,
     group: &[u32],
-    (interactions, frames): (&mut Interactions, &mut ShadingFrames),
+    vertices: &mut Vertices,
     varying: &'a mut Vec<Bsdf>,
 ) -> Material<'a> {
+    let Vertices { interactions, frames } = vertices;
     let shader = &step.scene.shaders[hits.object[group[0] as usize] as usize];
     interactions.count = 0;
     if shader.kind.is_diffuse() {
@@ -99,7 +100,7 @@ pub fn evaluate<'a>(
         // Light paths do not scatter at surfaces that are not reciprocal.
         let light_tracing = if is_traced { rays.previous[i].light_tracing } else { 0.0 };
         let (n, origin) = (frame.surface.normal, frame.surface.ray_origin(frame.wo));
-        let path_class = rays.path_class[i].then(false);
+        let path_class = rays.path_class[i].then_diffuse();
         interactions.push(Interaction { path, slot, n, ns: normal, origin, beta, path_class, light_tracing });
         frames.push(frame);
     }
@@ -125,7 +126,7 @@ fn diffuse(step: Step, rays: &PathRays, hits: &Hits, i: usize, out: &mut Interac
         ns: surface.shading_for(wo),
         origin: surface.ray_origin(wo),
         beta: at(&rays.beta, i) * albedo,
-        path_class: rays.path_class[i].then(false),
+        path_class: rays.path_class[i].then_diffuse(),
         light_tracing: if light_tracing > 0.0 { light_tracing * projected(normals, wo, reverse_pdf) } else { 0.0 },
     });
 }

@@ -21,7 +21,7 @@ pub fn faults() -> Vec<PlantedFault> {
         filter("filter/cut-off", "gaussian:1,0.5", |_, [x, y]| cut_off(x) * cut_off(y)).mistake(
             "light paths weighted by a Gaussian that is cut off, camera rays by one that falls to 0 at the radius",
         ),
-        filter("filter/width-for-radius", "triangle:2", |lens, [x, y]| 4.0 * KERNEL(lens, [2.0 * x, 2.0 * y]))
+        filter("filter/width-for-radius", "triangle:2", |prepared, [x, y]| 4.0 * KERNEL(prepared, [2.0 * x, 2.0 * y]))
             .mistake("the radius of a triangle taken for its whole width by light paths"),
     ]
 }

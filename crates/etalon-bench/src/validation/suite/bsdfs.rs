@@ -241,7 +241,7 @@ fn made_when_run(
         let views = wo.to_array().map(|x| [x; LANES]);
         let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
-            let vectorized = sample_many(Arch::new(), Bsdfs::Same(&bsdf), &views, (&choice[0], u), count, &mut out);
+            let vectorized = sample_many(Arch::new(), Bsdfs::Same(&bsdf), &views, &choice[0], u, count, &mut out);
             let of_lane = |i| {
                 if vectorized && i % COMPARED > 0 {
                     return out.sample(i).map(|sample| (sample, true));

@@ -6,7 +6,7 @@
 use super::super::case::Case;
 use super::inputs::in_lanes;
 use etalon_core::scene::{Camera, Projection};
-use etalon_render::probe::{Lane, Lens, Rays, at};
+use etalon_render::probe::{Lane, PreparedCamera, Rays, at};
 use etalon_stats::{Sample, Square, density};
 use glam::{DVec3, Vec3};
 use pulp::Arch;
@@ -39,7 +39,8 @@ pub fn camera(name: String, projection: Projection, pdf_of: Pdf) -> Case {
     Case::of(name, Square, move || {
         let position = DVec3::new(1.0, 2.0, 3.0);
         let camera = Camera::look_at(position, DVec3::ZERO, DVec3::Y, projection).expect("it does not look up");
-        let (lens, lens_too) = (Lens::new(&camera, FILM[0], FILM[1]), Lens::new(&camera, FILM[0], FILM[1]));
+        let (prepared, prepared_too) =
+            (PreparedCamera::new(&camera, FILM[0], FILM[1]), PreparedCamera::new(&camera, FILM[0], FILM[1]));
         // Half of the wall's sides, as large as the film shows it.
         let [x, y] = match projection {
             Projection::Orthographic { half_width, half_height } => [half_width, half_height],
@@ -54,14 +55,14 @@ pub fn camera(name: String, projection: Projection, pdf_of: Pdf) -> Case {
             let mut samples: Vec<_> = (0..count).map(|_| None).collect();
             let mut rays = Rays::default();
             for y0 in 0..FILM[1] as u32 {
-                lens.rays(Arch::new(), &columns, y0, within, count, &mut rays);
+                prepared.rays(Arch::new(), &columns, y0, within, count, &mut rays);
                 for i in (0..count).filter(|&i| row(i) == y0) {
                     let [origin, direction] = [&rays.origin, &rays.direction].map(|lane| at(lane, i).as_dvec3());
                     let t = (DEPTH - (origin - position).dot(camera.forward)) / direction.dot(camera.forward);
                     let point = origin + t * direction;
                     // The projection must lead back to the pixel.
                     let inner = |u: f32| (EDGE..1.0 - EDGE).contains(&u);
-                    let seen = lens.project(point.as_vec3()).map(|view| view.film.map(|x| x as u32));
+                    let seen = prepared.project(point.as_vec3()).map(|view| view.film.map(|x| x as u32));
                     let is_back = seen == Some([columns[i], y0]) || !inner(within[0][i]) || !inner(within[1][i]);
                     let to = point - position;
                     let place = [0.5 + 0.5 * to.dot(camera.right) / x, 0.5 + 0.5 * to.dot(camera.up) / y];
@@ -74,7 +75,7 @@ pub fn camera(name: String, projection: Projection, pdf_of: Pdf) -> Case {
             let to = DEPTH * camera.forward + (2.0 * u - 1.0) * x * camera.right + (2.0 * v - 1.0) * y * camera.up;
             let cos = if matches!(projection, Projection::Orthographic { .. }) { 1.0 } else { DEPTH / to.length() };
             let point: Vec3 = (position + to).as_vec3();
-            4.0 * x * y * pdf_of(cos, f64::from(lens_too.area_at(point)))
+            4.0 * x * y * pdf_of(cos, f64::from(prepared_too.area_at(point)))
         };
         (in_lanes(draw), density(pdf))
     })

@@ -3,7 +3,7 @@
 use super::super::case::Case;
 use super::inputs::in_lanes;
 use etalon_core::scene::{Camera, PixelFilter, Projection};
-use etalon_render::probe::{Lane, Lens, Rays, at};
+use etalon_render::probe::{Lane, PreparedCamera, Rays, at};
 use etalon_stats::{Sample, Square, density};
 use glam::DVec3;
 use pulp::Arch;
@@ -14,12 +14,12 @@ const FILM: [u16; 2] = [7, 3];
 const PIXEL: [u32; 2] = [0, 1];
 
 /// The pdf of a film position relative to the pixel's centre, per pixel.
-pub type Pdf = fn(&Lens, [f32; 2]) -> f64;
+pub type Pdf = fn(&PreparedCamera, [f32; 2]) -> f64;
 
 /// What the contribution of a light path at a film position is multiplied with.
-pub const KERNEL: Pdf = |lens, [x, y]| {
+pub const KERNEL: Pdf = |prepared, [x, y]| {
     let mut weight = 0.0;
-    lens.pixels_around([x + PIXEL[0] as f32 + 0.5, y + PIXEL[1] as f32 + 0.5], |pixel, value| {
+    prepared.pixels_around([x + PIXEL[0] as f32 + 0.5, y + PIXEL[1] as f32 + 0.5], |pixel, value| {
         if pixel == PIXEL {
             weight = f64::from(value);
         }
@@ -42,8 +42,8 @@ pub fn positions(name: String, filter: &'static str, pdf: Pdf) -> Case {
         let projection = Projection::Orthographic { half_width, half_height };
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, projection).expect("it does not look up");
         let camera = Camera { filter, ..camera };
-        let lens = move || Lens::new(&camera, FILM[0].into(), FILM[1].into());
-        let (sampled, weighted) = (lens(), lens());
+        let prepared = move || PreparedCamera::new(&camera, FILM[0].into(), FILM[1].into());
+        let (sampled, weighted) = (prepared(), prepared());
         let [rx, ry] = filter.radius();
         let draw = move |[u]: &[[Lane; 2]; 1], count| {
             let mut rays = Rays::default();

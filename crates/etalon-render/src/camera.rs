@@ -7,7 +7,7 @@ use glam::Vec3;
 use pulp::Arch;
 
 /// A camera and its film, in f32.
-pub struct Lens {
+pub struct PreparedCamera {
     position: Vec3,
     forward: Vec3,
     /// From the centre of the film to the middles of its right and upper edge, in units of the film's distance (or of
@@ -38,7 +38,7 @@ pub struct View {
     pub film: [f32; 2],
 }
 
-impl Lens {
+impl PreparedCamera {
     pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let (half_width, half_height, parallel) = match camera.projection {
             Projection::Orthographic { half_width, half_height } => (half_width, half_height, true),
@@ -159,20 +159,20 @@ mod tests {
         for projection in [perspective, parallel] {
             let camera = Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
             let (width, height) = (30, 20);
-            let lens = Lens::new(&camera, width, height);
+            let prepared = PreparedCamera::new(&camera, width, height);
             for (x, y) in (0..30).flat_map(|x| (0..20).map(move |y| (x, y))) {
                 let ray = camera.ray((f64::from(x) + 0.3) / 30.0, (f64::from(y) + 0.8) / 20.0);
                 let point = ray.origin + 2.5 * ray.direction;
-                let view = lens.project(point).unwrap();
+                let view = prepared.project(point).unwrap();
                 let mut pixels = Vec::new();
-                lens.pixels_around(view.film, |pixel, weight| pixels.push((pixel, weight)));
+                prepared.pixels_around(view.film, |pixel, weight| pixels.push((pixel, weight)));
                 assert_eq!(pixels, [([x as u32, y as u32], 1.0)]);
                 assert!((view.distance - 2.5).abs() < 1e-5 && (view.direction + ray.direction).length() < 1e-5);
-                assert!(lens.project(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
+                assert!(prepared.project(ray.origin - 2.5 * ray.direction).is_none(), "behind the camera");
             }
             for (x, y) in [(-0.1, 0.5), (1.1, 0.5), (0.5, -0.1), (0.5, 1.1)] {
                 let ray = camera.ray(x, y);
-                assert!(lens.project(ray.origin + ray.direction).is_none(), "beside the film");
+                assert!(prepared.project(ray.origin + ray.direction).is_none(), "beside the film");
             }
         }
     }
