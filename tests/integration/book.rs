@@ -188,7 +188,9 @@ fn quoted_code_is_that_of_the_sources() {
     let lines = |text: &str| text.trim().lines().map(|line| format!("{}\n", line.trim())).collect::<String>();
     let mut count = 0;
     for (name, text) in texts().iter().filter(|(name, _)| name.ends_with(".md")) {
-        for (before, rest) in text.match_indices("```rust,ignore\n").map(|(i, mark)| (&text[..i], &text[i + mark.len()..])) {
+        for (before, rest) in
+            text.match_indices("```rust,ignore\n").map(|(i, mark)| (&text[..i], &text[i + mark.len()..]))
+        {
             let (_, file) = before.trim_end().rsplit_once('\n').expect("a quotation has the path of its file above it");
             let source = std::fs::read_to_string(root.join(file.trim_matches('`'))).expect(file);
             let (code, _) = rest.split_once("\n```").expect("the end of a block");

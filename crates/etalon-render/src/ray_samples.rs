@@ -108,14 +108,17 @@ pub struct Dimension<'a> {
 impl Dimension<'_> {
     /// The pairs of the given slots, in single precision as [`Stream::short_pair_of`] has them and in double precision as
     /// [`Stream::pair_of`] has.
+    #[inline(always)]
     pub fn get_2d_lanes<T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
+        let mut out = [[T::default(); LANES]; 2];
         match self.streams.kind {
-            StreamKind::Sobol => self.lanes_by::<Sobol, T>(slots, sub),
-            StreamKind::Independent => self.lanes_by::<Independent, T>(slots, sub),
+            StreamKind::Sobol => self.fill::<Sobol, T>(slots, sub, &mut out),
+            StreamKind::Independent => self.fill::<Independent, T>(slots, sub, &mut out),
         }
+        out
     }
 
-    fn lanes_by<S: Stream, T: Precision>(self, slots: &[u32], sub: SubSample) -> [[T; LANES]; 2] {
+    fn fill<S: Stream, T: Precision>(self, slots: &[u32], sub: SubSample, out: &mut [[T; LANES]; 2]) {
         let Self { streams, dimension } = self;
         let (mut key, mut sample) = ([0; LANES], [0; LANES]);
         // Neighbours mostly belong to one pixel.
@@ -130,7 +133,6 @@ impl Dimension<'_> {
             (key[i], sample[i]) = (prepared, streams.sample[slot]);
         }
         let (key, sample) = (&key, &sample);
-        let mut out = [[T::default(); LANES]; 2];
         fill(
             streams.arch,
             slots.len(),
@@ -138,7 +140,6 @@ impl Dimension<'_> {
             #[inline(always)]
             move |i| T::pair::<S>(key[i], sample[i], dimension, sub),
         );
-        out
     }
 
     /// The pair of one slot.

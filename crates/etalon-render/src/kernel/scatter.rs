@@ -3,7 +3,7 @@
 use super::bsdf::{Scattered, reverse_pdf_many, sample_many};
 use super::state::{Interactions, PathRay, PathRays, Step, Vertices};
 use super::surfaces::Material;
-use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, ZERO3, at, fill};
+use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, at, fill};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
 use crate::ray_samples::{Dimension, SubSample};
@@ -32,15 +32,14 @@ pub fn sample_bsdf(
         return;
     }
     if kind.is_diffuse() {
-        sample_diffuse(step, rays, &vertices.interactions, next);
+        sample_diffuse(step, rays, &vertices.interactions, &mut scattered.wi, next);
     } else {
         sample_any(step, material, rays, vertices, scattered, next);
     }
 }
 
 /// Directions of pdf cos θ / π about the first `count` normals.
-pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize) -> Lane3 {
-    let mut wi = ZERO3;
+pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize, wi: &mut Lane3) {
     fill(
         arch,
         count,
@@ -54,16 +53,15 @@ pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], coun
             ((tangent * cos_phi + bitangent * sin_phi) * r + normal * z).to_array()
         },
     );
-    wi
 }
 
 /// Diffuse surfaces need no frame.
-fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, next: &mut PathRays) {
+fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, wi: &mut Lane3, next: &mut PathRays) {
     let count = interactions.count;
     let u = step.samples.bsdf.get_2d_lanes(&interactions.slot[..count], SubSample::ONLY);
-    let directions = sample_cosine_hemisphere(step.scene.arch, &interactions.ns, &u, count);
+    sample_cosine_hemisphere(step.scene.arch, &interactions.ns, &u, count, wi);
     for i in 0..count {
-        let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(&directions, i));
+        let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(wi, i));
         // The normals must agree on the side.
         if n.dot(direction) <= 0.0 {
             continue;

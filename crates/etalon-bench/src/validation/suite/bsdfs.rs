@@ -280,7 +280,8 @@ fn diffuse_in_lanes(name: &str, normal: DVec3) -> (&'static str, Case) {
     let case = Case::of(format!("bsdf/diffuse/lanes-{name}"), Directions::sphere(Pole::Z), move || {
         let draw = move |[u]: &[[Lane; 2]; 1], count| {
             let normals = normal.as_vec3().to_array().map(|axis| [axis; LANES]);
-            let wi = sample_cosine_hemisphere(Arch::new(), &normals, u, count);
+            let mut wi = [[0.0; LANES]; 3];
+            sample_cosine_hemisphere(Arch::new(), &normals, u, count, &mut wi);
             (0..count).map(|i| Some(Sample::new(at(&wi, i).as_dvec3().to_array()))).collect()
         };
         // Rounding may move directions below the surface.
