@@ -54,14 +54,16 @@ impl ShortTables {
     #[must_use]
     pub fn sample(&self, table: usize, u: f64) -> CellSample {
         let ends = self.of(table);
-        // What is at most u is at most u rounded down.
+        // What is at most u is at most u rounded down; where rounding to the nearest went up, the result is positive.
         let nearest = u as f32;
-        let below = if f64::from(nearest) > u { nearest.next_down() } else { nearest };
-        let mut passed = 0;
-        for &end in ends {
-            passed += u32::from(end <= below);
+        let below = f32::from_bits(nearest.to_bits() - u32::from(f64::from(nearest) > u));
+        let mut passed = [0; LANES];
+        for ends in ends.as_chunks::<LANES>().0 {
+            for i in 0..LANES {
+                passed[i] += u32::from(ends[i] <= below);
+            }
         }
-        let cell = (passed as usize).min(self.cells - 1);
+        let cell = (passed.iter().sum::<u32>() as usize).min(self.cells - 1);
         let [start, end] = bounds(ends, cell);
         CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start }
     }
