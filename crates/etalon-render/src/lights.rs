@@ -287,7 +287,10 @@ impl Sampled {
 
     /// Whether its light comes from more than one direction.
     pub fn has_extent(&self) -> bool {
-        !matches!(self.kind, Kind::Point { .. } | Kind::Directional { .. })
+        match self.kind {
+            Kind::Rectangle(_) | Kind::Triangle(_) | Kind::Sphere(_) | Kind::Hemisphere { .. } => true,
+            Kind::Point { .. } | Kind::Directional { .. } => false,
+        }
     }
 }
 
