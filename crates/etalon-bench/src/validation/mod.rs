@@ -10,15 +10,13 @@ pub mod families;
 pub mod planted;
 mod run;
 pub mod scattering;
-mod select;
-mod shared;
 #[allow(clippy::disallowed_methods)]
 pub mod suite;
 #[cfg(test)]
 mod tests;
 mod whole;
 
+pub use case::select;
 pub use case::{Case, DirectionSampler, direction_density, direction_sampler};
 pub use external::WholeBsdf;
 pub use run::{Ranked, Tested, Validation, run};
-pub use select::select;

@@ -1,7 +1,9 @@
-//! Mistakes in sampling environment maps.
+//! Mistakes in sampling environment maps, and in sampling the regions of a median cut as strata.
 
+use super::super::case::direction_density;
+use super::super::suite::maps::{ENERGY, Share, strata};
 use super::fault::PlantedFault;
-use crate::validation::case::direction_density;
+use etalon_core::envmap::cut::Split;
 use etalon_core::envmap::{EnvMap, LatLong};
 use etalon_core::math::Rgb;
 use etalon_core::raster::Image;
@@ -75,7 +77,7 @@ fn planted(name: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
     })
 }
 
-pub fn faults() -> Vec<PlantedFault> {
+pub fn maps() -> Vec<PlantedFault> {
     vec![
         planted("map/half-texel", |scheme| {
             scheme.place = |g, x, y, fx, fy| {
@@ -114,4 +116,13 @@ pub fn faults() -> Vec<PlantedFault> {
             "a table of blocks of eight columns, by whole division: what is left over on the right is never sampled",
         ),
     ]
+}
+
+pub fn cuts() -> Vec<PlantedFault> {
+    let name = "strata/equal-shares";
+    let equal: Share = |_| 1.0;
+    let [faulty, sound] = [("planted", equal), ("sound", ENERGY)]
+        .map(|(kind, share)| strata(format!("{kind}/{name}"), Split::Energy, 16, share));
+    let mistake = "regions of a median cut drawn with equal probabilities: texels are not divided, so that cuts halve the energy only nearly";
+    vec![PlantedFault { name, mistake, faulty, sound }]
 }

@@ -2,41 +2,32 @@
 //! the mistake must be accepted, so that the mistake alone explains the rejection.
 
 mod bsdf;
-mod camera;
 mod fault;
-mod filters;
-mod findings;
-mod glass;
-mod hemispheres;
-mod light_paths;
 mod lights;
 mod maps;
-mod normals;
-mod numbers;
-mod reflection;
 mod renders;
-mod strata;
-mod tables;
+mod surfaces;
+mod warps;
 
 pub use fault::PlantedFault;
-pub use findings::{By, Finding, Findings, run, run_pair};
+pub use fault::{By, Finding, Findings, run, run_pair};
 
 /// All planted faults, family by family.
 pub fn all() -> Vec<PlantedFault> {
     [
-        numbers::faults(),
-        hemispheres::faults(),
-        lights::faults(),
-        light_paths::faults(),
-        camera::faults(),
-        filters::faults(),
-        tables::faults(),
-        maps::faults(),
-        strata::faults(),
-        normals::faults(),
-        reflection::faults(),
-        glass::faults(),
-        renders::faults(),
+        warps::numbers(),
+        warps::hemispheres(),
+        lights::lights(),
+        lights::light_paths(),
+        renders::importance(),
+        renders::filters(),
+        warps::tables(),
+        maps::maps(),
+        maps::cuts(),
+        surfaces::normals(),
+        surfaces::reflection(),
+        surfaces::glass(),
+        renders::images(),
         bsdf::faults(),
     ]
     .into_iter()

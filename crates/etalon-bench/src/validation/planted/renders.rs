@@ -1,8 +1,8 @@
-//! Mistakes of an integrator, detected in its images.
+//! Mistakes that images show: of an integrator, of a camera's importance, of pixel filters.
 
 use super::super::case::Case;
-use super::super::suite::plant::Plant;
-use super::super::suite::renders::{RenderTest, Truth, inside, lit_sphere, metal};
+use super::super::suite::camera::{CAMERA, FILTER, FilterPdf, WIDE, camera, positions};
+use super::super::suite::renders::{Plant, RenderTest, Truth, inside, lit_sphere, metal};
 use super::super::suite::techniques::{adaptive_image, many_lights};
 use super::fault::PlantedFault;
 use etalon_core::envmap::samplers::MapSampling;
@@ -32,7 +32,7 @@ fn brighten(tile: &mut [Mean; 2], factor: f64) {
     tile[0].variance *= factor * factor;
 }
 
-pub fn faults() -> Vec<PlantedFault> {
+pub fn images() -> Vec<PlantedFault> {
     let settings = Settings { sampling: Sampling::Mis, density: Some(MapSampling::MAP), ..Settings::default() };
     let bsdf = Settings { sampling: Sampling::Bsdf, ..Settings::default() };
     let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
@@ -69,5 +69,37 @@ pub fn faults() -> Vec<PlantedFault> {
         ),
         planted("render/shadowing-with-pi", (metal(shadowing), |_| ()), metal(bsdf))
             .mistake("Λ of Beckmann's distribution with π for √π: the second report's course; here 7 % too much light"),
+    ]
+}
+
+pub fn importance() -> Vec<PlantedFault> {
+    let name = "camera/missing-cosine";
+    let [faulty, sound] = [("planted", (|_, area| 1.0 / area) as fn(f64, f64) -> f64), ("sound", CAMERA)]
+        .map(|(kind, pdf)| camera(format!("{kind}/{name}"), WIDE, pdf));
+    let mistake =
+        "the importance of a pinhole camera without the cosine at the film: towards the edges the image is too bright";
+    vec![PlantedFault { name, mistake, faulty, sound }]
+}
+
+/// The case of the suite with a wrong pdf, and with the right one.
+fn filter(name: &'static str, filter: &'static str, wrong: FilterPdf) -> PlantedFault {
+    let [faulty, sound] =
+        [("planted", wrong), ("sound", FILTER)].map(|(kind, pdf)| positions(format!("{kind}/{name}"), filter, pdf));
+    PlantedFault { name, mistake: "", faulty, sound }
+}
+
+/// exp(−x²/(2σ²)) for σ ½ within ±1, where it has the integral σ √(2π) erf(1/(σ√2)).
+fn cut_off(x: f32) -> f64 {
+    let integral = 0.5 * std::f64::consts::TAU.sqrt() * libm::erf(2f64.sqrt());
+    (-2.0 * f64::from(x).powi(2)).exp() / integral
+}
+
+pub fn filters() -> Vec<PlantedFault> {
+    vec![
+        filter("filter/cut-off", "gaussian:1,0.5", |_, [x, y]| cut_off(x) * cut_off(y)).mistake(
+            "light paths weighted by a Gaussian that is cut off, camera rays by one that falls to 0 at the radius",
+        ),
+        filter("filter/width-for-radius", "triangle:2", |prepared, [x, y]| 4.0 * FILTER(prepared, [2.0 * x, 2.0 * y]))
+            .mistake("the radius of a triangle taken for its whole width by light paths"),
     ]
 }

@@ -1,20 +1,13 @@
-//! The suite: every sampler of the project, each family in a file of its own.
+//! The suite: every sampler of the project, families that belong together in one file.
 
 pub mod adjoint;
 mod bsdfs;
 pub mod camera;
-mod exact_images;
-pub mod filters;
 pub(super) mod inputs;
 pub mod light_paths;
-pub mod light_selection;
 pub mod lights;
 pub mod maps;
-mod normals;
-pub mod plant;
 pub mod renders;
-pub mod strata;
-mod tables;
 pub mod techniques;
 mod warps;
 mod whole_bsdfs;
@@ -24,17 +17,17 @@ use super::case::Case;
 /// All cases, family by family.
 pub fn cases() -> Vec<Case> {
     let bsdfs = bsdfs::cases().into_iter().map(|(_, case)| case).collect();
-    let families = [warps::cases(), tables::cases(), maps::cases(), strata::cases(), normals::cases(), bsdfs];
+    let families = [warps::warps(), warps::tables(), maps::maps(), maps::cuts(), warps::normals(), bsdfs];
     families
         .into_iter()
         .chain([
             whole_bsdfs::cases(),
-            lights::cases(),
-            light_selection::cases(),
+            lights::directions(),
+            lights::selections(),
             light_paths::cases(),
             adjoint::cases(),
-            camera::cases(),
-            filters::cases(),
+            camera::cameras(),
+            camera::filters(),
             renders::cases(),
             techniques::cases(),
         ])
@@ -63,7 +56,7 @@ mod tests {
         for (name, _) in etalon_core::bsdf::ALL {
             assert!(tested.contains(name), "{name}");
         }
-        let cases = maps::cases();
+        let cases = maps::maps();
         for entry in samplers::ALL.iter().filter(|entry| !matches!(entry.method, Method::FixedLights(_))) {
             let prefix = format!("map/nave/{}", entry.name);
             assert!(cases.iter().any(|case| case.name.starts_with(&prefix)), "{prefix}");

@@ -1,15 +1,12 @@
 //! Images of the path tracer against exact ones: furnaces, the sphere under an environment map, and each sampling strategy
-//! against the others.
+//! against the others; faults that are put into images.
 //!
 //! Scenes are grey, so that one channel is enough. Every image is rendered in independent parts, whose differences
 //! tell the error of each tile: light paths contribute to many pixels at once, so that the errors of pixels are not enough.
 
-use super::super::case::Case;
-use super::super::shared::Shared;
-use super::exact_images::lit_sphere_image;
-use super::plant::Plant;
-use crate::validation::case::direction_density;
+use super::super::case::{Case, Shared, direction_density};
 use etalon_core::envmap::EnvMap;
+use etalon_core::envmap::irradiance::IrradianceTree;
 use etalon_core::envmap::samplers::MapSampling;
 use etalon_core::envmap::synthetic::Synthetic;
 use etalon_core::error::Result;
@@ -22,12 +19,13 @@ use etalon_core::scene::{
     Camera, Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Environment, Material, Object,
     PixelFilter, Projection, Rectangle, Request, Scene, Shape, builtin,
 };
-use etalon_render::film::Film;
+use etalon_render::film::{Film, Pixel, PixelEstimate};
 use etalon_render::{Dropped, Sampling, Settings, Silent, render};
 use etalon_stats::cubature::integrate;
 use etalon_stats::welch::{self, ImageComparison, Mean};
 use etalon_stats::{Directions, Extremes, Grid, Outcome, Pole, Protocol, SampleCount};
 use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -356,6 +354,87 @@ pub fn cases() -> Vec<Case> {
         tests.push((format!("room/mis+lt-{name}"), cornell_box(Settings::default(), other)));
     }
     tests.into_iter().map(|(name, test)| test.case(format!("render/{name}"))).collect()
+}
+
+/// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.
+pub fn lit_sphere_image(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
+    const NODES: [(f64, f64); 3] =
+        [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
+    // Closer to the silhouette, three points an axis are not exact enough.
+    const INSIDE: f64 = 0.9;
+    let Some(environment) = &scene.environment else { return Vec::new() };
+    let tree = IrradianceTree::new(&environment.map);
+    let scale = f64::from(environment.scale.x) / PI;
+    let size = request.width as f64;
+    let radiance = |x: f64, y: f64| {
+        let z2 = 1.0 - x * x - y * y;
+        (z2 > 1.0 - INSIDE * INSIDE).then(|| tree.irradiance(DVec3::new(x, -y, z2.sqrt())).value.x * scale)
+    };
+    // Nodes of the quadrature in each pixel, in units of the radius.
+    let at = |i: usize, node: f64| (2.0 * i as f64 + 1.0 + node) / size - 1.0;
+    let pixel = |i: usize| {
+        let (x, y) = (i % request.width, i / request.width);
+        NODES.iter().try_fold(0.0, |sum, (u, wu)| {
+            NODES.iter().try_fold(sum, |sum, (v, wv)| Some(sum + wu * wv * radiance(at(x, *u), at(y, *v))?))
+        })
+    };
+    (0..request.width * request.height).map(pixel).collect()
+}
+
+/// A fault in how an image is put together.
+#[derive(Debug, Clone, Copy)]
+pub enum Plant {
+    /// Camera paths and light paths are weighted against others than these.
+    Split(Split),
+    /// The sum of a pixel's paths is divided by the mean number of paths, not by its own.
+    MeanNumber,
+}
+
+impl Plant {
+    /// The first channel of the image of `film` with the fault.
+    pub fn image(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
+        match self {
+            Self::Split(split) => split.with_light_paths_of(film, scene, request, seed),
+            Self::MeanNumber => {
+                let paths: Vec<f64> = film.pixels().iter().map(|pixel| f64::from(pixel.camera_paths())).collect();
+                let mean = paths.iter().sum::<f64>() / paths.len() as f64;
+                let sum = |(pixel, paths): (&Rgb, f64)| f64::from(pixel.x) * paths / mean;
+                Ok(film.image().pixels().iter().zip(paths).map(sum).collect())
+            }
+        }
+    }
+}
+
+/// Camera paths from another render than light paths: each render alone weights both consistently.
+#[derive(Debug, Clone, Copy)]
+pub struct Split {
+    /// Settings of the camera paths.
+    pub settings: Settings,
+    /// Light samples of the camera paths.
+    pub light_samples: u32,
+    /// Width of their film over that of the image, which is in its middle.
+    pub widths: usize,
+    /// Factor on the contributions of light paths.
+    pub factor: f64,
+}
+
+impl Split {
+    /// The first channel of another render of the scene, with the light paths of `film`.
+    fn with_light_paths_of(&self, film: &Film, scene: &Scene, request: &Request, seed: u64) -> Result<Vec<f64>> {
+        let (width, wide) = (request.width, request.width * self.widths);
+        let mut scene = scene.clone();
+        if let Projection::Perspective { tan_half_width, .. } = &mut scene.camera.projection {
+            *tan_half_width *= self.widths as f64;
+        }
+        let settings = Settings { seed, stream: StreamKind::Independent, ..self.settings };
+        let request = Request { width: wide, light_samples: self.light_samples, ..*request };
+        let camera = render(&scene, &request, &settings, &Silent)?.part.film;
+        let sum = |(i, (pixel, estimate)): (usize, (&Pixel, PixelEstimate))| {
+            let seen = &camera.pixels()[i / width * wide + (wide - width) / 2 + i % width];
+            f64::from(seen.mean().x) + self.factor * f64::from(estimate.mean.x - pixel.mean().x)
+        };
+        Ok(film.pixels().iter().zip(film.estimates()).enumerate().map(sum).collect())
+    }
 }
 
 #[cfg(test)]

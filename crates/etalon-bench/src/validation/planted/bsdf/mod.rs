@@ -1,17 +1,24 @@
-//! Mistakes in whole BSDFs: a right one of the textbook in f64, and one thing changed.
+//! Mistakes in whole BSDFs: a right one of the textbook in f64, and one thing changed; and mistakes at limits, where a BSDF
+//! should become another one.
 
 mod coated;
 mod compensated;
 mod conductor;
 mod dielectric;
 mod faulty;
-mod limits;
 mod mixture;
 mod resampled;
 mod rough;
 mod smooth;
 
+use super::super::case::Case;
 use super::fault::PlantedFault;
+use compensated::Compensated;
+use etalon_stats::bsdf::{BatchBsdf, same_light, same_values};
+use etalon_stats::{Outcome, Protocol, Result};
+use faulty::towards;
+use rough::{Facets, Rough};
+use smooth::{Glass, Lambertian};
 
 /// All of them.
 pub fn faults() -> Vec<PlantedFault> {
@@ -23,9 +30,58 @@ pub fn faults() -> Vec<PlantedFault> {
         compensated::faults(),
         coated::faults(),
         resampled::faults(),
-        limits::faults(),
+        limits(),
     ]
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// A comparison with the mistake (`true`) and without it.
+fn limit(name: &'static str, compare: fn(bool, &Protocol) -> Result<Outcome>, mistake: &'static str) -> PlantedFault {
+    let case = |kind: &str, faulty: bool| {
+        Case::new(format!("{kind}/{name}"), move |protocol, _| Ok(compare(faulty, protocol)?))
+    };
+    PlantedFault { name, mistake, faulty: case("planted", true), sound: case("sound", false) }
+}
+
+fn limits() -> Vec<PlantedFault> {
+    vec![
+        limit(
+            "whole/limit/alpha-clamped",
+            |faulty, protocol| {
+                let alpha = if faulty { 0.05 } else { 1e-4 };
+                let rough = Rough { alpha: [alpha; 2], facets: Facets::Dielectric(1.5) };
+                same_light(&rough, &Glass { index: 1.5 }, towards(50.0), 2e-3, protocol)
+            },
+            "α clamped to 0.05, where α → 0 should become a smooth surface",
+        ),
+        limit(
+            "whole/limit/index-of-one",
+            |faulty, protocol| {
+                let index = if faulty { 1.0 + 0.1 } else { 1.0 + 1e-6 };
+                let rough = Rough { alpha: [0.01; 2], facets: Facets::Dielectric(index) };
+                same_light(&rough, &Glass { index: 1.0 + 1e-9 }, towards(50.0), 2e-3, protocol)
+            },
+            "η clamped to 1.1, where η → 1 should become no boundary",
+        ),
+        limit(
+            "whole/limit/weight-of-zero",
+            |faulty, protocol| {
+                let paint = |albedo| Lambertian { albedo };
+                same_values(&paint(if faulty { 1e-3 } else { 0.0 }), &paint(0.0), towards(50.0), protocol)
+            },
+            "a lobe of weight 0 that still reflects 0.1 %",
+        ),
+        limit(
+            "whole/limit/compensation-not-switched-off",
+            |faulty, protocol| {
+                let rough = Rough { alpha: [0.8; 2], facets: Facets::Conductor(1.0) };
+                let compensated = Compensated::new();
+                let other: &dyn BatchBsdf = if faulty { &compensated } else { &rough };
+                same_light(&rough, other, towards(50.0), 1e-9, protocol)
+            },
+            "compensation that stays on where it is switched off",
+        ),
+    ]
 }

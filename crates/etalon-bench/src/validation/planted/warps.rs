@@ -1,0 +1,279 @@
+//! Mistakes in what random numbers are mapped by: warps to a hemisphere, the numbers themselves (their bits, their ends, their
+//! order), and tables. Counts in 200 cells hardly show those of the numbers.
+
+use super::super::case::{DirectionSampler, direction_density, direction_sampler};
+use super::fault::PlantedFault;
+use etalon_core::math::circular::sin_cos_turns;
+use etalon_core::sampling::warp;
+use etalon_stats::stream::CounterRng;
+use etalon_stats::{
+    Density, DensityFn, Directions, Discrete, Line, Mass, Point, Pole, Sample, Sampler, density, sampler,
+};
+use glam::DVec3;
+use rand::RngExt;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// The unit vector at that cosine with +z and that azimuth in turns.
+pub(super) fn polar(cos: f64, turns: f64) -> DVec3 {
+    let (sin_phi, cos_phi) = sin_cos_turns(turns);
+    let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+    DVec3::new(sin * cos_phi, sin * sin_phi, cos)
+}
+
+const N: f64 = 20.0;
+
+/// The direction of a lobe cosⁿ around `axis`, whose tangent frame is given.
+fn in_lobe(axis: DVec3, [tangent, bitangent]: [DVec3; 2], cos: f64, turns: f64) -> DVec3 {
+    let w = polar(cos, turns);
+    w.x * tangent + w.y * bitangent + w.z * axis
+}
+
+/// Samples from the lobe around the mirrored direction of light at 60°; where that leaves the hemisphere there is no sample.
+fn lobe(power: f64) -> impl Sampler {
+    let (axis, frame) = mirrored();
+    direction_sampler(move |u| Some(in_lobe(axis, frame, (1.0 - u[0]).powf(power), u[1])).filter(|w| w.z > 0.0))
+}
+
+fn mirrored() -> (DVec3, [DVec3; 2]) {
+    let (sin, cos) = 60f64.to_radians().sin_cos();
+    (DVec3::new(sin, 0.0, cos), [DVec3::Y, DVec3::new(cos, 0.0, -sin)])
+}
+
+/// Its pdf with the given factor for (n + 1).
+fn lobe_pdf(factor: f64) -> DensityFn<impl Fn(Point) -> f64 + Sync> {
+    direction_density(move |w| factor / TAU * w.dot(mirrored().0).max(0.0).powf(N))
+}
+
+/// A right sampler in proportion to the cosine.
+fn cosine() -> DirectionSampler<impl Fn(&[f64]) -> Option<Sample> + Sync> {
+    direction_sampler(|u| Some(warp::cosine_hemisphere(u)))
+}
+
+pub fn hemispheres() -> Vec<PlantedFault> {
+    let half = Directions::hemisphere(Pole::Z);
+    vec![
+        PlantedFault::of("warp/hemisphere/even-in-theta", half, |faulty| {
+            let cos = move |u: f64| if faulty { (u * FRAC_PI_2).cos() } else { 1.0 - u };
+            (direction_sampler(move |u| Some(polar(cos(u[0]), u[1]))), direction_density(|_: DVec3| 1.0 / TAU))
+        })
+        .mistake("θ sampled uniformly from 0 to π/2, which crowds the pole: a frequent first sampler"),
+        PlantedFault::of("warp/hemisphere/disc-without-root", half, |faulty| {
+            let r2 = move |u: f64| if faulty { u * u } else { u };
+            let draw = move |u: [f64; 2]| Some(polar((1.0 - r2(u[0])).sqrt(), u[1]));
+            (direction_sampler(draw), direction_density(|w: DVec3| w.z / PI))
+        })
+        .mistake("a disc sampled with radius u instead of √u, then lifted to the hemisphere"),
+        PlantedFault::of("warp/hemisphere/cosine-floor", half, |faulty| {
+            let least = if faulty { 0.05 } else { 0.0 };
+            (cosine(), direction_density(move |w: DVec3| w.z.max(least) / PI))
+        })
+        .mistake("the pdf's cosine clamped to 0.05 to keep clear of divisions by zero"),
+        PlantedFault::of("warp/hemisphere/sine-left-in", half, |faulty| {
+            let sine = move |w: DVec3| if faulty { w.truncate().length() } else { 1.0 };
+            (cosine(), direction_density(move |w: DVec3| w.z / PI * sine(w)))
+        })
+        .mistake("the pdf per θ and φ taken for the one per solid angle: a factor sin θ too many"),
+        PlantedFault::of("warp/hemisphere/swapped-numbers", half, |faulty| {
+            let inverse = move |w: [f64; 3]| {
+                let [a, b] = warp::invert_cosine_hemisphere(w.into());
+                if faulty { vec![b, a] } else { vec![a, b] }
+            };
+            (cosine().with_inverse(inverse), direction_density(|w: DVec3| w.z / PI))
+        })
+        .mistake(
+            "the two random numbers exchanged in the inverse: directions are right, \
+                stratification and replay are wrong",
+        ),
+        PlantedFault::of("warp/hemisphere/frame-at-the-pole", half, |faulty| {
+            let axis = DVec3::Z;
+            let tangent = if faulty { axis.cross(DVec3::Z).normalize() } else { DVec3::X };
+            let frame = [tangent, axis.cross(tangent)];
+            let draw = move |u: [f64; 2]| Some(in_lobe(axis, frame, (1.0 - u[0]).powf(1.0 / (N + 1.0)), u[1]));
+            (direction_sampler(draw), direction_density(|w: DVec3| (N + 1.0) / TAU * w.z.powf(N)))
+        })
+        .mistake("a tangent frame from the cross product with the normal, which is 0 for the normal itself: NaN"),
+        PlantedFault::of("bsdf/lobe/below-the-horizon", half, |faulty| {
+            let mass = if faulty { Mass::Exactly(1.0) } else { Mass::AtMostOne };
+            (lobe(1.0 / (N + 1.0)), lobe_pdf(N + 1.0).with_mass(mass))
+        })
+        .mistake("directions lost below the horizon forgotten: the pdf is said to integrate to 1"),
+        PlantedFault::of("bsdf/lobe/exponent", half, |faulty| {
+            let power = 1.0 / if faulty { N } else { N + 1.0 };
+            (lobe(power), lobe_pdf(N + 1.0).with_mass(Mass::AtMostOne))
+        })
+        .mistake("cos α sampled as u^(1/n) instead of u^(1/(n+1)): the solid angle's own power forgotten"),
+        PlantedFault::of("bsdf/lobe/factor-of-the-reflectance", half, |faulty| {
+            let factor = N + if faulty { 2.0 } else { 1.0 };
+            (lobe(1.0 / (N + 1.0)), lobe_pdf(factor).with_mass(Mass::AtMostOne))
+        })
+        .mistake("the lobe's pdf with the reflectance's factor n + 2 instead of n + 1"),
+    ]
+}
+
+/// Uniform directions of the sphere whose azimuth is made of a random number that `spoil` is done to.
+fn azimuth(name: &'static str, spoil: fn(f64) -> f64) -> PlantedFault {
+    PlantedFault::of(name, Directions::sphere(Pole::Z), move |faulty| {
+        let draw = move |u: &[f64]| {
+            let turns = if faulty { spoil(u[1]) } else { u[1] };
+            Some(Sample::new(polar(1.0 - 2.0 * u[0], turns).to_array()))
+        };
+        (sampler(2, draw), density(|_: [f64; 3]| 0.5 / TAU))
+    })
+}
+
+/// Numbers of a generator of its own, which `draw` makes from a seed.
+struct Own<F>(F);
+
+impl<F: Fn(u32, &mut [f64]) + Sync> Sampler for Own<F> {
+    fn dimension(&self) -> usize {
+        0
+    }
+
+    fn sample(&self, _: &[f64], _: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
+        Err(etalon_stats::Error::external("this sampler takes no random numbers"))
+    }
+
+    fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
+        let mut numbers = vec![0.0; count];
+        (self.0)(seed, &mut numbers);
+        out.extend(numbers.into_iter().map(|x| Some(Sample::new(x))));
+        Ok(())
+    }
+}
+
+/// Independent uniform numbers.
+fn independent(seed: u32, numbers: &mut [f64]) {
+    let mut rng = CounterRng::new(u64::from(seed), 0);
+    numbers.iter_mut().for_each(|x| *x = rng.random());
+}
+
+/// A generator of uniform numbers on a line.
+fn generator(name: &'static str, wrong: fn(u32, &mut [f64])) -> PlantedFault {
+    PlantedFault::of(name, Line::UNIT, move |faulty| {
+        (Own(if faulty { wrong } else { independent }), density(|_: f64| 1.0))
+    })
+}
+
+pub fn numbers() -> Vec<PlantedFault> {
+    vec![
+        azimuth("warp/numbers/twelve-bits", |u| (4096.0 * u).floor() / 4096.0)
+            .mistake("a random number of 12 bits: directions in 4096 planes only"),
+        azimuth("warp/numbers/clamped", |u| u.min(0.999))
+            .mistake("random numbers above 0.999 set to 0.999: one in a thousand in one plane"),
+        azimuth("warp/numbers/not-to-the-end", |u| 0.999 * u)
+            .mistake("azimuths up to 0.999 · 2π: a gap of a third of a degree"),
+        generator("warp/numbers/randu", |seed, numbers| {
+            let mut x = u64::from(seed | 1);
+            numbers.iter_mut().for_each(|u| {
+                x = x * 65_539 % (1 << 31);
+                *u = x as f64 / f64::from(1u32 << 31);
+            });
+        })
+        .mistake("the generator RANDU, three successive numbers of which lie in 15 planes"),
+        generator("warp/numbers/rejected-moves", |seed, numbers| {
+            independent(seed, numbers);
+            let mut rng = CounterRng::new(u64::from(seed), 1);
+            for i in 1..numbers.len() {
+                if rng.random::<f64>() < 0.02 {
+                    numbers[i] = numbers[i - 1];
+                }
+            }
+        })
+        .mistake("a Markov chain taken for independent samples: one move in fifty is rejected and repeats the sample"),
+        generator("warp/numbers/random-walk", |seed, numbers| {
+            independent(seed, numbers);
+            for i in 1..numbers.len() {
+                let to = (numbers[i - 1] + 0.5 * (2.0 * numbers[i] - 1.0)).abs();
+                numbers[i] = if to > 1.0 { 2.0 - to } else { to };
+            }
+        })
+        .mistake("a random walk with steps of up to half the domain"),
+        generator("warp/numbers/seed-ignored", |_, numbers| independent(1, numbers))
+            .mistake("a generator that is started anew with the same seed for each batch"),
+    ]
+}
+
+const WEIGHTS: [f64; 8] = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+
+/// The cell of a cumulative table that `u` falls into, by bisection.
+fn find(cdf: &[f64], u: f64) -> usize {
+    cdf.partition_point(|&end| end <= u)
+}
+
+/// Cells sampled by `cell` against probabilities in proportion to `weights`.
+fn by_weight(weights: Vec<f64>, cell: impl Fn(f64) -> usize + Sync) -> (impl Sampler, impl Density) {
+    let total: f64 = weights.iter().sum();
+    (sampler(1, move |u| Some(Sample::new(cell(u[0])))), density(move |cell: usize| weights[cell] / total))
+}
+
+/// The ends of the cells, with sums that `round` rounds.
+fn cumulative(weights: &[f64], round: impl Fn(f64) -> f64) -> Vec<f64> {
+    let ends: Vec<f64> = weights
+        .iter()
+        .scan(0.0, |sum, weight| {
+            *sum = round(*sum + weight);
+            Some(*sum)
+        })
+        .collect();
+    let total = ends[ends.len() - 1];
+    ends.into_iter().map(|end| end / total).collect()
+}
+
+/// Walker's table: the share of each bucket that is its own, and the owner of the rest.
+fn alias(weights: &[f64]) -> Vec<(f64, usize)> {
+    let n = weights.len();
+    let total: f64 = weights.iter().sum();
+    let mut left: Vec<f64> = weights.iter().map(|weight| weight * n as f64 / total).collect();
+    let mut table: Vec<(f64, usize)> = (0..n).map(|i| (1.0, i)).collect();
+    // Fill each bucket below its share from one above it.
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| left[i] < 1.0);
+    while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
+        table[s] = (left[s], l);
+        left[l] -= 1.0 - left[s];
+        if left[l] < 1.0 {
+            large.pop();
+            small.push(l);
+        }
+    }
+    table
+}
+
+pub fn tables() -> Vec<PlantedFault> {
+    let small = Discrete { outcomes: WEIGHTS.len() };
+    vec![
+        PlantedFault::of("table/search-off-by-one", small, |faulty| {
+            let cdf = cumulative(&WEIGHTS, |sum| sum);
+            by_weight(WEIGHTS.into(), move |u| find(&cdf, u).saturating_sub(usize::from(faulty)))
+        })
+        .mistake("the table's leading 0 forgotten: the search returns the cell before"),
+        PlantedFault::of("table/alias-off-by-one", small, |faulty| {
+            let table = alias(&WEIGHTS);
+            by_weight(WEIGHTS.into(), move |u| {
+                let scaled = u * table.len() as f64;
+                let bucket = scaled as usize;
+                if scaled.fract() < table[bucket].0 {
+                    bucket
+                } else {
+                    table[(bucket + usize::from(faulty)) % table.len()].1
+                }
+            })
+        })
+        .mistake("an alias table that looks the owner up in the next bucket"),
+        PlantedFault::of("table/rounded-index", small, |faulty| {
+            by_weight(vec![1.0; 8], move |u| if faulty { (u * 7.0).round() as usize } else { (u * 8.0) as usize })
+        })
+        .mistake("one of n chosen as u (n − 1) rounded: the first and the last come half as often"),
+        PlantedFault::of("table/f32-sums", Discrete { outcomes: SKY }, |faulty| {
+            let mut weights = vec![1.0; SKY];
+            weights[SKY / 4] = f64::from(1 << 24);
+            let cdf = cumulative(&weights, |sum| if faulty { f64::from(sum as f32) } else { sum });
+            by_weight(weights, move |u| find(&cdf, u))
+        })
+        .mistake(
+            "running sums in f32: behind a sun of 2²⁴ times the sky nothing adds up any more, and is never sampled",
+        ),
+    ]
+}
+
+/// Texels of the sky behind whose sun f32 sums end.
+const SKY: usize = 1 << 17;
