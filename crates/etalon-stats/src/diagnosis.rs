@@ -1,12 +1,15 @@
-//! Where observed and expected counts differ most: regions of cells, as lines of a table and in words.
+//! What people read of a test: regions of cells where observed and expected counts differ most, as lines of a table and in words;
+//! assertions for `cargo test` that say this; points and counts in messages.
 
+use crate::chi_square::POWER;
 use crate::domain::Domain;
+use crate::examine::{Protocol, validate};
 use crate::extremes::Extremes;
 use crate::grid::Cell;
-use crate::outcome::Counts;
-use crate::text::count;
+use crate::outcome::{Counts, Outcome};
+use crate::sampler::{Density, Mass, Sampler};
 use std::collections::VecDeque;
-use std::fmt::Write;
+use std::fmt::{Debug, Display, Write};
 
 /// Regions in the table.
 const LISTED: usize = 6;
@@ -174,12 +177,119 @@ pub fn table(domain: &dyn Domain, counts: &Counts) -> String {
     text
 }
 
+/// Panics unless the samples of `sampler` follow `density` over `domain`, by the default [`Protocol`].
+///
+/// The message says what an exact check found wrong, or in which regions of the domain the counts differ most from what the
+/// pdf predicts; the size of error that the test detects; and the seed. See [`explain`].
+///
+/// # Panics
+/// If the verdict is not [`Verdict::Accept`](crate::Verdict::Accept), or the test could not be done.
+///
+/// ```
+/// use etalon_stats::prelude::*;
+///
+/// let triangular = sampler(1, |u| Some(Sample::new(u[0].sqrt())));
+/// assert_samples_follow_pdf(&Line::UNIT, &triangular, &density(|x: f64| 2.0 * x));
+/// ```
+#[track_caller]
+pub fn assert_samples_follow_pdf(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) {
+    assert_samples_follow_pdf_by(&Protocol::default(), domain, sampler, density);
+}
+
+/// [`assert_samples_follow_pdf`] by a protocol of one's own: another seed, power, level, or number of tests that share the
+/// level.
+///
+/// # Panics
+/// As [`assert_samples_follow_pdf`].
+#[track_caller]
+pub fn assert_samples_follow_pdf_by(
+    protocol: &Protocol,
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
+) {
+    match validate(domain, sampler, density, protocol) {
+        Ok(outcome) if outcome.is_accepted() => {}
+        Ok(outcome) => {
+            let declared = match density.mass() {
+                Mass::Exactly(mass) => format!("declared: {mass}"),
+                Mass::AtMostOne => "declared: at most 1".to_owned(),
+                Mass::Unknown => "not declared".to_owned(),
+            };
+            // A wrong mass is the violation already.
+            let mass = outcome.mass.filter(|_| outcome.violation.is_none());
+            let mass = mass.map_or_else(String::new, |mass| format!("integral of the pdf: {mass}; {declared}\n"));
+            panic!("samples do not follow the pdf\n{}{mass}", explain(domain, &outcome, protocol));
+        }
+        Err(error) => panic!("the samples could not be tested: {error}"),
+    }
+}
+
+/// What a test found, over several lines: verdict and statistic; the violation of an exact check or the reason for an
+/// inconclusive verdict; unless it accepted, the regions in which observed and expected counts differ most; the detectable
+/// error, and that of ripples finer than the cells; remarks; the seed.
+#[must_use]
+pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> String {
+    // Writing to a string cannot fail.
+    let mut text = format!("verdict: {}", outcome.verdict);
+    if let Some(p) = outcome.continuous_p() {
+        let _ = write!(
+            text,
+            ", {}, chi-square = {:.1} with {}",
+            p_value(p),
+            outcome.statistic,
+            count(outcome.dof, "degree of freedom", "degrees of freedom")
+        );
+    }
+    let _ = writeln!(text, ", {}", count(outcome.samples, "sample", "samples"));
+    if let Some(remark) = outcome.remark() {
+        let _ = writeln!(text, "reason: {remark}");
+    }
+    if let Some(diagnosis) = &outcome.diagnosis {
+        let _ = writeln!(text, "{diagnosis}");
+    }
+    if let Some(counts) = outcome.counts.as_ref().filter(|_| !outcome.is_accepted()) {
+        text += &table(domain, counts);
+    }
+    if let Some(error) = outcome.detectable {
+        let (error, power) = (100.0 * error, 100.0 * POWER);
+        let _ = writeln!(
+            text,
+            "power: relative errors of the pdf of {error:.2} % (RMS over the cells) are detected with {power:.0} % probability"
+        );
+    }
+    if let Some(finer) = outcome.finer() {
+        let _ = writeln!(text, "ripples: {finer}");
+    }
+    for remark in &outcome.remarks {
+        let _ = writeln!(text, "remark: {remark}");
+    }
+    let _ = writeln!(text, "seed: {} (the same seed gives the same samples)", protocol.seed);
+    text
+}
+
+/// A point or a list of random numbers as `(x, y, z)`; a single number as it is.
+pub fn tuple(point: &impl Debug) -> String {
+    format!("{point:?}").replace('[', "(").replace(']', ")")
+}
+
+/// A number with its noun, the singular for 1: `1 sample`, `2 samples`.
+pub fn count<N: Display + PartialEq + From<u8>>(n: N, one: &str, many: &str) -> String {
+    let noun = if n == N::from(1) { one } else { many };
+    format!("{n} {noun}")
+}
+
+/// A p-value as `p = 5.46e-63`, or `p < 1e-300` where it is smaller.
+pub fn p_value(p: f64) -> String {
+    if p < 1e-300 { "p < 1e-300".to_owned() } else { format!("p = {p:.2e}") }
+}
+
 #[cfg(test)]
 mod tests {
-    use crate::density::density;
-    use crate::domain::{Directions, Pole};
+    use super::*;
+    use crate::domain::{Directions, Discrete, Pole};
     use crate::examine::{Protocol, validate};
-    use crate::sampler::{Sample, sampler};
+    use crate::sampler::{Sample, density, sampler};
     use crate::testing::uniform_hemisphere;
     use std::f64::consts::{PI, TAU};
 
@@ -203,5 +313,58 @@ mod tests {
         let text = words(&half, |w| w[0] < 0.0 || w[1] < 0.0 || !(0.2..0.6).contains(&w[2]), |_| 1.0 / TAU);
         assert!(text.contains("100 % too few for theta 53.13°..78.46°, phi 0.00°..90.00°"), "{text}");
         assert_eq!(words(&half, |_| true, |_| 1.0 / TAU), "");
+    }
+
+    fn message(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
+        let protocol = Protocol { seed: 7, ..Protocol::default() };
+        explain(domain, &validate(domain, sampler, density, &protocol).unwrap(), &protocol)
+    }
+
+    #[test]
+    fn the_message_says_where_samples_and_pdf_disagree() {
+        // Uniform samples said to be cosine-weighted: too many at the horizon, too few at the pole.
+        let half = Directions::hemisphere(Pole::Z);
+        let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
+        let text = message(&half, &uniform, &density(|w: [f64; 3]| w[2] / PI));
+        let worst = text.lines().find(|line| line.trim_start().starts_with("theta")).unwrap();
+        assert!(worst.contains("..90.00°") && worst.contains("+9"), "{text}");
+        assert!(text.starts_with("verdict: reject, p ") && text.contains("seed: 7"), "{text}");
+        assert!(text.contains("errors of the pdf of 2.0"), "{text}");
+        let accepted = message(&half, &uniform, &density(|_: [f64; 3]| 1.0 / TAU));
+        assert!(accepted.starts_with("verdict: accept") && !accepted.contains("region"), "{accepted}");
+        // An error in one spot, at phi from 77° to 103°, is blamed on the cells around it and not on their whole row.
+        let spot = |w: [f64; 3]| w[2] > 0.5 && w[2] < 0.6 && w[0].abs() < 0.2 && w[1] > 0.0;
+        let holey = sampler(2, |u| Some(uniform_hemisphere(u)).filter(|w| !spot(*w)).map(Sample::new));
+        let text = message(&half, &holey, &density(|_: [f64; 3]| 1.0 / TAU));
+        let worst: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("theta")).collect();
+        assert!(worst[0].contains("phi 72.00°..108.00°"), "{text}");
+    }
+
+    #[test]
+    fn outcomes_atoms_and_missing_samples_are_named() {
+        let die = sampler(1, |u| Some(Sample::new((u[0] * 6.0) as usize)));
+        let loaded = density(|face: usize| if face == 5 { 0.25 } else { 0.15 });
+        assert!(message(&Discrete { outcomes: 6 }, &die, &loaded).contains("  outcome 5 "));
+        let lazy = sampler(2, |u| (u[0] > 0.01).then(|| Sample::new(uniform_hemisphere(u))));
+        let text = message(&Directions::hemisphere(Pole::Z), &lazy, &density(|_: [f64; 3]| 1.0 / TAU));
+        assert!(text.contains("  no sample "), "{text}");
+    }
+
+    #[test]
+    #[should_panic(expected = "reason: the pdf integrates to 1.01")]
+    fn a_wrong_mass_fails_the_assertion() {
+        let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
+        assert_samples_follow_pdf(&Directions::hemisphere(Pole::Z), &uniform, &density(|_: [f64; 3]| 1.01 / TAU));
+    }
+
+    #[test]
+    fn the_smallest_p_values_have_a_bound() {
+        assert_eq!((p_value(5.461e-63), p_value(0.0)), ("p = 5.46e-63".to_owned(), "p < 1e-300".to_owned()));
+    }
+
+    #[test]
+    fn points_are_tuples_and_nouns_agree() {
+        assert_eq!((tuple(&[0.5, 1e-30, 1.0]), tuple(&0.25)), ("(0.5, 1e-30, 1.0)".to_owned(), "0.25".to_owned()));
+        assert_eq!((count(1, "test", "tests"), count(2_u64, "test", "tests")), ("1 test".into(), "2 tests".into()));
     }
 }

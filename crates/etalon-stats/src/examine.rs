@@ -1,24 +1,19 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
-use crate::chi_square::{FEWEST, chi_square};
-use crate::counting::{Counted, Counting, streams};
+use crate::chi_square::{FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
+use crate::counting::{Counted, Counting, Source, streams};
 use crate::cubature::{InvalidPdf, Probe};
-use crate::density::{Density, Mass};
-use crate::diagnosis::diagnose;
+use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
 use crate::extremes::Extremes;
-use crate::grid::{Cell, Grid};
+use crate::grid::{Cell, Grid, Subdivision};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
-use crate::power::{POWER, chi_square_below, detectable, samples_for};
-use crate::sampler::Sampler;
+use crate::sampler::{Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
-use crate::subdivision::Subdivision;
-use crate::tally::Source;
-use crate::text::tuple;
 use std::time::Instant;
 
 /// How many samples a test takes.

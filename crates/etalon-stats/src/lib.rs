@@ -11,44 +11,32 @@
 #![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod assertion;
 mod bounded;
 pub mod bsdf;
 pub mod chi_square;
 mod counting;
 pub mod cubature;
-mod density;
 mod diagnosis;
-pub mod difference;
 mod domain;
 mod error;
 pub mod estimate;
 mod exact;
 mod examine;
 mod extremes;
-mod fixed;
 mod grid;
-pub mod kolmogorov;
 mod mass;
 pub mod multiple;
 mod outcome;
-mod point;
-pub mod power;
 pub mod prelude;
-mod repeats;
 mod sampler;
 mod scales;
 mod serial;
 mod structure;
-mod subdivision;
 pub mod sweep;
-mod tally;
-mod text;
 pub mod welch;
 
-pub use assertion::{assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
-pub use density::{Atom, Density, DensityFn, Mass, SINGLE_PRECISION, density};
-pub use domain::{Directions, Discrete, Domain, Line, Pole, Square};
+pub use diagnosis::{assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
+pub use domain::{Directions, Discrete, Domain, Line, Point, Pole, Square};
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};
 pub use examine::{Protocol, SampleCount, examine, validate};
@@ -56,8 +44,9 @@ pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use outcome::{Counts, Outcome, Verdict, decide};
-pub use point::Point;
-pub use sampler::{NoInverse, Sample, Sampler, SamplerFn, sampler};
+pub use sampler::{
+    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,
+};
 pub use scales::Scale;
 
 #[cfg(test)]

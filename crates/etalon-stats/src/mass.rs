@@ -1,10 +1,9 @@
 //! The integral of a density, with a bound of its error and what this bound rests on.
 
 use crate::bounded::mean_interval;
+use crate::counting::{Share, Tally};
 use crate::cubature::{Check, Integrals};
 use crate::extremes::Extremes;
-use crate::fixed::Share;
-use crate::tally::Tally;
 use std::fmt;
 
 /// What the bound of an error rests on.

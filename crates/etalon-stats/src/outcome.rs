@@ -1,10 +1,10 @@
 //! What a test found, and the verdict on it among the others of a run.
 
+use crate::diagnosis::{count, p_value};
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm};
 use crate::scales::Scale;
-use crate::text::{count, p_value};
 use std::fmt;
 
 /// The decision on a test.

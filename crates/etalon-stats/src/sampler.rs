@@ -1,7 +1,7 @@
-//! Samplers, the code under test, and their samples.
+//! What is tested: samplers, the code under test, with their samples; and densities, the pdf that samples are tested against.
 
+use crate::domain::Point;
 use crate::error::{Error, Result};
-use crate::point::Point;
 
 /// A sample as its sampler returns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,5 +120,166 @@ where
 
     fn invert(&self, point: Point) -> Result<Option<Vec<f64>>> {
         Ok((self.inverse)(point))
+    }
+}
+
+/// What a density, its atoms included, is declared to integrate to. 1 minus this is the probability of "no sample".
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mass {
+    /// This value; a density that integrates to another one is rejected.
+    Exactly(f64),
+    /// An unknown value of at most 1: the integral then gives the probability of "no sample".
+    AtMostOne,
+    /// An unknown value: only the shape of the density is tested, and "no sample" is left out.
+    Unknown,
+}
+
+/// A point that is sampled with a probability of its own: a Dirac delta of the distribution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atom {
+    /// Where it lies.
+    pub point: Point,
+    /// The probability of this very point.
+    pub probability: f64,
+}
+
+impl Atom {
+    /// The atom at `point`.
+    #[must_use]
+    pub fn new(point: impl Into<Point>, probability: f64) -> Self {
+        Self { point: point.into(), probability }
+    }
+}
+
+/// What the roundings of two computations in single precision may differ by: 64 units of the last place.
+pub const SINGLE_PRECISION: f64 = 64.0 * f32::EPSILON as f64;
+
+/// A pdf over a domain, with respect to the domain's measure, plus atoms.
+pub trait Density: Sync {
+    /// Appends the pdf at each of `points`.
+    ///
+    /// # Errors
+    /// [`Error::External`](crate::Error::External) where the pdf is computed in another process.
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()>;
+
+    /// What it integrates to, atoms included.
+    fn mass(&self) -> Mass {
+        Mass::Exactly(1.0)
+    }
+
+    /// Its atoms.
+    fn atoms(&self) -> Vec<Atom> {
+        Vec::new()
+    }
+
+    /// The relative difference that the pdf carried by a sample may have from the one asked for: 0, to the last bit, unless more is
+    /// declared, such as [`SINGLE_PRECISION`].
+    fn precision(&self) -> f64 {
+        0.0
+    }
+
+    /// For a pdf that is piecewise constant in the domain's chart: the lines between the pieces, ascending and strictly
+    /// between 0 and 1, for each axis. Its integrals are then exact sums.
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        None
+    }
+}
+
+/// A [`Density`] made of a function; see [`density`].
+pub struct DensityFn<F> {
+    pdf: F,
+    mass: Mass,
+    atoms: Vec<Atom>,
+    steps: Option<[Vec<f64>; 2]>,
+    precision: f64,
+}
+
+/// The density that `pdf` returns: of mass 1, without atoms, not piecewise constant.
+pub fn density<P: From<Point>>(pdf: impl Fn(P) -> f64 + Sync) -> DensityFn<impl Fn(Point) -> f64 + Sync> {
+    DensityFn {
+        pdf: move |point: Point| pdf(point.into()),
+        mass: Mass::Exactly(1.0),
+        atoms: Vec::new(),
+        steps: None,
+        precision: 0.0,
+    }
+}
+
+impl<F> DensityFn<F> {
+    /// Declares another mass than 1.
+    #[must_use]
+    pub fn with_mass(self, mass: Mass) -> Self {
+        Self { mass, ..self }
+    }
+
+    /// Adds atoms.
+    #[must_use]
+    pub fn with_atoms(self, atoms: Vec<Atom>) -> Self {
+        Self { atoms, ..self }
+    }
+
+    /// Declares the precision of the pdfs that samples carry; see [`Density::precision`].
+    #[must_use]
+    pub fn with_precision(self, precision: f64) -> Self {
+        Self { precision, ..self }
+    }
+
+    /// Declares the lines of the chart between which the pdf is constant; see [`Density::steps`].
+    #[must_use]
+    pub fn with_steps(self, steps: [Vec<f64>; 2]) -> Self {
+        Self { steps: Some(steps), ..self }
+    }
+}
+
+impl<F: Fn(Point) -> f64 + Sync> Density for DensityFn<F> {
+    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
+        out.extend(points.iter().map(|&point| (self.pdf)(point)));
+        Ok(())
+    }
+
+    fn mass(&self) -> Mass {
+        self.mass
+    }
+
+    fn atoms(&self) -> Vec<Atom> {
+        self.atoms.clone()
+    }
+
+    fn steps(&self) -> Option<[Vec<f64>; 2]> {
+        self.steps.clone()
+    }
+
+    fn precision(&self) -> f64 {
+        self.precision
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Line, Protocol, Sample, Verdict, validate};
+
+    #[test]
+    fn carried_pdfs_may_have_a_declared_precision() {
+        // The pdf that samples carry is rounded to single precision, or wrong by 1e-4.
+        let verdict = |carried: fn(f64) -> f64, precision: f64| {
+            let pdf = |x: f64| 2.0 * x + 1e-3 * (1.0 - 2.0 * x);
+            let draw = move |u: &[f64]| {
+                let x = ((0.001f64).powi(2) + 4.0 * 0.999 * u[0]).sqrt();
+                let x = ((x - 0.001) / (2.0 * 0.999)).clamp(0.0, 1.0);
+                Some(Sample { pdf: Some(carried(pdf(x))), ..Sample::new(x) })
+            };
+            let outcome =
+                validate(&Line::UNIT, &sampler(1, draw), &density(pdf).with_precision(precision), &Protocol::default());
+            let outcome = outcome.unwrap();
+            (outcome.verdict, outcome.violation.unwrap_or_default())
+        };
+        let single = |pdf: f64| f64::from(pdf as f32);
+        let (exact, why) = verdict(single, 0.0);
+        assert!(exact == Verdict::Reject && why.contains("precision=single"), "{why}");
+        assert_eq!(verdict(single, SINGLE_PRECISION).0, Verdict::Accept, "{}", verdict(single, SINGLE_PRECISION).1);
+        let (wrong, why) = verdict(|pdf| pdf * 1.0001, SINGLE_PRECISION);
+        assert!(wrong == Verdict::Reject && !why.contains("precision=single"), "{why}");
+        assert_eq!(verdict(|pdf| pdf * 1.0001, 1e-3).0, Verdict::Accept);
     }
 }

@@ -11,12 +11,11 @@
 //! Source of the sums per scale: Donoho, Johnstone, Kerkyacharian & Picard, "Density estimation by wavelet thresholding",
 //! Annals of Statistics 24(2), 1996 (Haar coefficients of a histogram).
 
-use crate::chi_square::FEWEST;
+use crate::chi_square::{FEWEST, chi_square_below, chi_square_tail, noncentrality_near};
 use crate::cubature::Shares;
 use crate::extremes::Extremes;
+use crate::grid::{Parts, Subdivision};
 use crate::multiple::any_of;
-use crate::power::{chi_square_below, chi_square_tail, noncentrality_near};
-use crate::subdivision::{Parts, Subdivision};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::f64::consts::FRAC_PI_2;
 
@@ -257,7 +256,7 @@ fn end_of(of: &str, parts: usize, end: usize, counts: [u64; 2], expected: [f64; 
 mod tests {
     use super::*;
     use crate::hash::{mix64, unit_f64};
-    use crate::kolmogorov::uniformity;
+    use crate::multiple::uniformity;
 
     #[test]
     fn p_values_of_scales_are_uniform_also_with_few_samples_in_unequal_halves() {

@@ -1,15 +1,14 @@
 //! What the parts and the order of the counted samples say, beside the counts of the cells.
 
-use crate::chi_square::ChiSquare;
+use crate::chi_square::{ChiSquare, chi_square_below};
+use crate::counting::Tally;
 use crate::cubature::Shares;
+use crate::diagnosis::p_value;
 use crate::extremes::Extremes;
+use crate::grid::Subdivision;
 use crate::multiple::weighted;
-use crate::power::chi_square_below;
 use crate::scales::{Scale, Scales};
 use crate::serial::Labels;
-use crate::subdivision::Subdivision;
-use crate::tally::Tally;
-use crate::text::p_value;
 
 /// The share of a test's level that the counts of the cells have; scales, ends and order share the rest equally.
 pub const CELLS: f64 = 0.5;

@@ -250,7 +250,7 @@ fn p_values_of_right_samplers_are_uniform() {
         let few = Protocol { seed, samples: SampleCount::Fixed(20_000), cells: 50, ..Protocol::default() };
         examine(&half, &lobe(0.01), &density, &few, 0).unwrap().p.unwrap()
     };
-    let found = kolmogorov::uniformity(&(0..100).map(p_of).collect::<Vec<_>>());
+    let found = multiple::uniformity(&(0..100).map(p_of).collect::<Vec<_>>());
     assert!(found.p > 1e-3, "{found:?}");
 }
 

@@ -1,7 +1,7 @@
 //! A difference in parts of the mean of B.
 
 use etalon_stats::Extremes;
-use etalon_stats::difference::Difference;
+use etalon_stats::estimate::Difference;
 use etalon_stats::welch::Mean;
 
 /// A difference in parts of the mean of B in its channel, with an interval. The intervals of a family hold together with

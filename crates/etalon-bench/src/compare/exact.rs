@@ -12,7 +12,7 @@ use super::pooled::variances;
 use super::side::{PRECISION, Side};
 use etalon_core::raster::Image;
 use etalon_stats::Extremes;
-use etalon_stats::difference::Difference;
+use etalon_stats::estimate::Difference;
 use etalon_stats::welch::Mean;
 
 /// Pixels of about one brightness whose variances are averaged: enough for two replicates, and few beside an image.

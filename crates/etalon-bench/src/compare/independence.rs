@@ -8,7 +8,7 @@
 
 use super::functionals::Blocks;
 use etalon_core::raster::Image;
-use etalon_stats::difference::Difference;
+use etalon_stats::estimate::Difference;
 use etalon_stats::welch::Mean;
 use rayon::prelude::*;
 

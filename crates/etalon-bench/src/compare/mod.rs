@@ -28,7 +28,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::raster::Image;
 use etalon_stats::Extremes;
-use etalon_stats::difference::{Difference, is_dominated};
+use etalon_stats::estimate::{Difference, is_dominated};
 use etalon_stats::welch::Mean;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,8 +1,8 @@
 //! How many replicates or samples find the bias that is asked for.
 
 use super::side::{Noise, Side};
-use etalon_stats::difference::Difference;
-use etalon_stats::power::POWER;
+use etalon_stats::chi_square::POWER;
+use etalon_stats::estimate::Difference;
 use etalon_stats::welch::Mean;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -4,8 +4,7 @@
 use super::case::Case;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_stats::kolmogorov::{Uniformity, uniformity};
-use etalon_stats::multiple::holm_level;
+use etalon_stats::multiple::{Uniformity, holm_level, uniformity};
 use etalon_stats::{Outcome, Protocol, Verdict, decide};
 use rayon::prelude::*;
 use serde::Serialize;

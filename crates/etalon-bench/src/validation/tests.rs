@@ -1,8 +1,7 @@
 //! The level of the suite: the p-values of right samplers under many seeds are no smaller than uniform ones.
 
 use super::{Case, select, suite};
-use etalon_stats::kolmogorov::uniformity;
-use etalon_stats::multiple::sidak;
+use etalon_stats::multiple::{sidak, uniformity};
 use etalon_stats::{Line, Outcome, Protocol, Sample, SampleCount, density, sampler};
 use rayon::prelude::*;
 

@@ -1,43 +1,114 @@
+//! Directions exchanged. Reciprocity: f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi), n the index of refraction on the side of a direction.
 //! The adjoint: importance passes from wo to wi as radiance passes from wi to wo.
 
-use super::batch::Pair;
-use super::contract::BsdfSample;
-use super::subject::{Comparison, Subject, channel_of, swapped};
+use super::contract::{BsdfSample, DeltaLobe, Direction, Pair, Reciprocity};
+use super::subject::{Comparison, Subject, channel_of, same_side, sphere, swapped};
+use crate::domain::Domain;
 use crate::error::Result;
 use crate::outcome::Outcome;
 
+/// Exchanges the two directions, for samples and for directions all over the sphere; for delta lobes it compares the power
+/// that each direction scatters to the other.
+pub fn reciprocity(subject: &Subject) -> Result<Option<Outcome>> {
+    if subject.properties.reciprocity != Reciprocity::Reciprocal || !subject.is_deterministic() {
+        return Ok(None);
+    }
+    let mut found = Comparison::default();
+    reciprocal_values(subject, &mut found)?;
+    subject.deltas.iter().try_for_each(|lobe| reciprocal_lobe(subject, lobe, &mut found))?;
+    Ok(found.outcome("f(wo, wi) η² = f(wi, wo)"))
+}
+
+fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
+    let bsdf = subject.bsdf;
+    let samples = subject.samples()?;
+    let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
+    // Directions along the surface have no other side, and no cosine to divide by.
+    let directions = subject.directions().into_iter().filter(|wi| wi[2].abs() > 1e-6);
+    let directions: Vec<Direction> = sampled.chain(directions).collect();
+    let pairs = subject.pairs(&directions);
+    let (there, back) = (bsdf.eval(&pairs, &[])?, bsdf.eval(&swapped(&pairs), &[])?);
+    let eta2 = |i: usize| subject.eta2(directions[i]);
+    for channel in 0..subject.properties.channels {
+        let (there, back) = (channel_of(&there, channel), channel_of(&back, channel));
+        let numbers: Vec<[f64; 2]> = (0..pairs.len()).map(|i| [eta2(i) * there[i], back[i]]).collect();
+        let rounding = |far: &[usize]| {
+            let of = |reciprocal_values: &[f64]| far.iter().map(|&i| reciprocal_values[i]).collect::<Vec<f64>>();
+            let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
+            let eval = |pairs: &[Pair]| Ok(channel_of(&bsdf.eval(pairs, &[])?, channel));
+            let of_there = subject.rounding(&of(&there), &pairs, eval)?;
+            let of_back = subject.rounding(&of(&back), &swapped(&pairs), eval)?;
+            let both = far.iter().zip(of_there).zip(of_back);
+            Ok(both.map(|((&i, there), back)| eta2(i) * there + back).collect())
+        };
+        let message = |i: usize| format!("{} (f(wo, wi) η², f(wi, wo))", subject.at(directions[i]));
+        found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)?;
+    }
+    Ok(())
+}
+
+fn reciprocal_lobe(subject: &Subject, lobe: &DeltaLobe, found: &mut Comparison) -> Result<()> {
+    let Subject { bsdf, properties, wo, .. } = subject;
+    // What the delta lobe of one of `lobes` scatters to the side of `wo`.
+    let passed = |lobes: &[DeltaLobe], channel: usize| {
+        let back = lobes.iter().find(|back| same_side(back.wi, *wo));
+        back.map_or(0.0, |back| back.throughput[channel] / subject.eta2(lobe.wi))
+    };
+    let lobes = bsdf.delta_lobes(&[lobe.wi])?.swap_remove(0);
+    let returns = lobes.iter().any(|back| sphere().same(back.wi.into(), (*wo).into()));
+    for channel in 0..properties.channels {
+        let power = subject.eta2(lobe.wi) * lobe.throughput[channel];
+        let found_back = if returns { passed(&lobes, channel) } else { 0.0 };
+        // Moved by rounding, a direction near the critical angle may be reflected totally.
+        let rounding = |_: &[usize]| {
+            let of = |pairs: &[Pair]| {
+                let from: Vec<Direction> = pairs.iter().map(|[from, _]| *from).collect();
+                Ok(bsdf.delta_lobes(&from)?.iter().map(|lobes| passed(lobes, channel)).collect())
+            };
+            let rounding = subject.rounding(&[found_back], &[[lobe.wi, *wo]], of)?;
+            Ok(vec![subject.last_places(power) + rounding[0]])
+        };
+        let message = |_| format!("{} (power there and back)", subject.at(lobe.wi));
+        let quick = subject.last_places(power);
+        found.equal(&[[power, found_back]], |_| quick, rounding, message)?;
+    }
+    Ok(())
+}
+
 /// Compares the value for importance with f(wi, wo), and the weight of a sample for importance with that for radiance times η².
 /// A BSDF whose f is not reciprocal has no such weights.
-pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
+pub fn adjoint(subject: &Subject) -> Result<Option<Outcome>> {
     if !subject.is_deterministic() {
         return Ok(None);
     }
     let (samples, mut found) = (subject.samples()?, Comparison::default());
-    values(subject, &samples, &mut found)?;
-    weights(subject, &samples, &mut found)?;
+    adjoint_values(subject, &samples, &mut found)?;
+    adjoint_weights(subject, &samples, &mut found)?;
     Ok(found.outcome("the adjoint"))
 }
 
-fn values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: &mut Comparison) -> Result<()> {
+fn adjoint_values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: &mut Comparison) -> Result<()> {
     let Subject { bsdf, properties, wo, .. } = subject;
     let spread = samples.iter().filter(|(_, sample)| !sample.is_delta());
     let pairs: Vec<Pair> = spread.map(|(_, sample)| [*wo, sample.wi]).collect();
-    let values = bsdf.eval_adjoint(&pairs)?;
-    let known = pairs.into_iter().zip(values).filter_map(|(pair, value)| Some((pair, value?)));
+    let adjoint_values = bsdf.eval_adjoint(&pairs)?;
+    let known = pairs.into_iter().zip(adjoint_values).filter_map(|(pair, value)| Some((pair, value?)));
     let (pairs, adjoint): (Vec<Pair>, Vec<_>) = known.unzip();
     let back = bsdf.eval(&swapped(&pairs), &[])?;
     for channel in 0..properties.channels {
         let numbers: Vec<[f64; 2]> =
             adjoint.iter().zip(&back).map(|(adjoint, back)| [adjoint[channel], back[channel]]).collect();
         let rounding = |far: &[usize]| {
-            let of = |values: fn([f64; 2]) -> f64| far.iter().map(|&i| values(numbers[i])).collect::<Vec<f64>>();
+            let of = |adjoint_values: fn([f64; 2]) -> f64| {
+                far.iter().map(|&i| adjoint_values(numbers[i])).collect::<Vec<f64>>()
+            };
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
             let of_back = subject.rounding(&of(|[_, back]| back), &swapped(&pairs), |pairs| {
                 Ok(channel_of(&bsdf.eval(pairs, &[])?, channel))
             })?;
             let of_adjoint = subject.rounding(&of(|[adjoint, _]| adjoint), &pairs, |pairs| {
-                let values = bsdf.eval_adjoint(pairs)?.into_iter();
-                Ok(values.map(|value| value.map_or(f64::NAN, |f| f[channel])).collect())
+                let adjoint_values = bsdf.eval_adjoint(pairs)?.into_iter();
+                Ok(adjoint_values.map(|value| value.map_or(f64::NAN, |f| f[channel])).collect())
             })?;
             Ok(of_back.iter().zip(of_adjoint).map(|(a, b)| a + b).collect())
         };
@@ -47,7 +118,7 @@ fn values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: &mut Com
     Ok(())
 }
 
-fn weights(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: &mut Comparison) -> Result<()> {
+fn adjoint_weights(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: &mut Comparison) -> Result<()> {
     let u: Vec<f64> = samples.iter().flat_map(|(u, _)| u).copied().collect();
     let adjoint = subject.bsdf.sample_adjoint(&vec![subject.wo; samples.len()], &u)?;
     let mut both = Vec::new();

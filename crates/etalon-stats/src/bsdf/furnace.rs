@@ -1,7 +1,6 @@
 //! The directional albedo of a BSDF with a bound of its error: one cell of a furnace test.
 
-use super::batch::BatchBsdf;
-use super::contract::{Direction, Properties, Spectrum};
+use super::contract::{BatchBsdf, Direction, Properties, Spectrum};
 use super::subject::Subject;
 use crate::error::Result;
 use crate::examine::Protocol;

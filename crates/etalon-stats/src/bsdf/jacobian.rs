@@ -1,10 +1,8 @@
 //! The Jacobian by finite differences: the pdf of a lobe times the Jacobian determinant of its map from random numbers to
 //! directions is the probability of choosing the lobe.
 
-use super::batch::Pair;
-use super::contract::{BsdfSample, Direction, PdfKind};
-use super::subject::{Comparison, Subject};
-use super::vector::{cross, length};
+use super::contract::{BsdfSample, Direction, Pair, PdfKind};
+use super::subject::{Comparison, Subject, cross, length};
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::outcome::Outcome;

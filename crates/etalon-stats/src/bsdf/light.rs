@@ -1,16 +1,14 @@
 //! The light that a BSDF scatters into each cell of the sphere: ∫ f |cos θᵢ| over the cell, with its error.
 
 use super::contract::{Direction, Spectrum};
-use super::subject::Subject;
-use super::vector::{directions, sphere};
+use super::subject::{Subject, directions, sphere};
 use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid};
-use crate::density::Density;
-use crate::domain::Domain;
+use crate::domain::{Domain, Point};
 use crate::error::{Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::outcome::Outcome;
-use crate::point::Point;
+use crate::sampler::Density;
 use rand::RngExt;
 use rayon::prelude::*;
 

@@ -1,9 +1,7 @@
 //! Limits: pairs of BSDFs that must agree, such as a rough surface of vanishing roughness and a mirror.
 
-use super::batch::{BatchBsdf, Pair};
-use super::contract::{Direction, Spectrum};
-use super::subject::{Comparison, Subject, channel_of};
-use super::vector::place;
+use super::contract::{BatchBsdf, Direction, Pair, Spectrum};
+use super::subject::{Comparison, Subject, channel_of, place};
 use crate::error::Result;
 use crate::examine::Protocol;
 use crate::outcome::Outcome;

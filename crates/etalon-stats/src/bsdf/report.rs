@@ -1,8 +1,7 @@
 //! A report: all checks of a BSDF in one configuration, judged at one level.
 
-use super::batch::BatchBsdf;
-use super::contract::Direction;
-use super::vector::place;
+use super::contract::{BatchBsdf, Direction};
+use super::subject::place;
 use super::{ALL, Check};
 use crate::error::Result;
 use crate::examine::Protocol;

@@ -1,14 +1,12 @@
 //! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes.
 
 use super::contract::{BsdfSample, Density as Probability, PdfKind};
-use super::subject::Subject;
-use super::vector::{directions, sphere};
-use crate::density::{Atom, Density, Mass};
+use super::subject::{Subject, directions, sphere};
+use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::outcome::Outcome;
-use crate::point::Point;
-use crate::sampler::{Sample, Sampler};
+use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 
 /// The samples and the pdf of a BSDF.
 struct Scattering<'a>(&'a Subject<'a>);

@@ -1,16 +1,16 @@
-//! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers.
+//! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers; vectors of three
+//! numbers.
 
-use super::batch::{BatchBsdf, Pair};
-use super::contract::{BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
-use super::vector::{place, same_side, sphere};
-use crate::density::SINGLE_PRECISION;
+use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Pair, Properties, Spectrum};
+use crate::diagnosis::count;
+use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
 use crate::exact::AS_SINGLE;
 use crate::examine::Protocol;
 use crate::extremes::Extremes;
 use crate::outcome::Outcome;
+use crate::sampler::SINGLE_PRECISION;
 use crate::stream::CounterRng;
-use crate::text::count;
 use rand::RngExt;
 
 /// Samples that exact checks look at, besides those at the edges of the unit cube.
@@ -263,4 +263,38 @@ impl Comparison {
         let violation = worst.map(message);
         (compared > 0).then(|| Outcome { detectable: Some(detectable), violation, ..Outcome::open(compared) })
     }
+}
+
+/// The sphere of all directions, with the chart in which cells are rectangles.
+pub fn sphere() -> Directions {
+    Directions::sphere(Pole::Z)
+}
+
+/// Points of the sphere as directions.
+pub fn directions(points: &[Point]) -> Vec<Direction> {
+    points.iter().map(|point| Direction::from(*point)).collect()
+}
+
+pub fn dot(a: Direction, b: Direction) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn cross(a: Direction, b: Direction) -> Direction {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub fn length(a: Direction) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Whether both are on one side of the surface.
+pub fn same_side(a: Direction, b: Direction) -> bool {
+    a[2] * b[2] > 0.0
+}
+
+/// A direction by its angles in degrees, as messages name it.
+pub fn place(w: Direction) -> String {
+    let Some([below, turns]) = sphere().to_chart(w.into()) else { return format!("({}, {}, {})", w[0], w[1], w[2]) };
+    let theta = 2.0 * below.sqrt().asin().to_degrees();
+    format!("({theta:.4}°, {:.2}°)", 360.0 * turns)
 }

@@ -2,11 +2,10 @@
 
 use super::pieces::{LARGE, Piece};
 use super::{InvalidPdf, Probe, Refinement, first_invalid, values_at};
+use crate::counting::{BATCH, FOUND, Share, add};
 use crate::error::Result;
 use crate::extremes::Extremes;
-use crate::fixed::{Share, add};
 use crate::stream::CounterRng;
-use crate::tally::{BATCH, FOUND};
 use rand::RngExt;
 use rayon::prelude::*;
 

@@ -17,12 +17,10 @@ pub(crate) use check::Check;
 pub(crate) use refine::Refinement;
 pub(crate) use shares::Shares;
 
-use crate::density::Density;
-use crate::domain::Domain;
+use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result};
-use crate::grid::Grid;
-use crate::point::Point;
-use crate::subdivision::Subdivision;
+use crate::grid::{Grid, Subdivision};
+use crate::sampler::Density;
 
 /// Integrals over the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,9 +150,9 @@ pub(crate) fn first_invalid<P: Copy + Into<Point>>(points: &[P], values: &[f64])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::density::density;
     use crate::domain::{Directions, Discrete, Line, Pole, Square};
     use crate::grid::Cell;
+    use crate::sampler::density;
     use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize, tangents};
 
     fn total(integrals: &Integrals) -> (f64, f64) {

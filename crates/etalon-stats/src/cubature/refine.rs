@@ -3,11 +3,11 @@
 use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
-use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
+use crate::sampler::Density;
 use rayon::prelude::*;
 
 /// Evaluations of the density after which refinement stops, each time that probes are learned.

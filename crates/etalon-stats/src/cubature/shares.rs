@@ -8,8 +8,7 @@ use super::pieces::Piece;
 use super::refine::Refinement;
 use super::rule::{KRONROD, RULE, add_times, dot};
 use crate::extremes::Extremes;
-use crate::grid::Cell;
-use crate::subdivision::{Parts, Subdivision, subdivided};
+use crate::grid::{Cell, Parts, Subdivision, subdivided};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -173,9 +172,9 @@ fn tensor(values: &[f64], scale: f64, projection: &[[f64; TERMS]; KRONROD]) -> V
 mod tests {
     use super::*;
     use crate::cubature::Integration;
-    use crate::density::density;
     use crate::domain::{Line, Square};
     use crate::grid::Grid;
+    use crate::sampler::density;
 
     #[test]
     fn parts_of_pieces_have_the_integrals_of_the_density() {

@@ -2,11 +2,11 @@
 
 use super::shares::{Shares, met};
 use super::{Integrals, InvalidPdf, first_invalid};
-use crate::density::Density;
 use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
-use crate::subdivision::{Parts, Subdivision, subdivided};
+use crate::grid::{Parts, Subdivision, subdivided};
+use crate::sampler::Density;
 use rayon::prelude::*;
 
 /// Values asked for at a time: enough for a density in another process.

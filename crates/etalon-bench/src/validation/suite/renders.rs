@@ -441,7 +441,7 @@ impl Split {
 mod tests {
     use super::super::super::run;
     use super::*;
-    use etalon_stats::kolmogorov::uniformity;
+    use etalon_stats::multiple::uniformity;
 
     #[test]
     #[ignore = "takes seconds: cargo test -- --ignored"]
