@@ -1,9 +1,9 @@
 //! Reflectance of a dielectric over the angle of incidence, exact and by Schlick.
 
 use etalon_core::errata::Formulas;
-use etalon_core::errata::fresnel::schlick_incident_cosine;
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::error::{Error, Result};
-use etalon_core::optics::{dielectric, schlick};
+use etalon_core::optics::dielectric;
 use serde::Serialize;
 
 /// One angle of incidence. Field names are the CSV columns.
@@ -100,7 +100,7 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, formulas: Formulas) -> Resu
     let eta = eta_t / eta_i;
     let single_cosine = formulas == Formulas::FirstReport;
     let approximate = |cos: f64| {
-        if single_cosine { schlick_incident_cosine(cos, eta) } else { schlick::schlick(cos, eta) }
+        if single_cosine { schlick_incident_cosine(cos, eta) } else { dielectric::schlick(cos, eta) }
     };
     let critical_deg = dielectric::critical(eta).map(f64::to_degrees);
     let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };

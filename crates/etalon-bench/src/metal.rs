@@ -4,7 +4,7 @@
 use super::fresnel::{angles, check_index, cos_deg, largest};
 use etalon_core::error::{Error, Result};
 use etalon_core::optics::metals::{self, Metal};
-use etalon_core::optics::{conductor, schlick};
+use etalon_core::optics::{conductor, dielectric};
 use serde::Serialize;
 
 /// One angle of incidence in one channel. Field names are the CSV columns.
@@ -118,7 +118,7 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
             r_parallel_approximate: approximate.parallel,
             r_perpendicular_approximate: approximate.perpendicular,
             r_unpolarized_approximate: approximate.unpolarized(),
-            r_schlick: schlick::polynomial(f0, cos),
+            r_schlick: dielectric::polynomial(f0, cos),
         }
     };
     let largest_error = |f: fn(&ConductorRow) -> f64| largest(90.0, |theta| f(&row(theta)).abs());

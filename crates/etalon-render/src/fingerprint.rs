@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use etalon_core::build::Build;
-use etalon_core::math::hash::hash_words;
+use etalon_core::math::hash_words;
 use etalon_core::scene::{Request, Scene, Shape};
 
 /// A hash of all that a sample depends on: this build of the program, the scene to the last bit, the settings, and of the request all but the

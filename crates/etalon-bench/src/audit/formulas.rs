@@ -4,14 +4,13 @@
 //! its word.
 
 use super::erratum::{ETA, Erratum, ErratumCurves, Nature, Suspect, at_all_angles, curve, mean_by_cosine};
-use etalon_core::errata::fresnel::{schlick_incident_cosine, schlick_refracted_cosine};
-use etalon_core::errata::microfacet::reflected_pdf_by_determinant;
-use etalon_core::errata::reflection::{reciprocal_of_signed_cosine, reflected_sine_without_sign};
-use etalon_core::errata::refraction::{
-    refracted_cosine_of_squared_difference, refracted_normal_part_under_root, refracted_radiance_over_square,
-    refracted_sine_of_itself, refracts_where_above_one,
+use etalon_core::errata::interface::{
+    reciprocal_of_signed_cosine, reflected_sine_without_sign, refracted_cosine_of_squared_difference,
+    refracted_normal_part_under_root, refracted_radiance_over_square, refracted_sine_of_itself,
+    refracts_where_above_one, schlick_incident_cosine, schlick_refracted_cosine,
 };
-use etalon_core::optics::{dielectric, schlick};
+use etalon_core::errata::microfacet::reflected_pdf_by_determinant;
+use etalon_core::optics::dielectric;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A formula as printed (first of each pair) and corrected (second).
@@ -71,7 +70,7 @@ fn times_square(transmitted: f64, eta: f64) -> f64 {
 
 /// Schlick's approximation for light that comes back along the refracted direction; `None` if there is none.
 fn schlick_from_there(cos: f64, eta: f64) -> Option<f64> {
-    dielectric::eta_cos_t(cos, eta).map(|g| schlick::schlick(g / eta, 1.0 / eta))
+    dielectric::eta_cos_t(cos, eta).map(|g| dielectric::schlick(g / eta, 1.0 / eta))
 }
 
 /// The distance of a refracted sine from Snell's law, where there is refraction.
@@ -185,7 +184,7 @@ const FORMULAS: [Formula; 9] = [
         found: "of the incident light, lost or added:",
         wrong: [
             |c, eta| schlick_refracted_cosine(c, eta).map_or(0.0, |r| (schlick_incident_cosine(c, eta) - r).abs()),
-            |c, eta| schlick_from_there(c, eta).map_or(0.0, |r| (schlick::schlick(c, eta) - r).abs()),
+            |c, eta| schlick_from_there(c, eta).map_or(0.0, |r| (dielectric::schlick(c, eta) - r).abs()),
         ],
         effect: [
             || {
@@ -201,7 +200,7 @@ const FORMULAS: [Formula; 9] = [
         ends: [0.0, 90.0],
         curves: [
             |a| 1.0 + schlick_incident_cosine(cos(a), ETA) - schlick_refracted_cosine(cos(a), ETA).unwrap_or(1.0),
-            |a| 1.0 + schlick::schlick(cos(a), ETA) - schlick_from_there(cos(a), ETA).unwrap_or(1.0),
+            |a| 1.0 + dielectric::schlick(cos(a), ETA) - schlick_from_there(cos(a), ETA).unwrap_or(1.0),
         ],
     },
     Formula {

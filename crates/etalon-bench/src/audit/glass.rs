@@ -3,7 +3,7 @@
 use super::erratum::{ETA, Erratum, ErratumCurves, Suspect, curve, mean_by_cosine};
 use crate::validation::Case;
 use etalon_core::bsdf::{Dielectric, DielectricFresnel, Scatter};
-use etalon_core::errata::fresnel::schlick_incident_cosine;
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::math::Rgb;
 use etalon_core::optics::dielectric;
 use etalon_stats::{Atom, Directions, Point, Pole, Sample, density, sampler};

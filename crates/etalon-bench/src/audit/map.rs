@@ -5,11 +5,10 @@
 
 use super::erratum::{Erratum, ErratumCurves, Nature, Suspect};
 use crate::proposal::SIGMA;
-use crate::validation::direction_density;
-use crate::validation::{Case, direction_sampler};
+use crate::validation::{Case, direction_density, direction_sampler};
 use etalon_core::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};
 use etalon_core::envmap::{EnvMap, LatLong};
-use etalon_core::errata::maps::{PLACE_IN_TEXEL, row_weight, row_without_sums};
+use etalon_core::errata::images::{PLACE_IN_TEXEL, row_weight, row_without_sums};
 use etalon_core::error::{Error, Result};
 use etalon_core::math::Rgb;
 use etalon_core::raster::Image;

@@ -3,9 +3,9 @@
 
 use super::erratum::{ETA, Erratum, ErratumCurves, Nature, ROUNDING, Suspect, curve, exact, mean_by_cosine};
 use crate::validation::Case;
-use etalon_core::errata::fresnel::schlick_of_fifth_power;
-use etalon_core::errata::maps::median_without_half;
-use etalon_core::optics::schlick;
+use etalon_core::errata::images::median_without_half;
+use etalon_core::errata::interface::schlick_of_fifth_power;
+use etalon_core::optics::dielectric;
 use etalon_stats::{Atom, Directions, Point, Pole, Protocol, Sample, density, sampler};
 
 pub fn suspects() -> Vec<Suspect> {
@@ -19,12 +19,12 @@ fn schlick_power() -> Suspect {
         Case::of(format!("audit/schlick-power/{name}"), Directions::sphere(Pole::Z), move || {
             let points = [[-sin, 0.0, cos], [-sin / ETA, 0.0, -(1.0 - (sin / ETA).powi(2)).sqrt()]];
             let draw = move |u: &[f64]| Some(Sample::atom(points[usize::from(u[0] >= formula(cos, ETA))]));
-            let reflected = schlick::schlick(cos, ETA);
+            let reflected = dielectric::schlick(cos, ETA);
             let atoms = vec![Atom::new(points[0], reflected), Atom::new(points[1], 1.0 - reflected)];
             (sampler(1, draw), density(|_: Point| 0.0).with_atoms(atoms))
         })
     };
-    let [printed, right] = [schlick_of_fifth_power as fn(f64, f64) -> f64, schlick::schlick];
+    let [printed, right] = [schlick_of_fifth_power as fn(f64, f64) -> f64, dielectric::schlick];
     let erratum = Erratum {
         title: "Schlick's power",
         report: "second report",

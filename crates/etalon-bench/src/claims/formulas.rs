@@ -4,10 +4,10 @@ use super::claim::{Bound, Claim, Finding, VISIBLE, percent};
 use super::texts;
 use crate::metal::MetalTable;
 use Bound::AtMost;
-use etalon_core::errata::fresnel::schlick_incident_cosine;
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::optics::metals::{IRON, WAVELENGTHS_NM};
 use etalon_core::optics::microfacet::{Beckmann, Microfacet};
-use etalon_core::optics::{conductor, dielectric, schlick};
+use etalon_core::optics::{conductor, dielectric};
 use etalon_core::sampling::warp;
 use etalon_stats::Extremes;
 use std::f64::consts::PI;
@@ -65,12 +65,12 @@ pub fn glass_claims(metals: &MetalTable) -> Vec<Claim> {
         let factor = (eta * eta - 1.0 + cos * cos).sqrt() / cos;
         0.5 * (perpendicular + parallel) * factor + exact(cos, eta) - 1.0
     });
-    let from_outside = largest_to(90.0, |cos| schlick::schlick(cos, ETA) - exact(cos, ETA));
-    let by_cosine_outside = largest_to(critical, |cos| schlick::schlick(cos, inside) - exact(cos, inside));
+    let from_outside = largest_to(90.0, |cos| dielectric::schlick(cos, ETA) - exact(cos, ETA));
+    let by_cosine_outside = largest_to(critical, |cos| dielectric::schlick(cos, inside) - exact(cos, inside));
     // The error rises steeply up to the critical angle, which the steps miss.
     let by_incidence = |cos: f64| schlick_incident_cosine(cos, inside) - exact(cos, inside);
     let from_inside = largest_to(critical, by_incidence).at_least(by_incidence(critical.to_radians().cos()).abs());
-    let r0 = schlick::normal_reflectance::<f64>;
+    let r0 = dielectric::normal_reflectance::<f64>;
     let by_r0 = metals.curves.iter().flat_map(|metal| &metal.channels).map(|channel| channel.schlick_max_abs_error);
     let complex = largest_to(90.0, |cos| conductor::fresnel(cos, ETA, 0.0).unpolarized() - exact(cos, ETA));
     let beyond = "share of uniform light inside that arrives at a larger angle, where R = 1";

@@ -2,9 +2,9 @@
 
 use super::family::*;
 use etalon_core::bsdf::{Refraction, Scatter};
-use etalon_core::errata::fresnel::schlick_incident_cosine;
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::math::Rgb;
-use etalon_core::optics::{dielectric, schlick};
+use etalon_core::optics::dielectric;
 use glam::Vec3;
 
 pub const FRESNEL: Family = Family {
@@ -52,7 +52,7 @@ pub const SCHLICK: Family = Family {
     name: "schlick",
     about: "Schlick's approximation of that, with the cosine on the less dense side",
     reference: |x| schlick_of_less_dense(x),
-    variants: &[variant!(STABLE, |x| scalar(schlick::schlick(x[1], x[0])))],
+    variants: &[variant!(STABLE, |x| scalar(dielectric::schlick(x[1], x[0])))],
     bounds: &[Bound::roundings(16.0, "4 of F₀, 6 of the cosine, 5 of the fifth power, and the sum")],
     ..FRESNEL
 };

@@ -3,7 +3,7 @@
 use super::family::Family;
 use super::registry::{families, names};
 use etalon_core::error::{Error, Result};
-use etalon_core::import::number::number;
+use etalon_core::import::place::number;
 
 /// The family, and the ends of the range of each of its inputs, which are equal where one number is given. Numbers are
 /// decimals or hexadecimal floats, and all inputs must be there, in any order.

@@ -7,9 +7,9 @@
 use super::examples::{Example, Family, GLASS, REFLECTANCE, SHARE, TRANSMITTANCE};
 use super::mirror::reflect;
 use super::{Bsdf, BsdfSample, Lobe, Scatter};
-use crate::errata::fresnel::schlick_incident_cosine;
+use crate::errata::interface::schlick_incident_cosine;
 use crate::math::Rgb;
-use crate::optics::{dielectric, schlick};
+use crate::optics::dielectric;
 use etalon_stats::bsdf::Energy;
 use glam::Vec3;
 
@@ -56,7 +56,7 @@ pub enum DielectricFresnel {
     Exact,
     /// Schlick's approximation, with the cosine on the less dense side.
     Schlick,
-    /// Schlick's polynomial of the incident cosine on both sides; see [`schlick_incident_cosine`](crate::errata::fresnel::schlick_incident_cosine).
+    /// Schlick's polynomial of the incident cosine on both sides; see [`schlick_incident_cosine`](crate::errata::interface::schlick_incident_cosine).
     SingleCosineSchlick,
 }
 
@@ -83,7 +83,7 @@ impl Dielectric {
                 let r = dielectric::fresnel(cos, eta);
                 (r.unpolarized(), r.cos_t)
             }
-            DielectricFresnel::Schlick => (schlick::schlick(cos, eta), cos_t()),
+            DielectricFresnel::Schlick => (dielectric::schlick(cos, eta), cos_t()),
             DielectricFresnel::SingleCosineSchlick => (schlick_incident_cosine(cos, eta), cos_t()),
         }
     }

@@ -2,7 +2,6 @@
 
 pub mod cut;
 pub mod equal_area;
-mod grace;
 pub mod info;
 pub mod irradiance;
 pub mod latlong;
@@ -10,6 +9,5 @@ mod map;
 pub mod samplers;
 pub mod synthetic;
 
-pub use grace::Grace;
 pub use latlong::{Block, LatLong};
-pub use map::{EnvMap, Found, MAX_RADIANCE, NamedMap, check_range};
+pub use map::{EnvMap, Found, Grace, MAX_RADIANCE, NamedMap, check_range};

@@ -4,12 +4,9 @@
 //! them is an entry of its own: a BSDF ([`crate::bsdf::ErrataConductor`]), a reflectance
 //! ([`crate::bsdf::DielectricFresnel::SingleCosineSchlick`]), a sampler of maps ([`crate::envmap::samplers::ErrataSampler`]), a tone map.
 
-pub mod fresnel;
-pub mod maps;
+pub mod images;
+pub mod interface;
 pub mod microfacet;
-pub mod reflection;
-pub mod refraction;
-pub mod tone;
 
 /// Whose formulas curves and samples follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

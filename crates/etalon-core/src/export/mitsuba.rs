@@ -1,6 +1,6 @@
 //! Scenes as XML of Mitsuba 3, for its RGB variants.
 
-use super::aside::{Aside, numbers, scaled_map, unsupported};
+use super::{Aside, numbers, scaled_map, unsupported};
 use crate::bsdf::Bsdf;
 use crate::error::Result;
 use crate::math::Rgb;

@@ -1,6 +1,6 @@
 //! Scenes as text of pbrt-v4.
 
-use super::aside::{Aside, numbers, scaled_map, unsupported};
+use super::{Aside, numbers, scaled_map, unsupported};
 use crate::bsdf::Bsdf;
 use crate::envmap::equal_area;
 use crate::error::Result;

@@ -145,7 +145,7 @@ fn meshes_come_back_from_their_files() {
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("disc.ply");
-    std::fs::write(&path, ply::encode(disc)).unwrap();
+    std::fs::write(&path, encode_ply(disc)).unwrap();
     let again = import::mesh::read(&path, &mut Vec::new()).unwrap();
     let corners =
         |mesh: &Mesh| -> Vec<_> { mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect() };
@@ -153,7 +153,7 @@ fn meshes_come_back_from_their_files() {
     let mut smooth = (**disc).clone();
     smooth.uv.clear();
     smooth.smooth();
-    std::fs::write(&path, ply::encode(&smooth)).unwrap();
+    std::fs::write(&path, encode_ply(&smooth)).unwrap();
     let again = import::mesh::read(&path, &mut Vec::new()).unwrap();
     assert!(again.positions == smooth.positions && again.triangles == smooth.triangles);
     // Normals are made unit vectors again.

@@ -10,7 +10,6 @@ pub mod dielectric;
 pub mod media;
 pub mod metals;
 pub mod microfacet;
-pub mod schlick;
 
 use crate::math::Real;
 

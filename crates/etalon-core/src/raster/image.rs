@@ -1,7 +1,7 @@
-//! The image buffer: linear-light RGB, 32-bit float, row 0 at the top; its resizing by whole numbers.
+//! The image buffer: linear-light RGB, 32-bit float, row 0 at the top; its resizing by whole numbers; and what an image file says
+//! about how its image was made.
 
-use crate::math::Rgb;
-use crate::math::hash::hash_words;
+use crate::math::{Rgb, hash_words};
 
 /// A rectangle of linear RGB pixels. Row 0 is the top row.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,6 +144,41 @@ impl Image {
             });
             Rgb::from_array(sum.map(|s| (s / count) as f32))
         })
+    }
+}
+
+/// Value of the `software` attribute.
+pub const SOFTWARE: &str = concat!("etalon ", env!("CARGO_PKG_VERSION"));
+
+/// The attribute of a part with the program's [`Build`](crate::build::Build).
+pub const BUILD_NAME: &str = "build";
+
+/// What a file says about how its image was made: names and values, in order.
+///
+/// OpenEXR keeps them as text attributes, Radiance HDR as comment lines; the other formats cannot hold them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Metadata {
+    entries: Vec<(String, String)>,
+}
+
+impl Metadata {
+    /// Adds an entry after those that are there, for example `.with("spp", 64)`.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, value: impl ToString) -> Self {
+        self.entries.push((name.into(), value.to_string()));
+        self
+    }
+
+    /// All entries, in the order in which they were added.
+    #[must_use]
+    pub fn entries(&self) -> &[(String, String)] {
+        &self.entries
+    }
+
+    /// The value of an entry.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 }
 

@@ -6,21 +6,17 @@
 
 mod decoded;
 mod exr;
+mod file;
 mod image;
 mod ldr;
-mod metadata;
 mod metrics;
 mod pfm;
-mod primaries;
-mod read;
 mod rgbe;
 mod tone;
-mod write;
 
 pub use self::exr::{Channel, ExrFile, Layer, Precision, Samples, write_exr, write_exr_channels};
 pub use self::image::Image;
-pub use self::metadata::{BUILD_NAME, Metadata};
 pub use self::metrics::{Comparison, DisplayMetrics, compare, compare_shown, compare_with_halves};
-pub use self::read::{ReadOptions, decode_exr, read, read_lat_long, read_with_notes};
 pub use self::tone::{ToneMap, auto_exposure, linear_from_srgb, srgb_from_linear, to_rgb8};
-pub use self::write::{WriteOptions, write, write_with};
+pub use file::{ReadOptions, WriteOptions, decode_exr, read, read_lat_long, read_with_notes, write, write_with};
+pub use image::{BUILD_NAME, Metadata};

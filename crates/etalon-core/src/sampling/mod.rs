@@ -2,10 +2,20 @@
 
 pub mod filter;
 pub mod normals;
-pub mod prefetch;
 pub mod rectangle;
 pub mod spherical_triangle;
 pub mod table;
 pub mod warp;
 
 pub use etalon_random::{hash, stream};
+
+/// Starts to bring `table[index]` into the cache and does not wait for it; nothing beyond the end of the table.
+#[inline(always)]
+pub fn prefetch<T>(table: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(element) = table.get(index) {
+        safe_arch::prefetch_t0(element);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (table, index);
+}

@@ -11,7 +11,7 @@ use super::fixed::{Fixed, FixedRgb};
 use etalon_core::error::Result;
 use etalon_core::math::Rgb;
 use etalon_core::memory;
-use etalon_core::sampling::prefetch::prefetch;
+use etalon_core::sampling::prefetch;
 
 /// A contribution of a light path to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,8 +14,7 @@ use super::greeting::Greeting;
 use super::properties::declared;
 use crate::protocol::sampler::write_numbers;
 use etalon_core::error::Result;
-use etalon_core::import::number::{number, real};
-use etalon_core::import::place::quote;
+use etalon_core::import::place::{number, quote, real};
 use etalon_stats::bsdf::{
     BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Pair, Parameter, PdfKind, Properties, Spectrum,
 };

@@ -3,7 +3,7 @@
 use super::greeting::Greeting;
 use super::sampler::DIMENSIONS;
 use etalon_core::error::Result;
-use etalon_core::import::number::real;
+use etalon_core::import::place::real;
 use etalon_stats::bsdf::{Energy, PdfKind, Properties, Reciprocity};
 
 /// `known` with those that `greeting` has keys for in their place.

@@ -16,8 +16,7 @@ use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
 use crate::protocol::sampler::{HINT, Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
-use etalon_core::import::number::{number, real};
-use etalon_core::import::place::quote;
+use etalon_core::import::place::{number, quote, real};
 use etalon_stats::{Atom, Density, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
 use std::sync::{Mutex, PoisonError};
 

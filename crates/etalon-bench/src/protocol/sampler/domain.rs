@@ -1,7 +1,7 @@
 //! Domains that an external sampler can have: their names, their points as fields of a line, the cells of tables of pdfs.
 
 use etalon_core::error::{Error, Result};
-use etalon_core::import::number::number;
+use etalon_core::import::place::number;
 use etalon_stats::{Directions, Discrete, Domain, Line, Point, Pole, Square};
 use std::f64::consts::PI;
 use std::fmt::{self, Write};

@@ -2,12 +2,12 @@
 
 use super::super::case::{direction_density, direction_sampler};
 use super::fault::PlantedFault;
-use etalon_core::errata::fresnel::schlick_incident_cosine;
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::errata::microfacet::normal_pdf_by_angles;
 use etalon_core::math::circular::sin_cos_turns;
-use etalon_core::optics::microfacet::variants::g1_rational;
+use etalon_core::optics::dielectric;
+use etalon_core::optics::microfacet::smith::g1_rational;
 use etalon_core::optics::microfacet::{Beckmann, Ggx, Microfacet};
-use etalon_core::optics::{dielectric, schlick};
 use etalon_core::sampling::normals::SampleNormals;
 use etalon_stats::{Atom, Density, Directions, Mass, Point, Pole, Sample, Sampler, density, sampler};
 use glam::DVec3;
@@ -250,7 +250,7 @@ pub fn glass() -> Vec<PlantedFault> {
             "Schlick's polynomial of the incident cosine also inside the glass, 0.04 for 0.25 at 40°: both reports",
         ),
         boundary("bsdf/glass/schlick-for-fresnel", 85.0, ETA, |boundary| {
-            boundary.share = schlick::schlick(85f64.to_radians().cos(), ETA)
+            boundary.share = dielectric::schlick(85f64.to_radians().cos(), ETA)
         })
         .mistake("Schlick's approximation as the probability of reflection, weighed as if by Fresnel's equations"),
         boundary("bsdf/glass/total-reflection-outside", 60.0, ETA, |boundary| boundary.share = 1.0)

@@ -20,7 +20,7 @@
 
 use super::contract::{BATCH, Entry, EnvSample, Method, SurfaceSampler};
 use crate::envmap::{Block, EnvMap};
-use crate::sampling::prefetch::prefetch;
+use crate::sampling::prefetch;
 use crate::sampling::table::{CellSample, ShortTables};
 use glam::DVec3;
 use rayon::prelude::*;

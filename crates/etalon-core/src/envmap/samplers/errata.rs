@@ -4,12 +4,12 @@
 
 use super::contract::{EnvSample, SurfaceSampler};
 use crate::envmap::EnvMap;
-use crate::errata::maps;
+use crate::errata::images;
 use crate::sampling::table::Table2;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A row by [`maps::row_weight`], which misses those at the poles, a texel of it, and the direction of the texel's corner.
+/// A row by [`images::row_weight`], which misses those at the poles, a texel of it, and the direction of the texel's corner.
 #[derive(Debug, Clone)]
 pub struct ErrataSampler {
     map: Arc<EnvMap>,
@@ -21,14 +21,14 @@ impl ErrataSampler {
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());
-        let table = Table2::new(width, height, |x, y| map.mean_rgb(x, y) * maps::row_weight(y, height));
+        let table = Table2::new(width, height, |x, y| map.mean_rgb(x, y) * images::row_weight(y, height));
         Self { map, table }
     }
 
     /// The pdf per solid angle, as the report computes it.
     fn texel_pdf(&self, x: usize, y: usize) -> f64 {
         let (probability, g) = (self.table.probability(x, y), self.map.geometry());
-        maps::texel_pdf(probability, maps::row_weight(y, g.height()), [g.width(), g.height()])
+        images::texel_pdf(probability, images::row_weight(y, g.height()), [g.width(), g.height()])
     }
 }
 
@@ -36,7 +36,7 @@ impl SurfaceSampler for ErrataSampler {
     fn sample_for(&self, u: [f64; 2], _normal: DVec3) -> Option<EnvSample> {
         let at = self.table.sample(u)?;
         let (x, y) = (at.x.cell, at.y.cell);
-        let [fx, fy] = maps::PLACE_IN_TEXEL;
+        let [fx, fy] = images::PLACE_IN_TEXEL;
         let wi = self.map.geometry().direction(x as f64 + fx, y as f64 + fy);
         Some(EnvSample { wi, pdf: self.texel_pdf(x, y), radiance: self.map.texel(x, y) })
     }

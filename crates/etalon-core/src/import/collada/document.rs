@@ -1,9 +1,8 @@
 //! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
 
+use super::super::place::{Rule, finite};
+use super::super::{MAX_WARNINGS, further_warnings};
 use crate::error::{Error, Result};
-use crate::import::imported::{MAX_WARNINGS, further_warnings};
-use crate::import::number::Rule;
-use crate::import::number::finite;
 use crate::import::place::{At, quote};
 use crate::math::Rgb;
 use crate::memory;

@@ -1,8 +1,8 @@
 //! Geometry: the course's spheres, and polygons to triangles in the world.
 
+use super::super::place::POSITIVE;
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::Result;
-use crate::import::number::POSITIVE;
 use crate::import::shape::{fan, simplest, sphere};
 use crate::import::transform::in_range;
 use crate::memory;

@@ -1,10 +1,15 @@
-//! Materials: a geometry's binding is followed to its effect.
+//! Materials, where a geometry's binding is followed to its effect; lights, and which of them become visible objects.
 
+use super::super::place::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
+use super::super::transform::in_range;
 use super::document::{Document, Element, course_profile, elements, find, is};
 use crate::error::{Error, Result};
-use crate::import::number::{ANY, DIELECTRIC_INDEX, FRACTION, LIGHT, Rule};
 use crate::math::Rgb;
-use crate::scene::{Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Material};
+use crate::scene::{
+    Conductor, Dielectric, Distribution, Emission, EmitterVisibility, Falloff, Light, Material, Object, Rectangle,
+    Shape,
+};
+use glam::{DMat4, DVec3, Vec3};
 
 /// The material of a surface, and its emission.
 pub type Surface = (Material, Option<Emission>);
@@ -87,3 +92,91 @@ fn course_material<'a>(document: &Document<'a>, profile: Element<'a>) -> Result<
 
 /// The parts of a metal's complex index.
 const INDEX: Rule = Rule(|x| x > 0.0 && x <= 1000.0, "above 0 and at most 1000");
+
+/// Largest distance between an area light and the emitting mesh that shows it, as a part of the light's diagonal.
+const OVERLAP: f32 = 0.05;
+/// Largest cosine between an area light's sides, or between its normal and its direction, that is no shear.
+const SHEAR: f64 = 1e-4;
+
+/// The light of a `<light>` element in a node; `None` for one that gives no light.
+pub fn light<'a>(document: &Document<'a>, node: Element<'a>, to_world: &DMat4) -> Result<Option<Light>> {
+    let technique = match course_profile(node) {
+        Some(technique) => technique,
+        None => document.require(node, "technique_common")?,
+    };
+    let kind = elements(technique).next().ok_or_else(|| document.at(technique).input("this light has no kind"))?;
+    let colour = || document.colour(document.require(kind, "color")?, &LIGHT);
+    let origin = to_world.w_axis.truncate();
+    if !in_range(origin) {
+        return Err(document.at(node).input(format!("a light at {origin} is out of range")));
+    }
+    Ok(match kind.tag_name().name() {
+        "area" => {
+            let rectangle = unit_square(to_world).ok_or_else(|| {
+                document.at(node).unsupported("an area light that its transform makes no rectangle is not supported")
+            })?;
+            Some(Light::Rectangle { rectangle, radiance: colour()? })
+        }
+        "point" => Some(Light::Point { position: origin.as_vec3(), intensity: colour()?, falloff: Falloff::None }),
+        "directional" => {
+            let along = to_world.transform_vector3(DVec3::NEG_Z).try_normalize();
+            let along = along.ok_or_else(|| document.at(node).input("this light's transform leaves no direction"))?;
+            Some(Light::Directional { direction: along.as_vec3(), irradiance: colour()? })
+        }
+        // All zero in scenes that an environment map lights.
+        "ambient" => Some(colour()?).filter(|&c| c != Rgb::ZERO).map(|radiance| Light::Hemisphere { radiance }),
+        "spot" => {
+            document.warn(kind, "a spot light is black in the reference renderer: left out");
+            None
+        }
+        other => return Err(document.at(kind).unsupported(format!("a light of kind <{other}> is not supported"))),
+    })
+}
+
+/// The square of side 1 around the origin that emits along −z, in the world.
+fn unit_square(to_world: &DMat4) -> Option<Rectangle> {
+    let [x, y, along] = [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z].map(|v| to_world.transform_vector3(v));
+    let normal = x.cross(y).try_normalize()?;
+    let cosine = normal.dot(along.try_normalize()?);
+    // A mirror image emits to the opposite side of the cross product of its sides.
+    let (x, y) = if cosine < 0.0 { (y, x) } else { (x, y) };
+    let [centre, half_x, half_y] = [to_world.w_axis.truncate(), x * 0.5, y * 0.5].map(|v| v.as_vec3());
+    Rectangle::new(centre, half_x, half_y).filter(|_| cosine.abs() > 1.0 - SHEAR)
+}
+
+/// Makes the area lights visible: one that no emitting mesh overlaps becomes an emitting object.
+pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Light> {
+    let emitting: Vec<[Vec3; 2]> =
+        objects.iter().filter(|object| object.emission.is_some()).filter_map(|object| bounds(&object.shape)).collect();
+    let hidden = |light: &Light| {
+        let Light::Rectangle { rectangle, radiance } = *light else { return true };
+        let Some([low, high]) = around(corners(&rectangle)) else { return true };
+        let near = OVERLAP * low.distance(high);
+        if emitting.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
+            return true;
+        }
+        let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });
+        let material = Material::Diffuse { albedo: Rgb::ZERO };
+        objects.push(Object { emission, ..Object::new(Shape::Rectangle(rectangle), material) });
+        false
+    };
+    lights.into_iter().filter(hidden).collect()
+}
+
+/// The box around a shape; `None` for a mesh without triangles.
+pub fn bounds(shape: &Shape) -> Option<[Vec3; 2]> {
+    match shape {
+        Shape::Sphere(sphere) => Some([sphere.centre - sphere.radius, sphere.centre + sphere.radius]),
+        Shape::Rectangle(rectangle) => around(corners(rectangle)),
+        Shape::Mesh(mesh) => around(mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize])),
+    }
+}
+
+fn corners(rectangle: &Rectangle) -> [Vec3; 4] {
+    let ([x, y], centre) = (rectangle.half_sides(), rectangle.centre());
+    [centre - x - y, centre + x - y, centre + x + y, centre - x + y]
+}
+
+fn around(points: impl IntoIterator<Item = Vec3>) -> Option<[Vec3; 2]> {
+    points.into_iter().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
+}

@@ -15,7 +15,6 @@
 
 mod obj;
 mod ply;
-mod ply_header;
 
 use crate::error::{Error, Result};
 use crate::files::{read_bounded, without_bom};

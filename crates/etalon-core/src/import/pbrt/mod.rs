@@ -24,9 +24,6 @@
 //! Source: the format descriptions and sources of pbrt-v2 (2010), pbrt-v3 (2016) and pbrt-v4 (2020) at pbrt.org.
 
 mod directives;
-mod filter;
-mod flat;
-mod instance;
 mod lexer;
 mod light;
 mod material;

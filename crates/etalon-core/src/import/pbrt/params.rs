@@ -1,8 +1,8 @@
 //! Parameter lists: `"type name" value` or `"type name" [values]`, read by name and type, none left over unnoticed.
 
+use super::super::place::{ANY, Rule};
 use super::lexer::{Lexer, Token};
 use crate::error::{Error, Result};
-use crate::import::number::{ANY, Rule};
 use crate::import::place::{At, quote};
 use crate::math::Rgb;
 use crate::memory;
@@ -269,8 +269,8 @@ impl Param {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::place::POSITIVE;
     use super::*;
-    use crate::import::number::POSITIVE;
     use std::path::Path;
     use std::rc::Rc;
 

@@ -1,12 +1,12 @@
 //! Walks through a pbrt file and those that it includes, and keeps what their directives set until the scene is whole.
 
+use super::super::{MAX_WARNINGS, further_warnings};
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::setup::Setup;
 use super::texture::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
-use crate::import::imported::{MAX_WARNINGS, further_warnings};
 use crate::import::place::At;
 use crate::import::{Imported, SceneOptions};
 use crate::math::Rgb;

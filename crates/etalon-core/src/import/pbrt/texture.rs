@@ -1,8 +1,8 @@
 //! `Texture`: constants, images, checkerboards, products and mixes over (u, v); parameters that name one; the textures that
 //! a file has named so far, and the images that they share.
 
+use super::super::place::{FRACTION, Rule};
 use crate::error::{Error, Result};
-use crate::import::number::{FRACTION, Rule};
 use crate::import::pbrt::lexer::Lexer;
 use crate::import::pbrt::params::Params;
 use crate::import::pbrt::reader::Reader;

@@ -8,16 +8,11 @@
 //! G₁/z = 1/(z + z Λ), and G₂/(zₒ zᵢ) = 1/(zₒ zᵢ + zᵢ (zₒ Λₒ) + zₒ (zᵢ Λᵢ)). Source: Heitz, "Understanding the
 //! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2), 2014.
 
-mod beckmann;
-mod ggx;
-mod smith;
-pub mod variants;
-mod widths;
+mod distributions;
+pub mod smith;
 
-pub use beckmann::Beckmann;
-pub use ggx::Ggx;
-pub use smith::Microfacet;
-pub use widths::Widths;
+pub use distributions::{Beckmann, Ggx};
+pub use smith::{Microfacet, Widths};
 
 /// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,9 +3,9 @@
 //! The `exr` crate makes the header and compresses the blocks; text attributes and the table of blocks are written here. The
 //! crate keeps custom attributes in a hash map, so their order, and the bytes of the file, would differ from run to run.
 
+use super::super::image::SOFTWARE;
 use crate::error::{Error, Result};
 use crate::files::write_atomic;
-use crate::raster::metadata::SOFTWARE;
 use crate::raster::{Image, Metadata};
 use exr::compression::Compression;
 use exr::meta::BlockDescription;

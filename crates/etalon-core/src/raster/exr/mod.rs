@@ -2,12 +2,10 @@
 //! how much memory they may ask for, is decided here from the file alone.
 
 mod choose;
-mod chunks;
 mod decode;
 mod encode;
 mod file;
-mod layers;
 
 pub(super) use self::decode::decode;
 pub use self::encode::{Channel, Layer, Precision, Samples, write_exr, write_exr_channels};
-pub use self::layers::ExrFile;
+pub use decode::ExrFile;

@@ -1,8 +1,8 @@
 //! Many distributions over as many cells each, in single precision and without a guide: small, and fast for up to some hundred
 //! cells, among which a cell is found by counting those that end before it.
 
-use super::cdf::{CellSample, inside};
-use crate::sampling::prefetch::prefetch;
+use super::super::prefetch;
+use super::{CellSample, inside};
 use rayon::prelude::*;
 
 /// Distributions over n cells each.
@@ -122,7 +122,7 @@ fn fill(weights: &[f64], sums: &mut [f64], ends: &mut [f32]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cdf::weights;
+    use super::super::weights;
     use super::*;
 
     #[test]

@@ -1,19 +1,14 @@
-//! Which primitive a ray hits first: a tree of boxes, eight to a node, over spheres, rectangles and triangles.
+//! Which primitive or which object a ray hits first: a tree of boxes, eight to a node, over spheres, rectangles and triangles.
 
 mod build;
 mod lanes;
-mod query;
 #[cfg(test)]
 mod tests;
 mod traverse;
 mod tree;
 
-use super::Plane;
-use super::camera::Ray;
-use super::description::Shape;
 use super::mesh::Surface;
-pub use query::{Hit, Rays};
-
+use super::{Object, Plane, Ray, Scene, Shape};
 use build::{Bounds, Id, Item, Kind};
 use glam::Vec3;
 use lanes::{Lanes, Portable, WIDTH};
@@ -222,4 +217,70 @@ fn trace_each<L: Lanes, const ANY: bool, const N: usize, T>(
 fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
     let components = |v: &'a Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
     Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }
+}
+
+/// Where a ray hits a primitive.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Hit {
+    /// Distance along the ray.
+    pub t: f32,
+    /// Number of the shape, in the order of [`Bvh::build`].
+    pub shape: u32,
+    /// Number of the triangle in its mesh; 0 for spheres, and 0 or 1 for the halves of a rectangle.
+    pub triangle: u32,
+    /// Where the tree keeps the triangle, for [`Bvh::surface`], [`Bvh::plane`] and
+    /// [`Bvh::triangle`], which panic for one that no hit of a triangle had; 0 for spheres.
+    pub place: u32,
+    /// Barycentric weight of the triangle's second corner.
+    pub u: f32,
+    /// That of its third corner.
+    pub v: f32,
+}
+
+impl Hit {
+    /// Whether a hit of this primitive at the distance `t` comes before this one.
+    #[inline(always)]
+    pub(super) fn is_beaten_by(&self, t: f32, shape: u32, triangle: u32) -> bool {
+        t < self.t || (t == self.t && (shape, triangle) < (self.shape, self.triangle))
+    }
+}
+
+/// Rays, component by component. The slices are of one length.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    /// Where they start.
+    pub origin: [&'a [f32]; 3],
+    pub direction: [&'a [f32]; 3],
+    /// Where each ray ends; one that is not above 0 hits nothing and costs nothing.
+    pub t_max: &'a [f32],
+}
+
+impl Rays<'_> {
+    /// Ray number `i`.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Ray {
+        let at = |v: &[&[f32]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
+        Ray { origin: at(&self.origin), direction: at(&self.direction) }
+    }
+}
+
+/// The objects of a scene in a tree.
+pub struct FirstHit<'a> {
+    objects: &'a [Object],
+    bvh: Bvh,
+}
+
+impl<'a> FirstHit<'a> {
+    /// Builds the tree.
+    #[must_use]
+    pub fn new(scene: &'a Scene) -> Self {
+        let shapes: Vec<&Shape> = scene.objects.iter().map(|object| &object.shape).collect();
+        Self { objects: &scene.objects, bvh: Bvh::build(&shapes) }
+    }
+
+    /// The object that the ray meets first; `None` when it meets none.
+    #[must_use]
+    pub fn along(&self, ray: &Ray) -> Option<&'a Object> {
+        self.bvh.nearest(ray, f32::INFINITY).map(|hit| &self.objects[hit.shape as usize])
+    }
 }

@@ -4,8 +4,8 @@
 //! by the same operations in the same order everywhere, boxes are passed over only when nothing in them can be hit, and
 //! of two hits at the same distance the lower number counts.
 
+use super::Hit;
 use super::lanes::{Lanes, WIDTH};
-use super::query::Hit;
 use super::tree::{LEAF, MARGIN, NUMBER, Node, SPHERES, Spheres, Tree, Triangles};
 use crate::scene::camera::Ray;
 use crate::scene::mesh::Mesh;

@@ -2,7 +2,7 @@
 
 use super::build::{Bounds, Branch, Id, Kind};
 use super::lanes::WIDTH;
-use crate::sampling::prefetch::prefetch;
+use crate::sampling::prefetch;
 use crate::scene::Plane;
 use crate::scene::description::Shape;
 use crate::scene::mesh::normal_of;

@@ -2,8 +2,7 @@
 
 use etalon_core::error::{Error, Place, Result};
 use etalon_core::files::{self, without_bom};
-use etalon_core::import::number::real;
-use etalon_core::import::place::quote;
+use etalon_core::import::place::{quote, real};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,13 @@
-//! Reading an image file: the format is detected by its first bytes, not by its name.
+//! Image files. What is read is detected by its first bytes, not by its name; what is written has the format that the extension
+//! picks, and is written whole or not at all.
 
 use super::decoded::Decoded;
-use super::{Image, exr, ldr, pfm, rgbe};
+use super::exr::{self, Layer, Precision, write_exr};
+use super::tone::ToneMap;
+use super::{Image, Metadata, ldr, pfm, rgbe};
 use crate::error::{Error, Result};
-use crate::files::read_bounded;
+use crate::files::{read_bounded, write_atomic};
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Larger files are refused unread: 2 GiB holds a 16384x8192 map of 32-bit floats.
@@ -120,6 +124,55 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
     }
 }
 
+/// Precision and tone mapping of a file.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WriteOptions {
+    /// For OpenEXR: the sample type.
+    pub precision: Precision,
+    /// For PNG and PPM: the way to 8 bits.
+    pub tone: ToneMap,
+}
+
+/// [`write_with`] the default options: 32-bit floats for OpenEXR, plain sRGB for PNG and PPM.
+///
+/// # Errors
+/// Those of [`write_with`].
+pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<()> {
+    write_with(path, image, metadata, WriteOptions::default())
+}
+
+/// Writes `image` in the format that the extension of `path` names (upper or lower case):
+///
+/// | extension | format | values |
+/// |---|---|---|
+/// | `.exr` | OpenEXR, ZIP-compressed, channels B, G, R | exact as [`Precision::Float`]; to nearest, finite ones clamped to ±65504, as [`Precision::Half`] |
+/// | `.pfm` | PFM, `PF`, little-endian | exact |
+/// | `.hdr` | Radiance HDR, run lengths | mantissas of 8 bits, rounded; no negative values, NaN becomes 0 |
+/// | `.png` | PNG, 8 bits a channel | through [`WriteOptions::tone`] |
+/// | `.ppm` | P6, 8 bits a channel | through [`WriteOptions::tone`] |
+///
+/// # Errors
+/// [`Error::Parameter`] for another extension and for metadata that OpenEXR cannot name (see [`write_exr`]),
+/// [`Error::Io`]. After an error a file that was at `path` before is unchanged.
+pub fn write_with(path: &Path, image: &Image, metadata: &Metadata, options: WriteOptions) -> Result<()> {
+    let save = |fill: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
+        write_atomic(path, |out| fill(out).map_err(|e| Error::io(path, e)))
+    };
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "exr" => write_exr(path, &[Layer { name: "", image }], options.precision, metadata),
+        "pfm" => save(&|out| pfm::encode(image, out)),
+        "hdr" => save(&|out| rgbe::encode(image, metadata, out)),
+        "png" => save(&|out| ldr::encode_png(image, &options.tone, out)),
+        "ppm" => save(&|out| ldr::encode_ppm(image, &options.tone, out)),
+        _ => {
+            let name = path.display();
+            Err(Error::parameter("output file", format!("no image format has the extension of {name}"))
+                .with_hint("known extensions: .exr, .pfm, .hdr, .png, .ppm"))
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::decoded::check_size;
@@ -170,5 +223,24 @@ mod tests {
         assert!(matches!(check_size(path, 0, 4, 15, 1), Err(Error::Input { .. })));
         assert!(matches!(check_size(path, 65536, 65536, usize::MAX, 1), Err(Error::Limit { .. })));
         assert!(matches!(check_size(path, u64::MAX, u64::MAX, 1, 1), Err(Error::Limit { .. })));
+    }
+
+    #[test]
+    fn unknown_extensions_are_refused_before_anything_is_written() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a.tiff", "a", "a.", ".exr"] {
+            let path = dir.path().join(name);
+            let error = write(&path, &Image::new(1, 1), &Metadata::default()).unwrap_err();
+            assert!(matches!(error, Error::Parameter { .. }), "{error}");
+            assert!(error.hint().unwrap().contains(".exr, .pfm"));
+            assert!(!path.exists());
+        }
+    }
+
+    #[test]
+    fn metadata_keep_their_order() {
+        let metadata = Metadata::default().with("spp", 64).with("seed", 1).with("command", "render x");
+        let names: Vec<&str> = metadata.entries().iter().map(|(n, _)| n.as_str()).collect();
+        assert_eq!(names, ["spp", "seed", "command"]);
     }
 }

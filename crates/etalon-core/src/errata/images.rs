@@ -1,4 +1,5 @@
-//! Environment maps: the first report's rows, and its course's texels.
+//! Images: the first report's rows of environment maps, and its course's texels; the display transform with which the second
+//! report's images were made.
 
 use std::f64::consts::PI;
 
@@ -38,6 +39,14 @@ pub fn row_without_sums(probabilities: &[f64], u: f64) -> Option<usize> {
     probabilities.iter().position(|p| *p >= u)
 }
 
+/// The 8-bit value of a linear one ≥ 0: clamp((√2 · L)^(1/2.2), 0, 1) · 255, truncated (the CS184 path tracer).
+///
+/// Right is the sRGB curve, rounded to the nearest.
+#[must_use]
+pub fn encode(value: f32) -> u8 {
+    ((std::f32::consts::SQRT_2 * value).powf(1.0 / 2.2).min(1.0) * 255.0) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +73,13 @@ mod tests {
         let weight = row_weight(700, height);
         let pdf = texel_pdf(weight / total, weight, [width, height]);
         assert!((pdf * 4.0 * PI - 1.0).abs() < 1e-3, "{pdf}");
+    }
+
+    #[test]
+    fn values_are_truncated() {
+        assert_eq!(encode(0.384), 193);
+        assert_eq!(encode(0.38), 192, "192.26");
+        assert_eq!((encode(0.71), encode(0.7)), (255, 253));
+        assert_eq!((encode(0.0), encode(f32::INFINITY)), (0, 255));
     }
 }

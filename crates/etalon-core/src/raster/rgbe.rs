@@ -1,10 +1,13 @@
-//! Reading a Radiance image: the text header, then scan lines in one of three packings, of pixels of three mantissas and an exponent.
+//! Radiance HDR images: three 8-bit mantissas that share an exponent, run-length encoded. Reading takes the text header, then scan
+//! lines in one of three packings; writing packs in the newer run lengths.
 
+use super::decoded::{self, Decoded, blank, check_size, cut_off};
+use super::image::SOFTWARE;
+use super::{Image, Metadata};
 use crate::error::{Error, Place, Result};
 use crate::interrupt;
 use crate::math::Rgb;
-use crate::raster::decoded::{Decoded, blank, check_size, cut_off};
-use crate::raster::primaries;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Reads a Radiance image. Channel value = mantissa/256 · 2^(exponent-128), exponent 0 meaning black, divided by the
@@ -94,7 +97,7 @@ impl Header {
                 Some((name @ "PRIMARIES", value)) => {
                     let found = numbers(value).and_then(|v| <[f64; 8]>::try_from(v).ok());
                     let found = found.ok_or_else(|| error(format!("no proper {name}: {value:?}")))?;
-                    note = primaries::note(name, found.map(|v| v as f32));
+                    note = decoded::note(name, found.map(|v| v as f32));
                 }
                 Some(_) => {}
             }
@@ -223,10 +226,116 @@ pub fn shared_exponent(p: Rgb) -> [u8; 4] {
     [r, g, b, (exponent + 128) as u8]
 }
 
+/// Writes a Radiance image, rounding each mantissa to nearest: the error of a channel is at most 1/256 of the
+/// largest channel of its pixel (and mostly half of that). Negative values and NaN become 0; values above the format's
+/// range, 255/256 · 2^127, and +∞ become the largest that it has; all three below 2^-128 become 0. The metadata become
+/// comment lines.
+pub fn encode(image: &Image, metadata: &Metadata, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "#?RADIANCE\n# {}", SOFTWARE)?;
+    for (name, value) in metadata.entries() {
+        writeln!(out, "# {}", format!("{name}: {value}").replace(['\n', '\r'], " "))?;
+    }
+    write!(out, "FORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height(), image.width())?;
+    let mut bytes = Vec::new();
+    for y in 0..image.height() {
+        bytes.clear();
+        let line: Vec<[u8; 4]> = image.row(y).iter().map(|&p| shared_exponent(p)).collect();
+        if RUN_WIDTHS.contains(&line.len()) {
+            bytes.extend([2, 2, (line.len() >> 8) as u8, line.len() as u8]);
+            for channel in 0..4 {
+                run_lengths(&line.iter().map(|p| p[channel]).collect::<Vec<_>>(), &mut bytes);
+            }
+        } else {
+            bytes.extend(line.as_flattened());
+        }
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Appends `bytes` as runs (128 + length, value) of at least 4 and literals (length, values) of at most 128.
+fn run_lengths(bytes: &[u8], out: &mut Vec<u8>) {
+    let mut rest = bytes;
+    let mut literal = 0;
+    let run_at = |at: usize, rest: &[u8]| rest[at..].iter().take(127).take_while(|&&b| b == rest[at]).count();
+    while literal < rest.len() {
+        let run = run_at(literal, rest);
+        if run < 4 && literal + run <= 128 {
+            literal += run;
+            continue;
+        }
+        if literal > 0 {
+            out.push(literal as u8);
+            out.extend(&rest[..literal]);
+        }
+        rest = &rest[literal..];
+        literal = 0;
+        if run >= 4 {
+            out.extend([128 + run as u8, rest[0]]);
+            rest = &rest[run..];
+        }
+    }
+    if literal > 0 {
+        out.push(literal as u8);
+        out.extend(rest);
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::{Image, Metadata};
     use super::*;
-    use crate::raster::Image;
+    use crate::math::Rgb;
+    use std::path::Path;
+
+    fn round_trip(image: &Image) -> Image {
+        let mut bytes = Vec::new();
+        encode(image, &Metadata::default().with("note", "two\nlines"), &mut bytes).unwrap();
+        decode(Path::new("a.hdr"), &bytes).unwrap().image
+    }
+
+    #[test]
+    fn mantissas_are_rounded() {
+        // Widths on both sides of the run length limits, with runs, literals and values of every size.
+        for width in [1, 7, 8, 200, 40_000] {
+            let image = Image::from_fn(width, 2, |x, y| {
+                let v = (1.0 + (x * x % 997) as f32 / 100.0) * ((x / 50 % 60) as f32 - 30.0).exp2();
+                Rgb::new(v, v * 0.37, if y == 0 { 0.0 } else { 0.011 * v })
+            });
+            for (a, b) in image.pixels().iter().zip(round_trip(&image).pixels()) {
+                let bound = a.max_element() / 256.0;
+                assert!((*a - *b).abs().max_element() <= bound * 1.000_001, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn rounding_is_unbiased() {
+        let image = Image::from_fn(1000, 10, |x, y| {
+            let i = (1000 * y + x) as f32;
+            Rgb::new(1.0 + i / 10_000.0, 0.2 + i / 70_000.0, 0.1)
+        });
+        let c = crate::raster::compare(&round_trip(&image), &image).unwrap();
+        assert!((c.mean_a / c.mean_b - 1.0).abs() < 1e-3, "{} {}", c.mean_a, c.mean_b);
+    }
+
+    #[test]
+    fn the_ends_of_the_range() {
+        let largest = (255.0 / 256.0 * 127.0_f64.exp2()) as f32;
+        for (value, expected) in [
+            (1.0, 1.0),
+            (255.6, 256.0),
+            (-1.0, 0.0),
+            (f32::NAN, 0.0),
+            (f32::INFINITY, largest),
+            (f32::MAX, largest),
+            (1e-45, 0.0),
+            (2.0_f32.powi(-128), 2.0_f32.powi(-128)),
+        ] {
+            let image = Image::new(1, 1).map(|_| Rgb::splat(value));
+            assert_eq!(round_trip(&image).get(0, 0), Rgb::splat(expected), "{value}");
+        }
+    }
 
     fn parse(bytes: &[u8]) -> Result<Image> {
         decode(Path::new("a.hdr"), bytes).map(|decoded| decoded.image)
@@ -306,5 +415,20 @@ mod tests {
             let error = parse(&file(header, data)).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }
+    }
+
+    #[test]
+    fn runs_of_four_and_more_are_packed() {
+        let packed = |bytes: &[u8]| {
+            let mut out = Vec::new();
+            run_lengths(bytes, &mut out);
+            out
+        };
+        assert_eq!(packed(&[5; 4]), [132, 5]);
+        assert_eq!(packed(&[5, 5, 5, 6]), [4, 5, 5, 5, 6]);
+        assert_eq!(packed(&[1, 2, 7, 7, 7, 7, 7, 3]), [2, 1, 2, 133, 7, 1, 3]);
+        assert_eq!(packed(&[9; 130]), [255, 9, 3, 9, 9, 9], "a run holds 127 at most");
+        let ramp: Vec<u8> = (0..200).collect();
+        assert_eq!(packed(&ramp), [&[128], &ramp[..128], &[72], &ramp[128..]].concat(), "a literal holds 128 at most");
     }
 }
