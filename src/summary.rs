@@ -40,7 +40,7 @@ impl Summary for Tested {
 /// A run of tests: a row for each.
 impl Summary for Validation {
     fn text(&self) -> String {
-        view::validation_text::text(self)
+        view::validation::text(self)
     }
 
     fn svg(&self) -> Option<String> {

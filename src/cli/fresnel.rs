@@ -12,8 +12,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::optics::media::{self, Medium};
 use etalon_core::optics::{D_LINE_NM, metals};
 use etalon_figures::output;
-use etalon_figures::view::media::{CURVES, Curve};
-use etalon_figures::view::{fresnel as view, media as media_view, special_angles as angles_view};
+use etalon_figures::view::fresnel::{self as view, CURVES, Curve};
 use serde::Serialize;
 
 /// Plot the reflectance of dielectrics and metals over the angle of incidence
@@ -141,7 +140,7 @@ impl Fresnel {
         console: &Console,
     ) -> Result<Verdict> {
         let curves = study::curves(self.eta_i, interfaces, self.points, self.model)?;
-        let drawing = media_view::drawing(&curves, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
+        let drawing = view::of_media(&curves, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
         let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
         let target = global.target();
         let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
@@ -171,7 +170,7 @@ impl Fresnel {
         let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
         let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &angles_view::drawing(&angles), &output::csv(&rows)?)?);
+        let written = target.written(output::write(&stem, &view::of_special_angles(&angles), &output::csv(&rows)?)?);
         console.saved(&angles, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             Table::of(&angles.media)

@@ -13,7 +13,7 @@ use etalon_core::error::Result;
 use etalon_core::files;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
-use etalon_figures::view::{validation as view, validation_cells as cells, validation_text};
+use etalon_figures::view::{validation as view, validation_cells as cells};
 use etalon_stats::{Protocol, SampleCount};
 use external::{SampleSource, Subject};
 use std::collections::BTreeMap;
@@ -115,7 +115,7 @@ impl Validate {
         }
         saving.add(self.reports.write(&checks(&validation)));
         let (files, saved) = saving.end();
-        console.saved(&validation, &target.written(files), || validation_text::text(&validation));
+        console.saved(&validation, &target.written(files), || view::text(&validation));
         saved?;
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
@@ -175,7 +175,7 @@ fn checks(validation: &Validation) -> Checks {
             group: group.into(),
             name: own.into(),
             verdict: Some(outcome.verdict),
-            message: validation_text::found(outcome),
+            message: view::found(outcome),
             details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { outcome.to_string() },
             seconds: Some(outcome.seconds),
         }

@@ -9,9 +9,8 @@ use etalon_core::error::Result;
 use etalon_core::files;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
-use etalon_figures::view::planted as view;
 use etalon_figures::view::text::{counted, wrapped};
-use etalon_figures::view::validation_text::{found, p_value};
+use etalon_figures::view::validation::{self as view, found, p_text};
 use etalon_stats::Protocol;
 
 pub use planted::all;
@@ -33,7 +32,7 @@ pub fn run(
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     let mut saving = Saving::default();
-    saving.add(files::write_bytes(&path, &output::csv(&view::rows(&findings))?).map(|()| vec![path]));
+    saving.add(files::write_bytes(&path, &output::csv(&view::planted_rows(&findings))?).map(|()| vec![path]));
     saving.add(reports.write(&checks(&findings)));
     let (files, saved) = saving.end();
     console.saved(&findings, &target.written(files), || text(&findings, explain));
@@ -92,7 +91,7 @@ fn text(findings: &Findings, explain: bool) -> String {
         .words("planted fault", |test| test.name)
         .words("verdict", |test| test.outcome.verdict)
         .words("by", |test| test.by.map_or("-", By::name))
-        .numbers("p", |test| p_value(test.outcome.p))
+        .numbers("p", |test| p_text(test.outcome.p))
         .numbers("samples", |test| test.outcome.samples)
         .numbers("error", |test| test.error.map_or("-".into(), |error| format!("{:.1} %", 100.0 * error)))
         .words("without it", |test| test.sound)

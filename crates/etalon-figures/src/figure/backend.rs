@@ -4,17 +4,18 @@
 //! width; lengths given to plotters (stroke widths, radii, font sizes) are multiplied alike. Text may carry the markup of
 //! [`super::text`].
 
+use super::axis::Ticks;
 use super::drawing::Drawing;
 use super::frame::Sides;
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::text;
-use super::ticks::Ticks;
 use plotters::coord::ranged1d::{KeyPointHint, KeyPointWeight, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::{Cartesian2d, ChartBuilder, ChartContext, IntoDrawingArea};
 use plotters::style::{RGBAColor, ShapeStyle};
 use plotters_backend::text_anchor::{HPos, Pos, VPos};
-use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle};
-use plotters_backend::{DrawingBackend, DrawingErrorKind, FontTransform};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind, FontTransform,
+};
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -180,8 +181,8 @@ impl ValueFormatter<f64> for &Ticks {
 
 #[cfg(test)]
 mod tests {
+    use super::super::axis::Tick;
     use super::super::drawing::Item;
-    use super::super::ticks::Tick;
     use super::*;
     use plotters::prelude::{Circle, IntoFont, PathElement};
 

@@ -1,14 +1,11 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
-use super::colour_bar;
 use super::drawing::Drawing;
 use super::frame::{self, Axes, Sides};
-use super::legend::Legend;
-use super::occupancy::Occupancy;
+use super::legend::{Legend, Occupancy};
 use super::panel::{Mark, Panel};
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
-use super::text;
-use super::theme;
+use super::{heatmap, text, theme};
 
 /// Distance of labels from curves and from each other.
 pub(super) const CLEAR: f64 = 3.0;
@@ -46,7 +43,7 @@ impl Chart {
             Some(map) => {
                 sketch.drawing.image(sketch.axes.frame, map.image());
                 if has_own.bar {
-                    room = colour_bar::beside(&mut sketch.drawing, map, &sketch.axes.frame);
+                    room = heatmap::beside(&mut sketch.drawing, map, &sketch.axes.frame);
                 }
             }
             None => sketch.axes.grid(&mut sketch.drawing),

@@ -1,13 +1,11 @@
 //! The frame of a panel: grid, ticks with their labels and axis titles, drawn by plotters; the panel's title.
 
-use super::axis::Span;
+use super::axis::{Span, Tick, Ticks};
 use super::backend::{Canvas, NEVER, PlottersChart, pixels, style};
 use super::drawing::Drawing;
 use super::panel::Panel;
 use super::shapes::{Anchor, Level, Paint, Point, Rect, Stroke, Text};
-use super::text;
-use super::theme;
-use super::ticks::{Tick, Ticks};
+use super::{text, theme};
 use plotters::chart::LabelAreaPosition;
 use plotters::prelude::{EmptyElement, IntoFont, PathElement};
 use plotters::style::{TRANSPARENT, TextStyle};
@@ -177,7 +175,7 @@ pub(super) fn draw_factor(drawing: &mut Drawing, ticks: &Ticks, at: Point, held:
     if ticks.exponent == 0 {
         return 0.0;
     }
-    let markup = format!("×10^{{{}}}", super::ticks::number(f64::from(ticks.exponent), 0));
+    let markup = format!("×10^{{{}}}", super::axis::number(f64::from(ticks.exponent), 0));
     let text = Text::new(at, theme::TICK_SIZE, markup).held(held.0, held.1);
     let width = text.width();
     drawing.text(text);

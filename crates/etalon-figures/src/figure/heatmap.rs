@@ -1,10 +1,12 @@
-//! Heat maps: a grid of values as colours.
+//! Heat maps: a grid of values as colours; their scales of equal steps to the eye, one from dark to light, one with a neutral
+//! middle; the bar that shows which colour stands for which value, beside one map, or below several of the same scale.
 
-use super::axis::{Axis, Span};
-use super::colourmap;
+use super::axis::{Axis, Span, Ticks};
+use super::drawing::Drawing;
+use super::frame::{self, Sides};
 use super::rgb8::Rgb8;
-use super::shapes::Colour;
-use super::theme;
+use super::shapes::{Anchor, Colour, Level, Rect};
+use super::{text, theme};
 
 /// How values become colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,8 +75,8 @@ impl Heatmap {
     pub(super) fn colour(&self, position: f64) -> [u8; 3] {
         let Colour { r, g, b, .. } = match self.shading {
             _ if position.is_nan() => theme::NO_VALUE,
-            Shading::Diverging => colourmap::diverging(2.0 * position - 1.0),
-            Shading::Linear | Shading::Log10 => colourmap::sequential(position),
+            Shading::Diverging => diverging(2.0 * position - 1.0),
+            Shading::Linear | Shading::Log10 => sequential(position),
         };
         [r, g, b]
     }
@@ -89,16 +91,103 @@ impl Heatmap {
     }
 }
 
+/// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
+/// takes the dark one.
+pub fn sequential(t: f64) -> Colour {
+    let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
+    let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
+    oklch(0.25 + 0.67 * t, chroma, 310.0 - 205.0 * t)
+}
+
+/// Diverging scale: `t` from −1 (blue) over 0 (nearly white) to 1 (red), equally dark at both ends. Outside values take
+/// the nearest end, NaN takes the middle.
+pub fn diverging(t: f64) -> Colour {
+    let t = if t.is_nan() { 0.0 } else { t.clamp(-1.0, 1.0) };
+    oklch(0.96 - 0.5 * t.abs(), 0.15 * t.abs(), if t < 0.0 { 255.0 } else { 30.0 })
+}
+
+/// Oklab in polar form to sRGB; hue in degrees.
+fn oklch(lightness: f64, chroma: f64, hue: f64) -> Colour {
+    let byte = |v: f64| (encode(v) * 255.0).round() as u8;
+    let [r, g, b] = linear_rgb(lightness, chroma, hue);
+    Colour::rgb(byte(r), byte(g), byte(b))
+}
+
+fn linear_rgb(lightness: f64, chroma: f64, hue: f64) -> [f64; 3] {
+    let (sin, cos) = hue.to_radians().sin_cos();
+    let (a, b) = (chroma * cos, chroma * sin);
+    // Oklab to cone responses, their cubes to linear sRGB
+    let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);
+    [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ]
+}
+
+/// The sRGB transfer curve.
+fn encode(linear: f64) -> f64 {
+    let v = linear.clamp(0.0, 1.0);
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Width of the bar, and its distance from the frame.
+const WIDTH: f64 = 13.0;
+const GAP: f64 = 12.0;
+const STEPS: usize = 256;
+
+/// Draws the bar of `map` to the right of `frame`; returns the room needed outside the frame.
+pub(super) fn beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Sides {
+    let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
+    let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
+    drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));
+    let ticks = map.axis().ticks(&map.span(), frame::most_rows(bar.height));
+    let right = frame::beside_ticks(&ticks) + frame::title_height(&map.label);
+    let room = Sides { right, ..Sides::default() };
+    frame::draw_axes(drawing, bar, room, [&Ticks::default(), &ticks], ["", &map.label]);
+    let above = [bar.centre()[0], bar.y - frame::FACTOR_GAP];
+    frame::draw_factor(drawing, &ticks, above, (Anchor::Middle, Level::Baseline));
+    Sides { left: 0.0, right: GAP + WIDTH + right, top: frame::factor_height(&ticks), bottom: 0.0 }
+}
+
+/// Space around a bar that lies.
+const EDGE: f64 = 10.0;
+/// Width kept right of the bar for the factor that all its labels share.
+const FACTOR: f64 = 50.0;
+
+impl Heatmap {
+    /// The colour bar alone, lying, `length` long (at least 60), with its ticks and its label below.
+    pub fn bar(&self, length: f64) -> Drawing {
+        let length = length.max(60.0);
+        let label = text::width(&self.label, theme::LABEL_SIZE, false);
+        let width = (length + 2.0 * FACTOR).max(label + 2.0 * EDGE).ceil();
+        let bar = Rect::new(0.5 * (width - length), EDGE, length, WIDTH);
+        let mut drawing = Drawing::new(width, 0.0, 2.0);
+        let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
+        drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
+        let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
+        let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
+        let room = Sides { bottom, ..Sides::default() };
+        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [&self.label, ""]);
+        let after = [bar.right() + 6.0, bar.centre()[1]];
+        frame::draw_factor(&mut drawing, &ticks, after, (Anchor::Start, Level::Middle));
+        drawing.height = (bar.bottom() + bottom + EDGE).ceil();
+        drawing
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::drawing::Item;
     use super::*;
 
     #[test]
     fn values_and_gaps_have_their_colours() {
         let map = Heatmap::new(2, vec![0.0, 1.0, f64::NAN, 0.5], Shading::Linear, "p");
         let image = map.image();
-        let colours =
-            [colourmap::sequential(0.0), colourmap::sequential(1.0), theme::NO_VALUE, colourmap::sequential(0.5)];
+        let colours = [sequential(0.0), sequential(1.0), theme::NO_VALUE, sequential(0.5)];
         let bytes: Vec<u8> = colours.iter().flat_map(|c| [c.r, c.g, c.b]).collect();
         assert_eq!((image.width(), image.height(), image.pixels().as_raw()), (2, 2, &bytes));
     }
@@ -106,7 +195,7 @@ mod tests {
     #[test]
     fn a_diverging_map_is_neutral_at_zero() {
         let map = Heatmap::new(3, vec![-1.0, 0.0, 4.0], Shading::Diverging, "");
-        let Colour { r, g, b, .. } = colourmap::diverging(0.0);
+        let Colour { r, g, b, .. } = diverging(0.0);
         assert_eq!(map.colour(map.span().position(0.0)), [r, g, b]);
         assert_eq!((map.span().lo(), map.span().hi()), (-4.0, 4.0));
     }
@@ -120,5 +209,64 @@ mod tests {
                 assert_eq!((map(2).width(), map(2).height()), (2, values.len().div_ceil(2).max(1)));
             }
         }
+    }
+
+    /// CIE lightness, 0 to 100.
+    fn lightness(c: Colour) -> f64 {
+        let linear = |v: u8| {
+            let v = f64::from(v) / 255.0;
+            if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        };
+        let y = 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
+        116.0 * y.cbrt() - 16.0
+    }
+
+    #[test]
+    fn lightness_follows_the_scale() {
+        let steps: Vec<f64> = (0..=10).map(|i| f64::from(i) / 10.0).collect();
+        for pair in steps.windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(|t| lightness(sequential(t)));
+            assert!((5.0..11.0).contains(&(to - from)), "{pair:?}: {from} to {to}");
+        }
+        for t in steps {
+            assert!((lightness(diverging(t)) - lightness(diverging(-t))).abs() < 5.0, "{t}");
+        }
+        assert!(lightness(diverging(0.0)) > 94.0);
+    }
+
+    #[test]
+    fn both_scales_stay_inside_srgb() {
+        for t in (0..=200).map(|i| f64::from(i) / 200.0) {
+            let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);
+            let [dark, light] = [(0.25 + 0.67 * t, chroma, 310.0 - 205.0 * t), (0.96 - 0.5 * t, 0.15 * t, 255.0)];
+            for (lightness, chroma, hue) in [dark, light, (light.0, light.1, 30.0)] {
+                let colour = linear_rgb(lightness, chroma, hue);
+                assert!(colour.iter().all(|v| (-1e-3..=1.001).contains(v)), "{t}: {colour:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_that_are_off_the_scale_take_an_end() {
+        assert_eq!([-3.0, f64::NAN].map(sequential), [sequential(0.0); 2]);
+        assert_eq!(sequential(f64::INFINITY), sequential(1.0));
+        assert_eq!(diverging(f64::NEG_INFINITY), diverging(-1.0));
+    }
+
+    #[test]
+    fn a_lying_bar_runs_from_the_least_value_to_the_largest() {
+        let map = Heatmap::new(1, vec![-1.0, 4.0], Shading::Diverging, "relative error");
+        let bar = map.bar(300.0);
+        let image =
+            bar.items.iter().find_map(|item| if let Item::Image { image, .. } = item { Some(image) } else { None });
+        let image = image.unwrap();
+        assert_eq!(image.pixel(0, 0), map.colour(0.5 / STEPS as f64));
+        assert_eq!(image.pixel(STEPS - 1, 0), map.colour(1.0 - 0.5 / STEPS as f64));
+        let labels: Vec<&str> = bar
+            .items
+            .iter()
+            .filter_map(|i| if let Item::Text(t) = i { Some(t.markup.as_str()) } else { None })
+            .collect();
+        assert_eq!(labels, ["relative error", "−4", "−2", "0", "2", "4"]);
     }
 }

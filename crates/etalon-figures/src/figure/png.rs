@@ -1,8 +1,7 @@
 //! A drawing as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
 
 use super::drawing::{Drawing, Item};
-use super::palette::palette;
-use super::rgb8::Rgb8;
+use super::rgb8::{Rgb8, palette};
 use super::shapes::{Colour, Paint, Rect, Text};
 use super::text;
 use etalon_core::error::{Error, Result};

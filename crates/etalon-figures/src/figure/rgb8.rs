@@ -1,7 +1,9 @@
-//! An 8-bit image and its PNG file, which figures embed.
+//! 8-bit images: their PNG files, which figures embed, and images of at most 256 colours, whose PNG files are a third as large: for
+//! figures that a repository keeps.
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 /// An 8-bit RGB image (sRGB, row 0 at the top). Copies share its pixels, and its PNG file, which takes most of the time of
@@ -64,6 +66,80 @@ impl PartialEq for Rgb8 {
     }
 }
 
+/// Most colours of a PNG file with a palette.
+const MOST: usize = 256;
+
+/// A set of colours, each with its number of pixels.
+struct Group {
+    colours: Vec<([u8; 3], u32)>,
+    mean: [f64; 3],
+    /// Sum of the squared distances from the mean along each axis.
+    spread: [f64; 3],
+}
+
+impl Group {
+    fn new(colours: Vec<([u8; 3], u32)>) -> Self {
+        let (mut count, mut sum, mut squares) = (0.0, [0.0; 3], [0.0; 3]);
+        for (colour, n) in &colours {
+            let n = f64::from(*n);
+            count += n;
+            for c in 0..3 {
+                let value = f64::from(colour[c]);
+                sum[c] += n * value;
+                squares[c] += n * value * value;
+            }
+        }
+        let mean = sum.map(|sum| sum / count);
+        let spread = std::array::from_fn(|c| squares[c] - sum[c] * mean[c]);
+        Self { colours, mean, spread }
+    }
+
+    /// The axis of the largest spread, and that.
+    fn widest(&self) -> (usize, f64) {
+        (0..3).map(|c| (c, self.spread[c])).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+    }
+
+    /// Both sides of the mean along the axis of the largest spread.
+    fn halves(self) -> [Self; 2] {
+        let (axis, _) = self.widest();
+        let mean = self.mean[axis];
+        let (low, high) = self.colours.into_iter().partition(|(colour, _)| f64::from(colour[axis]) <= mean);
+        [Self::new(low), Self::new(high)]
+    }
+
+    /// The colour of most of its pixels if there is one, as the background or a line has, else the mean.
+    fn colour(&self) -> [u8; 3] {
+        let count: u32 = self.colours.iter().map(|(_, n)| n).sum();
+        let most = self.colours.iter().find(|(_, n)| 2 * n > count);
+        most.map_or(self.mean.map(|mean| mean.round() as u8), |(colour, _)| *colour)
+    }
+}
+
+/// At most 256 colours for an image, and the number of the colour of each pixel. An image of that few colours keeps them.
+///
+/// A group of colours is cut at its mean along the axis of the largest variance, the group with the largest first (Wan, Wong and
+/// Prusinkiewicz 1988).
+pub fn palette(image: &Rgb8) -> (Vec<[u8; 3]>, Vec<u8>) {
+    let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
+    image.pixels().pixels().for_each(|pixel| *counts.entry(pixel.0).or_default() += 1);
+    let mut colours: Vec<([u8; 3], u32)> = counts.into_iter().collect();
+    // In one order, so that a picture always has the same file
+    colours.sort_unstable();
+    let mut groups = vec![Group::new(colours)];
+    while groups.len() < MOST {
+        let spreads = groups.iter().enumerate().filter(|(_, group)| group.colours.len() > 1);
+        let Some((widest, _)) = spreads.max_by(|a, b| a.1.widest().1.total_cmp(&b.1.widest().1)) else { break };
+        let halves = groups.swap_remove(widest).halves();
+        groups.extend(halves);
+    }
+    let place: HashMap<[u8; 3], u8> = groups
+        .iter()
+        .enumerate()
+        .flat_map(|(i, group)| group.colours.iter().map(move |(colour, _)| (*colour, i as u8)))
+        .collect();
+    (groups.iter().map(Group::colour).collect(), image.pixels().pixels().map(|pixel| place[&pixel.0]).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,5 +154,22 @@ mod tests {
         assert!(first.png() == other.png() && copy == image());
         assert_ne!(first, Rgb8::from_fn(31, 17, |_, _| [0; 3]));
         assert_ne!(Rgb8::new(2, 1, vec![7; 6]), Rgb8::new(1, 2, vec![7; 6]));
+    }
+
+    #[test]
+    fn few_colours_are_kept_and_many_are_near() {
+        let few = Rgb8::from_fn(40, 20, |x, y| [(x % 16) as u8, (y % 16) as u8, 7]);
+        let (colours, places) = palette(&few);
+        assert_eq!(colours.len(), 256);
+        assert!(places.iter().zip(few.pixels().pixels()).all(|(place, pixel)| colours[usize::from(*place)] == pixel.0));
+        // A ramp of 65536 colours beside a white half: the white stays white
+        let many = Rgb8::from_fn(512, 256, |x, y| if x < 256 { [x as u8, y as u8, 100] } else { [255; 3] });
+        let (colours, places) = palette(&many);
+        assert_eq!(colours.len(), 256);
+        for (place, pixel) in places.iter().zip(many.pixels().pixels()) {
+            let near = colours[usize::from(*place)].iter().zip(pixel.0).all(|(a, b)| a.abs_diff(b) <= 16);
+            assert!(near && (pixel.0 != [255; 3] || colours[usize::from(*place)] == [255; 3]), "{pixel:?}");
+        }
+        assert_eq!(palette(&Rgb8::new(1, 1, vec![1, 2, 3])), (vec![[1, 2, 3]], vec![0]));
     }
 }

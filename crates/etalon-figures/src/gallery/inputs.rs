@@ -1,5 +1,9 @@
 //! The inputs of a run of the gallery: the map, the scenes or the second report's own files of them, the seed and the effort.
+//!
+//! Results of studies that several figures show are computed once per run, when they are first needed.
 
+use crate::view::map::{Display, Look};
+use etalon_core::envmap::info::Info;
 use etalon_core::envmap::{Grace, NamedMap};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
@@ -10,7 +14,10 @@ use etalon_render::Settings;
 use etalon_stats::{Protocol, SampleCount};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
 
 /// How much work the figures take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,10 +197,36 @@ impl Originals {
     }
 }
 
+/// The results so far, by type and name.
+#[derive(Default)]
+pub struct Studies(HashMap<(TypeId, String), Rc<dyn Any>>);
+
+impl Studies {
+    /// The result called `name`, computed by `run` if it is not yet known. Names distinguish results of one type.
+    pub fn get<T: 'static>(&mut self, name: impl Into<String>, run: impl FnOnce() -> Result<T>) -> Result<Rc<T>> {
+        let key = (TypeId::of::<T>(), name.into());
+        if let Some(Ok(known)) = self.0.get(&key).map(|known| known.clone().downcast()) {
+            return Ok(known);
+        }
+        let result = Rc::new(run()?);
+        self.0.insert(key, result.clone());
+        Ok(result)
+    }
+
+    pub fn map_info(&mut self, inputs: &Inputs) -> Result<Rc<Info>> {
+        self.get("map", || Ok(Info::of(&inputs.map.map)))
+    }
+
+    /// The run's environment map, tone-mapped to draw on.
+    pub fn map_display(&mut self, inputs: &Inputs) -> Result<Rc<Display>> {
+        self.get("map", || Ok(Display::new(&inputs.map.map, Look::default())))
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::tests::inputs;
     use super::*;
-    use crate::gallery::tests::inputs;
 
     #[test]
     fn quick_renders_are_smaller() {
@@ -212,5 +245,18 @@ mod tests {
         for (name, checksum) in CHECKSUMS {
             assert!(text.contains(&format!("{checksum}  {name}\n")), "{name}");
         }
+    }
+
+    #[test]
+    fn a_study_runs_once_for_each_name() {
+        let (mut studies, mut runs) = (Studies::default(), 0);
+        let results = [3, 4, 3, 3].map(|n: u32| {
+            let square = studies.get(n.to_string(), || {
+                runs += 1;
+                Ok(n * n)
+            });
+            *square.unwrap()
+        });
+        assert_eq!((results, runs), ([9, 16, 9, 9], 2));
     }
 }

@@ -10,7 +10,6 @@ mod inputs;
 pub mod page;
 mod prelude;
 mod reproduce;
-mod studies;
 
 pub use check::{Check, skipped};
 pub use figure::FORMATS;

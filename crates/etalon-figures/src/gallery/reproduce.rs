@@ -3,15 +3,13 @@
 use super::check::Check;
 use super::figure::{Claim, Content, Erratum, Figure, Printed};
 use super::figures::{self, registry};
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Studies};
 use super::page::{self, Record, Records, Setup};
-use super::studies::Studies;
 use crate::figure::Drawing;
 use crate::output;
 use etalon_core::error::{Error, Result};
-use etalon_core::files;
-use etalon_core::interrupt;
 use etalon_core::raster::{self, Metadata, WriteOptions};
+use etalon_core::{files, interrupt};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

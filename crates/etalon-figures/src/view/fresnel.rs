@@ -1,7 +1,10 @@
-//! Drawings of reflectance curves.
+//! Drawings of reflectance curves: of one interface; of several media in one panel, with Schlick's error beside it; of Brewster's
+//! angle and the critical angle over the index of refraction, and of those of named media.
 
 use super::text::capitalized;
-use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
+use etalon_bench::media::{MediaCurves, MediumRow};
+use etalon_bench::special_angles::{AngleCurves, AnglesRow};
 use etalon_bench::{fresnel, metal};
 
 pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {
@@ -130,4 +133,176 @@ fn errors(curves: &metal::ConductorCurves) -> Panel {
             .line(format!("Schlick {name}"), stroke(colour, theme::DASHED), of(|r| r.r_schlick));
     }
     panel
+}
+
+/// A curve that can be shown for each medium.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Curve {
+    Unpolarized,
+    Parallel,
+    Perpendicular,
+    Transmittance,
+    Schlick,
+    /// Schlick − exact, in a panel of its own.
+    Error,
+}
+
+/// All curves, with their names and what they are.
+pub const CURVES: [(&str, &str, Curve); 6] = [
+    ("unpolarized", "Reflectance of unpolarized light", Curve::Unpolarized),
+    ("parallel", "Reflectance of parallel polarization", Curve::Parallel),
+    ("perpendicular", "Reflectance of perpendicular polarization", Curve::Perpendicular),
+    ("transmittance", "1 − R: refracted by a dielectric, absorbed by a metal", Curve::Transmittance),
+    ("schlick", "Schlick's approximation of unpolarized light", Curve::Schlick),
+    ("error", "Schlick − exact, in a panel of its own", Curve::Error),
+];
+
+impl Curve {
+    fn value(self, row: &MediumRow) -> f64 {
+        match self {
+            Self::Unpolarized => row.r_unpolarized,
+            Self::Parallel => row.r_parallel,
+            Self::Perpendicular => row.r_perpendicular,
+            Self::Transmittance => row.transmittance,
+            Self::Schlick => row.r_schlick,
+            Self::Error => row.r_schlick - row.r_unpolarized,
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Unpolarized => "/{R}",
+            Self::Parallel => "/{R}_{∥}",
+            Self::Perpendicular => "/{R}_{⊥}",
+            Self::Transmittance => "1 − /{R}",
+            Self::Schlick => "Schlick",
+            Self::Error => "Schlick − exact",
+        }
+    }
+
+    fn dash(self) -> &'static [f64] {
+        match self {
+            Self::Unpolarized | Self::Error => theme::SOLID,
+            Self::Parallel => theme::DASHED,
+            Self::Perpendicular => theme::DOTTED,
+            Self::Transmittance => theme::DASH_DOT,
+            Self::Schlick => theme::LONG_DASH,
+        }
+    }
+
+    /// The colour where there is one medium, whose curves differ by colour, too.
+    fn colour(self) -> Colour {
+        match self {
+            Self::Unpolarized => theme::UNPOLARIZED,
+            Self::Parallel => theme::R_PARALLEL,
+            Self::Perpendicular => theme::R_PERPENDICULAR,
+            Self::Transmittance => theme::TRANSMITTANCE,
+            Self::Schlick | Self::Error => theme::SCHLICK,
+        }
+    }
+}
+
+/// The curves `show` of all media: the colour tells the medium, the dash pattern the curve.
+pub fn of_media(curves: &MediaCurves, show: &[Curve]) -> Drawing {
+    let shares: Vec<Curve> = show.iter().copied().filter(|curve| *curve != Curve::Error).collect();
+    let mut panels = Vec::new();
+    let side = match &*curves.media {
+        [only] => format!("From /{{η}} = {} into {}", curves.eta_i, only.name),
+        _ => format!("Light from /{{η}} = {}", curves.eta_i),
+    };
+    if let [only] = *shares {
+        let axis = Axis::linear(axis_name(only)).range(0.0, 1.0);
+        panels.push(panel(curves, &shares, axis).title(side.clone()));
+    } else if !shares.is_empty() {
+        panels.push(panel(curves, &shares, Axis::linear("share of the power").range(0.0, 1.0)).title(side.clone()));
+    }
+    if show.contains(&Curve::Error) {
+        let title = if shares.is_empty() { side } else { "Schlick's error".to_owned() };
+        let axis = Axis::linear(axis_name(Curve::Error));
+        panels.push(panel(curves, &[Curve::Error], axis).title(title).horizontal(0.0, ""));
+    }
+    Plot::new(panels).frame_size(420.0, 320.0).draw()
+}
+
+fn axis_name(only: Curve) -> &'static str {
+    match only {
+        Curve::Unpolarized => "reflectance of unpolarized light",
+        Curve::Parallel => "reflectance of parallel polarization",
+        Curve::Perpendicular => "reflectance of perpendicular polarization",
+        Curve::Transmittance => "1 − reflectance of unpolarized light",
+        Curve::Schlick => "reflectance by Schlick's approximation",
+        Curve::Error => "Schlick − exact, of unpolarized light",
+    }
+}
+
+fn panel(curves: &MediaCurves, show: &[Curve], y: Axis) -> Panel {
+    let mut panel = Panel::new(angle_axis(), y);
+    for (i, medium) in curves.media.iter().enumerate() {
+        for curve in show {
+            let label = match (curves.media.len(), show.len()) {
+                (_, 1) => medium.name.clone(),
+                (1, _) => curve.label().to_owned(),
+                _ => format!("{}, {}", medium.name, curve.label()),
+            };
+            let colour = if curves.media.len() == 1 { curve.colour() } else { theme::series(i).colour };
+            let points: Vec<Point> = medium.rows.iter().map(|r| [r.theta_deg, curve.value(r)]).collect();
+            panel = panel.line(label, stroke(colour, curve.dash()), points);
+        }
+    }
+    panel
+}
+
+/// An angle: its label, its place in the rows, and how it is drawn.
+struct Angle {
+    label: String,
+    of: fn(&AnglesRow) -> Option<f64>,
+    colour: Colour,
+    dash: &'static [f64],
+    marker: Marker,
+}
+
+/// Curves over the index beside the angles of each medium.
+pub fn of_special_angles(angles: &AngleCurves) -> Drawing {
+    let kinds = [
+        Angle {
+            label: format!("Brewster's angle /{{θ}}_{{B}}, light from /{{η}} = {}", angles.eta_i),
+            of: |row| row.brewster_deg,
+            colour: theme::BREWSTER,
+            dash: theme::SOLID,
+            marker: Marker::Disc,
+        },
+        Angle {
+            label: "Brewster's angle, light from the medium".into(),
+            of: |row| row.brewster_reverse_deg,
+            colour: theme::BREWSTER,
+            dash: theme::DASHED,
+            marker: Marker::Square,
+        },
+        Angle {
+            label: "critical angle /{θ}_{c}, light from the denser side".into(),
+            of: |row| row.critical_deg,
+            colour: theme::CRITICAL,
+            dash: theme::SOLID,
+            marker: Marker::Diamond,
+        },
+    ];
+    let degrees = |label| Axis::linear(label).range(0.0, 90.0).every(15.0);
+    let mut curves = Panel::new(Axis::linear("index of refraction /{η} of the medium"), degrees("angle (degrees)"))
+        .title("Over the index of refraction");
+    let names = angles.media.iter().map(|row| match row.medium.strip_prefix("η = ") {
+        Some(_) => format!("/{{η}} = {}", row.eta_t),
+        None => format!("{} ({:.3})", row.medium, row.eta_t),
+    });
+    let mut media = Panel::new(degrees("angle (degrees)"), Axis::named("", names.collect::<Vec<_>>()))
+        .title("Of some media (index at 587.56 nm)");
+    for Angle { label, of, colour, dash, marker } in kinds {
+        let at = |row: &AnglesRow| of(row).unwrap_or(f64::NAN);
+        let line: Vec<Point> = angles.curves.iter().map(|row| [row.eta_t, at(row)]).collect();
+        let marked: Vec<Point> = angles.media.iter().map(|row| [row.eta_t, at(row)]).collect();
+        let named: Vec<Point> = angles.media.iter().enumerate().map(|(i, row)| [at(row), i as f64 + 0.5]).collect();
+        let stroke = Stroke { colour, width: theme::BOLD, dash };
+        curves = curves.line(label.clone(), stroke, line).markers(label, theme::INK, marker, marked);
+        media = media.markers("", colour, marker, named);
+    }
+    Plot::new(if angles.media.is_empty() { vec![curves] } else { vec![curves, media] }).frame_size(400.0, 320.0).draw()
 }

@@ -1,4 +1,5 @@
-//! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`.
+//! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`; and what the default chooses on scenes
+//! of different kinds, beside what the alternatives cost: `choice`.
 
 use crate::gallery::prelude::*;
 use crate::view::converge as view;
@@ -49,7 +50,11 @@ pub fn sphere_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Conver
 }
 
 pub fn figures() -> Vec<Maker> {
-    vec![maker("error-time-sphere", sphere_content), maker("error-time-cornell", cornell_content)]
+    vec![
+        maker("error-time-sphere", sphere_content),
+        maker("error-time-cornell", cornell_content),
+        maker("choice", choice),
+    ]
 }
 
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
@@ -142,4 +147,38 @@ fn as_monte_carlo(curve: &Curve) -> Check {
 /// Sobol' points: the slope's interval is below −1/2.
 fn faster(curve: &Curve) -> Check {
     Check::at_most(format!("slope, upper end of its 95 % interval, {}", curve.strategy), curve.slope.high(), -0.5)
+}
+
+/// Strategies on scenes that no other figure measures.
+const UNDER_MAP: &str = "light-cosine mis mis-cosine mis-cosine-compensated mis-cosine-compensated+lt default";
+const IN_BOX: &str = "light bsdf mis mis+adaptive mis+lt default";
+
+fn choice(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let map = &inputs.map;
+    let environment = Environment::upright(map.map.clone(), map.name.clone(), 1.0);
+    let scenes = [
+        ("Diffuse sphere under the map", sphere_curves(inputs, studies)?),
+        ("Brushed metal under the map", compared(inputs, studies, builtin::brushed_metal(environment), UNDER_MAP)?),
+        ("Mirror and glass in a box", cornell_curves(inputs, studies)?),
+        ("Diffuse spheres in a box", compared(inputs, studies, builtin::cornell_lambert(), IN_BOX)?),
+    ];
+    let named = |(title, result): &(&str, Rc<Convergence>)| {
+        [stopped(result), default_against_best(result)]
+            .map(|check| Check { name: format!("{title}: {}", check.name), ..check })
+    };
+    let checks = scenes.iter().flat_map(named).collect();
+    Content::new(view::costs(&scenes), &view::cost_rows(&scenes), checks)
+}
+
+/// The curves of some strategies on a scene.
+fn compared(
+    inputs: &Inputs,
+    studies: &mut Studies,
+    scene: (Scene, Request),
+    strategies: &str,
+) -> Result<Rc<Convergence>> {
+    let (scene, request) = small(inputs, scene);
+    let plan = plan(inputs, inputs.effort.of(32, 16), 4);
+    let strategies = strategies.split_whitespace().map(str::parse).collect::<Result<Vec<_>>>()?;
+    studies.get(scene.name.clone(), || measure(&scene, &request, &Contender::of(&strategies), &plan, None))
 }

@@ -5,33 +5,26 @@
 
 mod anisotropy;
 mod audit;
-mod choice;
 mod claims;
 mod depth;
-mod envmap_samples;
+mod envmap;
 mod error_depth;
 mod error_time;
 mod error_time_roughness;
 mod fresnel;
-mod fresnel_media;
-mod median_cut;
-mod median_cut_error;
 mod metals_table;
 mod multiple_scattering;
-mod planted_fault;
 mod proposal;
 mod rough_glass;
 mod roughness;
 mod sampling;
 mod scaling;
-mod special_angles;
 mod sphere;
 mod stability;
 mod validation;
 
 use super::figure::{Content, Figure};
-use super::inputs::Inputs;
-use super::studies::Studies;
+use super::inputs::{Inputs, Studies};
 use etalon_core::error::Result;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -56,26 +49,20 @@ fn makers() -> Vec<Maker> {
     let files = [
         anisotropy::figures(),
         audit::figures(),
-        choice::figures(),
         claims::figures(),
         depth::figures(),
-        envmap_samples::figures(),
+        envmap::figures(),
         error_depth::figures(),
         error_time::figures(),
         error_time_roughness::figures(),
         fresnel::figures(),
-        fresnel_media::figures(),
-        median_cut::figures(),
-        median_cut_error::figures(),
         metals_table::figures(),
         multiple_scattering::figures(),
-        planted_fault::figures(),
         proposal::figures(),
         rough_glass::figures(),
         roughness::figures(),
         sampling::figures(),
         scaling::figures(),
-        special_angles::figures(),
         sphere::figures(),
         stability::figures(),
         validation::figures(),

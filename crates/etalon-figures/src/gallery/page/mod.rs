@@ -4,7 +4,6 @@ mod article;
 mod embedded;
 mod front;
 mod record;
-mod tables;
 
 pub use record::{Record, Records, Setup, read_records, without_folder};
 
@@ -52,7 +51,7 @@ fn document(articles: &[Article<'_>], folder: &Path) -> String {
     let (style, script) = (include_str!("page.css"), include_str!("page.js"));
     let (summary, contents) = (front::summary(articles), front::contents(articles, &sections));
     let (thumbnails, footer) = (front::thumbnails(&sections), front::footer(articles));
-    let (errata, claims) = (tables::errata(articles), tables::claims(articles));
+    let (errata, claims) = (front::errata(articles), front::claims(articles));
     format!(
         r##"<!DOCTYPE html>
 <html lang="en">

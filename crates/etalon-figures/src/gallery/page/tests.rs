@@ -124,7 +124,7 @@ fn figures_are_numbered_in_the_order_in_which_they_are_read() {
 
 #[test]
 fn formulas_break_nowhere() {
-    let shown = tables::with_whole_formulas;
+    let shown = front::with_whole_formulas;
     let whole = |formula: &str| format!("<span class=\"formula\">{}</span>", escape(formula));
     assert_eq!(shown("rows of a map"), "rows of a map");
     let pdf = "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)";

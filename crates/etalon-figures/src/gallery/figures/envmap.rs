@@ -1,20 +1,76 @@
-//! Error of fixed lights in place of a map, over their number: `median-cut-error`.
+//! The environment map: importance samples of it (`envmap-samples-64`, `-256`, `-1024` and `-only-256`); its median cut
+//! (`median-cut-2`, `-4`, `-16`, `-64` and `median-cut-radiance-64`), and the error of fixed lights in place of a map, over their
+//! number (`median-cut-error`).
 
 use super::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
 use crate::view::converge::{self, with_band};
+use crate::view::map::Display;
 use etalon_bench::converge::curve::{Curve, Level};
 use etalon_bench::converge::{CUTS, Convergence, cuts};
+use etalon_bench::map_samples::{self, SampleRow};
+use etalon_bench::median_cut::{self, Centroid, RegionRow};
+use etalon_core::envmap::cut::{SideRule, Split};
+use etalon_core::envmap::samplers::TexelSampler;
+use glam::DVec3;
+
+/// Side of a marker in texels, as in the report.
+const SAMPLE_MARKER: usize = 5;
+
+pub fn figures() -> Vec<Maker> {
+    let on_the_map = |n: usize| {
+        maker(format!("envmap-samples-{n}"), move |inputs, studies| samples(inputs, studies, n, Display::samples))
+    };
+    let alone =
+        maker("envmap-samples-only-256", |inputs, studies| samples(inputs, studies, 256, Display::samples_only));
+    let partition =
+        |n: usize| maker(format!("median-cut-{n}"), move |inputs, studies| cut(inputs, studies, n, Display::partition));
+    let radiance = maker("median-cut-radiance-64", |inputs, studies| {
+        cut(inputs, studies, 64, |display, rows| display.lights(rows, LIGHT_MARKER))
+    });
+    let samples = [64, 256, 1024].map(on_the_map).into_iter().chain([alone]);
+    let cuts = [2, 4, 16, 64].map(partition).into_iter().chain([radiance, maker("median-cut-error", error_of_lights)]);
+    samples.chain(cuts).collect()
+}
+
+fn samples(
+    inputs: &Inputs,
+    studies: &mut Studies,
+    n: usize,
+    draw: impl Fn(&Display, &[SampleRow], usize) -> Drawing,
+) -> Result<Content> {
+    let map = &inputs.map.map;
+    let result = map_samples::draw(map, &TexelSampler::new(map.clone()), DVec3::Y, n, inputs.seed)?;
+    let flux = studies.map_info(inputs)?.flux_rgb.iter().sum::<f64>() / 3.0;
+    let checks = vec![
+        Check::equal("pdfs that differ from pdf(direction)", 0.0, result.pdf_mismatches as f64),
+        // The pdf is proportional to radiance, so that the estimator has no variance.
+        Check::within("flux estimated from the samples", flux, result.flux_estimate, 1e-6 * flux),
+    ];
+    Content::new(draw(&*studies.map_display(inputs)?, &result.rows, SAMPLE_MARKER), &result.rows, checks)
+}
+
+/// Side of a light's marker in texels.
+const LIGHT_MARKER: usize = 11;
+
+fn cut(
+    inputs: &Inputs,
+    studies: &mut Studies,
+    n: usize,
+    draw: impl Fn(&Display, &[RegionRow]) -> Drawing,
+) -> Result<Content> {
+    let map = &inputs.map.map;
+    let rows = median_cut::cut(map, &[n], Split::Energy, SideRule::default(), Centroid::Energy)?.remove(0);
+    let error = median_cut::flux_error(&rows, studies.map_info(inputs)?.flux_rgb);
+    let checks = vec![Check::at_most("relative error of the regions' total flux", error, 1e-9)];
+    Content::new(draw(&*studies.map_display(inputs)?, &rows), &rows, checks)
+}
 
 /// Numbers of lights that the map is cut into.
 const LIGHTS: [u32; 5] = [1, 4, 16, 64, 256];
 
-pub fn figures() -> Vec<Maker> {
-    vec![maker("median-cut-error", content)]
-}
-
-fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+fn error_of_lights(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let sampled = sphere_curves(inputs, studies)?;
     let (scene, request) = sphere_scene(inputs);
     let fixed = cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
