@@ -6,7 +6,7 @@ use super::values::{choice, model};
 use clap::{ArgAction, Args};
 use etalon_bench::media::Interface;
 use etalon_bench::table::Table;
-use etalon_bench::{fresnel, media as study, metal, special_angles};
+use etalon_bench::{fresnel, media as study, metal};
 use etalon_core::errata::Formulas;
 use etalon_core::error::{Error, Result};
 use etalon_core::optics::media::{self, Medium};
@@ -165,7 +165,7 @@ impl Fresnel {
     fn angles(&self, media: &[Interface], global: &Global, console: &Console) -> Result<Verdict> {
         let all = || media::DIELECTRICS.iter().map(|dielectric| Interface::of(Medium::Dielectric(dielectric)));
         let marked = if media.is_empty() { all().collect() } else { media.to_vec() };
-        let angles = special_angles::curves(self.eta_i, &marked, self.points)?;
+        let angles = study::special_angles(self.eta_i, &marked, self.points)?;
         let rows: Vec<_> = angles.curves.iter().chain(&angles.media).cloned().collect();
         let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();

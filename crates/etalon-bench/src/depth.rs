@@ -4,7 +4,7 @@
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
-use super::pixel_mean::inside;
+use crate::object_ids::inside;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::math::{Rgb, mean_rgb};

@@ -1,7 +1,7 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
 use super::object_ids::{Kind, ObjectIdBuffer};
-use super::pixel_mean::{Mean, inside};
+use crate::object_ids::{Mean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::scene::{Conductor, Material, Request, Scene};

@@ -2,8 +2,8 @@
 //! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
 use super::object_ids::Kind;
-use super::pixel_mean::{Mean, inside};
 use super::roughness::{StatueRender, render_statue};
+use crate::object_ids::{Mean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::raster::{Image, ToneMap, to_rgb8};

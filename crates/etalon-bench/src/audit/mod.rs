@@ -3,9 +3,8 @@
 
 mod erratum;
 mod formulas;
-mod glass;
 mod map;
-mod metal;
+mod materials;
 mod misprints;
 
 pub use erratum::{Erratum, ErratumCurves, Nature};
@@ -17,9 +16,9 @@ use std::cmp::Ordering;
 
 /// Tests all errors in one run. The most severe come first: by their nature, and by the error of an image.
 pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
-    let mut suspects = metal::suspects()?;
+    let mut suspects = materials::metals()?;
     suspects.extend(formulas::suspects());
-    suspects.extend([glass::suspect(), map::pole_rows(), map::corners(), map::gaussian_numbers()?]);
+    suspects.extend([materials::glass(), map::pole_rows(), map::corners(), map::gaussian_numbers()?]);
     suspects.push(map::rows_without_sums());
     suspects.extend(misprints::suspects());
     let (mut errata, cases): (Vec<Erratum>, Vec<[Case; 2]>) = suspects.into_iter().unzip();

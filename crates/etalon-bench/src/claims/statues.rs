@@ -3,7 +3,7 @@
 use super::claim::{Bound, Claim, Finding, Text, VISIBLE};
 use super::paths::farthest;
 use super::texts;
-use crate::pixel_mean::inside;
+use crate::object_ids::inside;
 use crate::roughness::StatueRender;
 use crate::sampling_strategies::{StrategyComparison, Zone, ZoneImage, quotient};
 use Bound::{AtLeast, AtMost};

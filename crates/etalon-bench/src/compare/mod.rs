@@ -8,20 +8,17 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod bias;
-mod exact;
 mod explain;
 mod functionals;
-mod independence;
-mod needed;
-mod pooled;
+mod noise;
 mod side;
 
 pub use self::bias::Bias;
 pub use self::explain::{Explanation, explain};
 pub use self::functionals::{Family, Functional};
-pub use self::independence::Related;
-pub use self::needed::Needed;
 pub use self::side::{Noise, PRECISION, Side};
+pub use bias::Needed;
+pub use noise::Related;
 
 use self::functionals::{Blocks, Layout, Observed};
 use etalon_core::error::{Error, Result};
@@ -158,10 +155,10 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
     observed.iter_mut().for_each(|side| widen(side, &layout));
     let blocks = Blocks::new(sides[0].size(), &valid);
-    let related = sides.each_ref().map(|side| independence::related(&side.images, &blocks, OF_PREMISES * plan.level));
+    let related = sides.each_ref().map(|side| noise::related(&side.images, &blocks, OF_PREMISES * plan.level));
     let exact = sides.iter().position(|side| side.noise == Noise::None);
     let noise = exact
-        .and_then(|k| Some((k, exact::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level)?)));
+        .and_then(|k| Some((k, noise::noise(&sides[k].images[0], &sides[1 - k], &blocks, OF_PREMISES * plan.level)?)));
     let means = sides.each_ref().map(side::mean_image);
     let scales = layout.scales(&means[1]);
     let few = sides.iter().any(Side::has_few_replicates).then_some("fewer than 16 replicates on a side");
@@ -205,7 +202,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let of_image = [0, 1].map(|side| observed[side][0].each_ref().map(|channel| channel.mean));
     let is_noisy = answer == Answer::CannotTell && whole.dominated == 0 && !noise_hides_difference;
     let needed = if is_noisy {
-        needed::needed(&sides, of_image, scales[0].map(|scale| PRECISION * scale), whole.level(plan), plan.detect)
+        bias::needed(&sides, of_image, scales[0].map(|scale| PRECISION * scale), whole.level(plan), plan.detect)
     } else {
         None
     };
@@ -312,7 +309,7 @@ fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec
     let spread = side.error().map(|error| layout.spread(error));
     // Against an image without noise nothing offsets the skewness of a single pixel's.
     let is_one_sided = side.noise == Noise::Replicates && other.noise == Noise::None;
-    let of_pixels = is_one_sided.then(|| layout.spread(&pooled::deviations(&side.images)));
+    let of_pixels = is_one_sided.then(|| layout.spread(&noise::deviations(&side.images)));
     let of = |i: usize, channel: usize| {
         let replicates: Vec<f64> = values.iter().map(|values| values[i][channel]).collect();
         match (side.noise, &spread) {
@@ -334,7 +331,7 @@ fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec
         (0..layout.count()).map(|i| [0, 1, 2].map(|channel| of(i, channel))).collect();
     if side.has_few_replicates() {
         let own: Vec<[Mean; 3]> = observed.iter().map(|channels| channels.each_ref().map(|of| of.mean)).collect();
-        for (observed, means) in observed.iter_mut().zip(pooled::pool([side, other], layout, &own)) {
+        for (observed, means) in observed.iter_mut().zip(noise::pool([side, other], layout, &own)) {
             observed.iter_mut().zip(means).for_each(|(of, mean)| of.mean = mean);
         }
     }

@@ -12,15 +12,13 @@ pub mod answer;
 pub mod contender;
 pub mod curve;
 pub mod doubling;
-mod plan;
 pub mod recorded;
 pub mod reference;
-mod result;
 mod schedule;
 pub mod strategy;
 
-pub use plan::{Plan, REPLICATES};
-pub use result::Convergence;
+pub use answer::Convergence;
+pub use schedule::{Plan, REPLICATES};
 
 use contender::Contender;
 use doubling::Deadline;

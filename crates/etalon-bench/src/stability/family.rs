@@ -4,12 +4,11 @@
 //!
 //! Families import all of it, and what it re-exports.
 
-pub use super::case::{Case, Range};
+pub use super::experiment::{Bound, REPORT, STABLE, TEXTBOOK};
 pub use super::number::{Machine, Number, Precision, Value, cross, dot, minus, normalized, scalar};
-pub use super::row::{Bound, REPORT, STABLE, TEXTBOOK};
+pub use super::sweep::{Case, Range};
 
-use super::number::Formula;
-use super::precise::Precise;
+use super::number::{Formula, Precise};
 use etalon_core::math::Real;
 
 /// Formulas for one quantity, swept over grids of their inputs.

@@ -5,36 +5,28 @@
 //! would change the result. An [`Experiment`] is a computation that no formula describes (sums, tables, paths): its exact
 //! result comes from integers or by construction. Each has [`Bound`]s on its errors.
 
-mod case;
 mod conductor;
 mod dielectric;
 mod experiment;
 mod family;
 mod geometry;
-mod inputs;
 mod microfacet;
 mod normals;
 mod number;
-mod offsets;
 mod paths;
-mod precise;
 mod registry;
 mod replay;
 mod rough_dielectric;
-mod row;
 mod special;
 mod sums;
 mod sweep;
-mod tables;
 
-pub use case::Case;
-pub use experiment::{Experiment, Workload};
+pub use experiment::{Bound, ErrorRow, Experiment, REPORT, STABLE, TEXTBOOK, Workload};
 pub use family::{Family, Scale, Section, Variant};
 pub use number::Precision;
 pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
 pub use replay::{Replay, Replayed, replay};
-pub use row::{Bound, ErrorRow, REPORT, STABLE, TEXTBOOK};
-pub use sweep::Sweep;
+pub use sweep::{Case, Sweep};
 
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;

@@ -1,7 +1,7 @@
 //! Families of formulas: samples of visible normals (VNDF).
 
 use super::family::*;
-use super::precise::Precise;
+use super::number::Precise;
 use etalon_core::optics::microfacet::{Beckmann, Ggx};
 use etalon_core::sampling::normals::SampleNormals;
 use etalon_core::sampling::warp;

@@ -2,9 +2,7 @@
 
 use super::experiment::Experiment;
 use super::family::Family;
-use super::{
-    conductor, dielectric, geometry, microfacet, normals, offsets, paths, rough_dielectric, special, sums, tables,
-};
+use super::{conductor, dielectric, geometry, microfacet, normals, paths, rough_dielectric, special, sums};
 
 /// An entry of [`REGISTRY`].
 #[derive(Clone, Copy)]
@@ -41,11 +39,11 @@ pub static REGISTRY: [Entry; 29] = [
     Entry::Formula(&geometry::SPHERE),
     Entry::Formula(&geometry::TRIANGLE),
     Entry::Experiment(&special::EXPERIMENT),
-    Entry::Experiment(&offsets::EXPERIMENT),
-    Entry::Experiment(&tables::EXPERIMENT),
+    Entry::Experiment(&paths::OFFSETS),
+    Entry::Experiment(&sums::TABLES),
     Entry::Experiment(&sums::AREAS),
     Entry::Experiment(&sums::FILM),
-    Entry::Experiment(&paths::EXPERIMENT),
+    Entry::Experiment(&paths::PATHS),
 ];
 
 impl Entry {

@@ -1,6 +1,6 @@
 //! The study detects planted faults, and the inputs that it prints can be replayed.
 
-use super::case::{Deviation, Exact, Range};
+use super::sweep::{Deviation, Exact, Range};
 use super::*;
 
 /// The bounds of a family that do not hold when the values of the code that renders are changed.

@@ -5,12 +5,10 @@
 mod conclude;
 mod part;
 mod plan;
-mod run;
 
 pub use conclude::{Conclusion, Failure, Group, SurvivorRow, conclude};
-pub use part::{Part, merge};
+pub use part::{Part, merge, run};
 pub use plan::{Description, Families, Plan, Shard, replay};
-pub use run::run;
 
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,17 @@
-//! Parts of a sweep as files: a line of JSON that says of which sweep, then CSV with a row for each configuration.
+//! Parts of a sweep, a share of it computed, as files: a line of JSON that says of which sweep, then CSV with a row for each
+//! configuration.
 
 use super::plan::{Description, Plan, Shard};
 use csv::StringRecord;
 use etalon_core::error::{Error, Result};
-use etalon_core::files;
-use etalon_core::memory;
+use etalon_core::{files, interrupt, memory};
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Finding, State};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// The first line of a file, after `# `.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -296,4 +298,47 @@ pub fn merge(
             .with_hint("run the missing parts, by `shard`, and merge all of them"));
     }
     Ok(plan)
+}
+
+/// Configurations computed at a time.
+const BATCH: usize = 64;
+/// How often what is finished is saved.
+const SAVE: Duration = Duration::from_secs(60);
+
+/// Computes what `part` lacks. `save` is called about once a minute and at the end; `done` with the number of configurations so far. Once the
+/// process is asked to stop, what is finished is saved; the part then lacks the rest.
+///
+/// # Errors
+/// [`Error::Parameter`] for a part that is too large; those of the checks, except interruption, and of `save`.
+pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
+    let count = u64::from(part.shard().count);
+    if plan.len().div_ceil(count) > MOST {
+        return Err(Error::parameter("shard", format!("{} configurations in {count} parts", plan.len()))
+            .with_hint(format!("use at least {} parts", plan.len().div_ceil(MOST))));
+    }
+    let missing: Vec<u64> = part.shard().numbers(plan.len()).filter(|&number| !part.has(number)).collect();
+    let mut saved = Instant::now();
+    for batch in missing.chunks(BATCH) {
+        if interrupt::requested() {
+            break;
+        }
+        let one = |&number: &u64| match plan.screen(number) {
+            Ok(findings) => Ok(Some((number, findings))),
+            Err(Error::Interrupted) => Ok(None),
+            Err(error) => Err(error),
+        };
+        let found: Vec<_> = match plan.is_sequential() {
+            true => batch.iter().map(one).collect::<Result<_>>()?,
+            false => batch.par_iter().map(one).collect::<Result<_>>()?,
+        };
+        for (number, findings) in found.into_iter().flatten() {
+            part.add(plan, number, &findings);
+        }
+        done(batch.len() as u64);
+        if saved.elapsed() > SAVE {
+            save(part)?;
+            saved = Instant::now();
+        }
+    }
+    save(part)
 }

@@ -3,8 +3,7 @@
 
 use super::text::capitalized;
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
-use etalon_bench::media::{MediaCurves, MediumRow};
-use etalon_bench::special_angles::{AngleCurves, AnglesRow};
+use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumRow};
 use etalon_bench::{fresnel, metal};
 
 pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {

@@ -5,19 +5,14 @@
 //! a [`bsdf`] over its parameters. The request `quit`, or the end of its input, ends the program.
 //! The order of the other requests is not fixed: an answer depends on what a request holds, not on what was asked before.
 
-mod answer;
 pub mod bsdf;
 mod connection;
-mod greeting;
-mod group;
+pub mod greeting;
 mod process;
-pub mod properties;
 pub mod sampler;
 
-pub use answer::Answer;
-pub use connection::Connection;
-pub(crate) use group::Group;
-pub(crate) use process::{last_line, tail, words};
+pub use connection::{Answer, Connection};
+pub(crate) use process::{Group, last_line, tail, words};
 
 use crate::protocol::sampler::Space;
 use etalon_core::error::{Error, Result};

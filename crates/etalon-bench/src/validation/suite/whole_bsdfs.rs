@@ -4,7 +4,7 @@
 //! tested by the family `bsdf`.
 
 use super::super::case::Case;
-use super::super::scattering::Scattering;
+use super::super::families::Scattering;
 use super::super::whole;
 use super::inputs::{DISTRIBUTIONS, boundary, bsdf, metal, towards};
 use etalon_core::bsdf::{Bsdf, Mixture, Scatter, examples};

@@ -2,7 +2,7 @@
 
 use crate::gallery::prelude::*;
 use crate::view::depth as view;
-use etalon_bench::pixel_mean::Mean;
+use etalon_bench::object_ids::Mean;
 use etalon_core::error::Result;
 use etalon_core::raster::Image;
 use etalon_core::scene::{Environment, FirstHit, Material, Mesh, Object, Request, Scene, Shape, builtin};

@@ -3,10 +3,9 @@
 
 use crate::gallery::prelude::*;
 use crate::view::fresnel::{self as view, Curve};
-use etalon_bench::media::{self, Interface, MediumCurves};
+use etalon_bench::fresnel;
+use etalon_bench::media::{self, AnglesRow, Interface, MediumCurves};
 use etalon_bench::metal::worst;
-use etalon_bench::special_angles::AnglesRow;
-use etalon_bench::{fresnel, special_angles as study};
 use etalon_core::errata::Formulas;
 use etalon_core::optics::dielectric::fresnel;
 
@@ -118,7 +117,7 @@ const INDICES: usize = 801;
 
 fn angles() -> Result<Content> {
     let media = MEDIA.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-    let angles = study::curves(1.0, &media, INDICES)?;
+    let angles = media::special_angles(1.0, &media, INDICES)?;
     let degrees = |angle: Option<f64>| angle.unwrap_or(f64::NAN);
     let glass = angles.media.iter().find(|row| row.eta_t == 1.45);
     let of_glass = |angle: fn(&AnglesRow) -> Option<f64>| degrees(glass.and_then(angle));

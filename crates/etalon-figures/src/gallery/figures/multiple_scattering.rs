@@ -4,8 +4,7 @@
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::gallery::prelude::*;
 use crate::view::depth::grid;
-use etalon_bench::object_ids::ObjectIdBuffer;
-use etalon_bench::pixel_mean::Mean;
+use etalon_bench::object_ids::{Mean, ObjectIdBuffer};
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::error::Result;
 use etalon_core::math::Rgb;

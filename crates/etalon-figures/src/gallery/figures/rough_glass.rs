@@ -2,8 +2,7 @@
 
 use crate::gallery::prelude::*;
 use crate::view::depth as view;
-use etalon_bench::object_ids::{Kind, ObjectIdBuffer};
-use etalon_bench::pixel_mean::{Mean, inside};
+use etalon_bench::object_ids::{Kind, Mean, ObjectIdBuffer, inside};
 use etalon_bench::roughness::brightest_percent;
 use etalon_core::error::{Error, Result};
 use etalon_core::math::Rgb;

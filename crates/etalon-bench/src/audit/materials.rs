@@ -1,20 +1,76 @@
-//! The second report's metal: the pdf that it prints, its Fresnel term, its shadowing, its approximation of Fresnel's equations.
+//! The reports' glass: Schlick's polynomial of the incident cosine, inside as outside. The second report's metal: the pdf that it
+//! prints, its Fresnel term, its shadowing, its approximation of Fresnel's equations.
 
-use super::erratum::{Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
-use crate::validation::Case;
-use crate::validation::direction_density;
-use etalon_core::bsdf::{ConductorFresnel, ErrataConductor, Scatter, pdf_without_cosine};
+use super::erratum::{ETA, Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
+use crate::validation::{Case, direction_density};
+use etalon_core::bsdf::{
+    ConductorFresnel, Dielectric, DielectricFresnel, ErrataConductor, Scatter, pdf_without_cosine,
+};
+use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::errata::microfacet::{MetalErrors, lambda_with_pi};
 use etalon_core::error::Result;
+use etalon_core::math::Rgb;
 use etalon_core::optics::conductor::{fresnel, fresnel_approximate};
+use etalon_core::optics::dielectric;
 use etalon_core::optics::metals::{COPPER, METALS};
 use etalon_core::optics::microfacet::{Beckmann, Microfacet};
 use etalon_core::sampling::normals::SampleNormals;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::sampling::{hash, warp};
 use etalon_stats::cubature::integrate;
-use etalon_stats::{Directions, Grid, Mass, Pole, Protocol, Sample, sampler};
+use etalon_stats::{Atom, Directions, Grid, Mass, Point, Pole, Protocol, Sample, density, sampler};
 use glam::DVec3;
+
+/// Angle of incidence inside the glass in degrees, below the critical angle of 43.6°.
+const THETA: f64 = 40.0;
+
+pub fn glass() -> Suspect {
+    let (sin, cos) = THETA.to_radians().sin_cos();
+    let case = |name: &str, printed: bool| {
+        Case::of(format!("audit/glass/{name}"), Directions::sphere(Pole::Z), move || {
+            let (reflectance, transmittance, eta) = (Rgb::ONE, Rgb::ONE, ETA as f32);
+            let fresnel = if printed { DielectricFresnel::SingleCosineSchlick } else { DielectricFresnel::Exact };
+            let glass = Dielectric { reflectance, transmittance, eta, fresnel };
+            let wo = DVec3::new(sin, 0.0, -cos).as_vec3();
+            let draw = move |u: &[f64]| {
+                glass.sample(wo, u[0] as f32, [0.5; 2]).map(|sample| Sample::atom(sample.wi.as_dvec3().to_array()))
+            };
+            let truth = dielectric::fresnel(cos, 1.0 / ETA);
+            let reflected = truth.unpolarized();
+            let atom = |point: [f64; 3], probability| Atom::new(point, probability);
+            // Exact directions and probabilities of reflection and refraction.
+            let atoms = vec![
+                atom([-sin, 0.0, -cos], reflected),
+                atom([-sin * ETA, 0.0, truth.cos_t.unwrap_or(0.0)], 1.0 - reflected),
+            ];
+            (sampler(1, draw), density(|_: Point| 0.0).with_atoms(atoms))
+        })
+    };
+    let printed = |cos: f64| schlick_incident_cosine(cos, 1.0 / ETA);
+    let right = |cos: f64| dielectric::fresnel(cos, 1.0 / ETA).unpolarized();
+    let erratum = Erratum {
+        title: "Schlick's cosine inside glass",
+        report: "both reports",
+        printed: "F₀ + (1 − F₀)(1 − cos θᵢ)⁵ on both sides",
+        right: "Fresnel's equations; Schlick's cosine is that on the less dense side",
+        test: "chi-square of reflected and refracted directions from inside at 40°",
+        error_in_picture: mean_by_cosine(|cos| {
+            if dielectric::eta_cos_t(cos, 1.0 / ETA).is_some() { printed(cos) } else { 1.0 }
+        }) / mean_by_cosine(right)
+            - 1.0,
+        error_of: "light reflected inside",
+        curves: ErratumCurves {
+            x: "/{θ} inside (degrees)",
+            every: 30.0,
+            y: "reflectance",
+            printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos())),
+            right: curve(0.0, 90.0, |a| right(a.to_radians().cos())),
+            scattered: false,
+        },
+        ..Erratum::default()
+    };
+    (erratum, [case("printed", true), case("right", false)])
+}
 
 const ALPHA: f64 = 0.5;
 /// The channel in which copper varies most with the angle.
@@ -26,7 +82,7 @@ const ROUNDING: f64 = 1e-4;
 /// Smaller reflectances count as 0.
 const FAINTEST: f64 = 1e-30;
 
-pub fn suspects() -> Result<Vec<Suspect>> {
+pub fn metals() -> Result<Vec<Suspect>> {
     Ok(vec![printed_density()?, fresnel_at_normal()?, shadowing_with_pi()?, approximate_fresnel()])
 }
 
