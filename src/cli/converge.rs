@@ -1,8 +1,8 @@
 //! `etalon converge`: error against run time.
 
 use super::console::Console;
+use super::families::reply_limit;
 use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
-use super::program::reply_limit;
 use super::scene_file::{Loaded, SceneArgs};
 use clap::{ArgAction, Args};
 use etalon_bench::converge::answer::Answer;

@@ -1,7 +1,9 @@
-//! Families of BSDFs: of this program by their names, or of another program; and their list.
+//! Families of BSDFs: of this program by their names, or of another program, with the arguments that start it; and their list.
 
 use super::console::Console;
-use super::program::ExternalBsdf;
+use clap::Args;
+use etalon_bench::protocol::program::bsdf::Program;
+use etalon_bench::protocol::program::{self, External};
 use etalon_bench::sweep::Families;
 use etalon_bench::table::Table;
 use etalon_bench::validation::families;
@@ -9,6 +11,7 @@ use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::{Family, Parameter};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 /// The family of the program, or those of this program that are named, or all.
 pub fn families(external: &ExternalBsdf, names: &[String]) -> Result<Families> {
@@ -61,4 +64,52 @@ pub fn list(families: &Families, console: &Console) {
         };
         Table::of(&lines).words("", |line| &line.name).words("", parameters).text()
     });
+}
+
+/// Another program.
+#[derive(Args)]
+#[command(next_help_heading = "BSDFs of other programs")]
+pub struct ExternalBsdf {
+    /// Test the BSDFs of the program that COMMAND starts
+    ///
+    /// Requests and replies go over its standard input and output.
+    #[arg(long, value_name = "COMMAND")]
+    exec: Option<String>,
+    /// Time limit for each reply of the program
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    timeout: f64,
+}
+
+impl ExternalBsdf {
+    /// The command, if one is given.
+    pub fn command(&self) -> Option<&str> {
+        self.exec.as_deref()
+    }
+
+    /// Refuses names of BSDFs beside a command.
+    pub fn check_no_names(&self, names: &[String]) -> Result<()> {
+        if self.exec.is_some() && !names.is_empty() {
+            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
+        }
+        Ok(())
+    }
+
+    /// Starts the program, if a command is given.
+    pub fn start(&self) -> Result<Option<Program>> {
+        let Some(command) = &self.exec else { return Ok(None) };
+        match program::start(command, None, reply_limit(self.timeout)?)? {
+            External::Bsdf(program) => Ok(Some(program)),
+            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
+                .with_hint("`etalon validate` tests samplers")),
+        }
+    }
+}
+
+/// The time that a program has for each reply.
+pub fn reply_limit(seconds: f64) -> Result<Duration> {
+    const LONGEST: f64 = 86_400.0;
+    if !(seconds > 0.0 && seconds <= LONGEST) {
+        return Err(Error::parameter("timeout", format!("{seconds} s is not from 0 to {LONGEST} s")));
+    }
+    Ok(Duration::from_secs_f64(seconds))
 }

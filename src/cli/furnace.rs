@@ -1,9 +1,8 @@
 //! `etalon furnace`: directional albedos over the angle and parameters.
 
 use super::console::{Console, shown};
-use super::families::{families, list};
+use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, Verdict, out, seed, threads};
-use super::program::ExternalBsdf;
 use super::values::setting;
 use clap::{ArgAction, Args};
 use etalon_bench::albedo::{Request, albedo_table};

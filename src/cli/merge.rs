@@ -1,10 +1,9 @@
 //! `etalon merge`: parts of a render as one image.
 
-use super::arguments::command_line;
 use super::console::Console;
-use super::families::families;
+use super::families::{ExternalBsdf, families};
+use super::flags::command_line;
 use super::global::{Global, Verdict, out, threads};
-use super::program::ExternalBsdf;
 use super::render::warn_of_lost_light;
 use super::sweep::{concluded, decided};
 use clap::Args;

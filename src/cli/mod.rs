@@ -1,6 +1,5 @@
 //! The command line: one file per subcommand, each parsing, calling and printing.
 
-mod arguments;
 mod compare;
 mod completions;
 mod console;
@@ -15,13 +14,10 @@ mod global;
 mod help_tests;
 mod map_file;
 mod merge;
-mod program;
 mod render;
-mod reports;
 mod reproduce;
 mod scene_file;
 mod scenes;
-mod shard;
 mod signals;
 mod stability;
 mod sweep;

@@ -1,8 +1,7 @@
 //! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::global::{Global, Verdict, out, seed, threads};
-use super::reports::Reports;
+use super::global::{Global, Reports, Verdict, out, seed, threads};
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use etalon_bench::table::Table;

@@ -1,11 +1,9 @@
 //! `etalon sweep`: whole BSDFs over their parameters and directions.
 
 use super::console::Console;
-use super::families::{families, list};
+use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
-use super::program::ExternalBsdf;
-use super::shard::Shard;
-use super::values::choice;
+use super::values::{Shard, choice};
 use clap::Args;
 use etalon_bench::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
 use etalon_core::error::{Error, Result};

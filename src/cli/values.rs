@@ -1,9 +1,10 @@
-//! Values of flags: choices among names, and environment-map samplers.
+//! Values of flags: choices among names, environment-map samplers, and `--shard I/N`.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use etalon_core::envmap::samplers::{self, Entry, MapSampling};
 use etalon_core::errata::Formulas;
 use etalon_core::sampling::filter::{PixelFilter, RANGE};
+use std::str::FromStr;
 
 /// Parses one of a few names; each has a help, which may be empty, and a value.
 pub fn choice<T: Clone + Send + Sync + 'static>(
@@ -61,4 +62,31 @@ pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
     let parsed =
         text.split_once('=').and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?)));
     parsed.filter(|(_, value): &(String, f64)| value.is_finite()).ok_or("not NAME=VALUE with a number".into())
+}
+
+/// The I-th of N shares of a render or of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    pub index: u32,
+    pub count: u32,
+}
+
+impl Shard {
+    /// The end of default file names.
+    pub fn suffix(self) -> String {
+        format!(".shard-{}-of-{}", self.index, self.count)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> std::result::Result<Self, Self::Err> {
+        let parsed = text.split_once('/').and_then(|(index, count)| {
+            let shard = Self { index: index.parse().ok()?, count: count.parse().ok()? };
+            (1..=shard.count).contains(&shard.index).then_some(shard)
+        });
+        parsed.ok_or("expected I/N, for example 2/8: the second of eight")
+    }
 }

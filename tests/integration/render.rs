@@ -1,4 +1,5 @@
-//! `etalon render`: the same bits in one go, in shards and after an interruption; what its flags change.
+//! `etalon render`: the same bits in one go, in shards, after an interruption, and on older processors, where an emulator is
+//! installed; what its flags change.
 
 use crate::program::{etalon, json};
 use etalon::math::Rgb;
@@ -6,6 +7,7 @@ use etalon::raster::{ExrFile, Image};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
@@ -423,4 +425,36 @@ fn the_pbrt_scene_takes_the_size_that_is_asked_for() {
     let value = json(dir.path(), &args);
     assert_eq!([&value["width"], &value["height"], &value["spp"]], [40, 20, 2]);
     assert_eq!(value["paths"][1]["class"], "LDE");
+}
+
+#[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
+fn images_are_the_same_without_wide_vectors() {
+    const EMULATOR: &str = "qemu-x86_64";
+    if cfg!(not(target_arch = "x86_64")) || Command::new(EMULATOR).arg("--version").output().is_err() {
+        return eprintln!("skipped: {EMULATOR} does not run here");
+    }
+    let program = assert_cmd::cargo::cargo_bin("etalon");
+    for line in [
+        "cornell-spheres -r 40 30 -s 2",
+        "cornell-spheres -r 40 30 -s 2 --sampling mis+lt",
+        "cornell-statue-au -r 40 30 -s 2",
+        "sphere-env -r 32 32 -s 4",
+        "furnace -r 40 10 -s 2 -m 20",
+        "brushed-metal -r 30 20 -s 2",
+    ] {
+        let args: Vec<&str> = ["render"].into_iter().chain(line.split(' ')).chain(["-o", "image.exr"]).collect();
+        let native = tempfile::tempdir().unwrap();
+        assert_eq!(etalon(native.path(), &args).code, 0, "{line}");
+        let native = layers(&native.path().join("image.exr"));
+        // The first has SSE4.2 and no AVX; the second AVX2 and FMA and no AVX-512.
+        for processor in ["Nehalem", "Haswell"] {
+            let folder = tempfile::tempdir().unwrap();
+            let mut emulated = Command::new(EMULATOR);
+            emulated.args(["-cpu", processor]).arg(&program).args(&args).current_dir(folder.path());
+            let ran = emulated.output().unwrap();
+            assert!(ran.status.success(), "{line}, {processor}: {}", String::from_utf8_lossy(&ran.stderr));
+            assert!(layers(&folder.path().join("image.exr")) == native, "{line}, {processor}: the images differ");
+        }
+    }
 }

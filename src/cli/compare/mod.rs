@@ -3,9 +3,8 @@
 mod expectation;
 
 use super::console::Console;
-use super::global::{Global, OUTPUT, Verdict, out, threads};
+use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use super::map_file::short_name;
-use super::reports::Reports;
 use clap::{ArgAction, Args};
 use etalon_bench::compare::{Explanation, explain};
 use etalon_bench::table::Table;

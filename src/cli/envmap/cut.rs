@@ -1,6 +1,6 @@
 //! `etalon envmap cut`: the regions of a median cut and the lights that stand for them.
 
-use super::options::{LookArgs, MapArgs, Outputs};
+use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
 use crate::cli::values::choice;

@@ -1,6 +1,6 @@
 //! `etalon envmap info`: size, range, flux and contrast of a map.
 
-use super::options::MapArgs;
+use super::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::Verdict;
 use clap::Args;

@@ -1,6 +1,6 @@
 //! `etalon envmap proposal`: inversion with uniform and with Gaussian random numbers, and what proposal distributions cost.
 
-use super::options::MapArgs;
+use super::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use clap::Args;

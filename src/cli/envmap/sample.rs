@@ -1,6 +1,6 @@
 //! `etalon envmap sample`: importance samples of a map, drawn over it and alone.
 
-use super::options::{LookArgs, MapArgs, Outputs};
+use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::cli::values::{map_samplers, map_sampling, model};

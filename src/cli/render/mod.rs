@@ -1,16 +1,14 @@
 //! `etalon render`: images of scenes.
 
-mod images;
 mod model;
-mod summary;
+mod results;
 mod work;
 
-use super::arguments::command_line;
 use super::console::Console;
+use super::flags::command_line;
 use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
-use super::shard::Shard;
-use super::values::{choice, map_samplers, map_sampling, stops};
+use super::values::{Shard, choice, map_samplers, map_sampling, stops};
 use clap::Args;
 use etalon_core::build::Build;
 use etalon_core::envmap::samplers::MapSampling;
@@ -23,11 +21,10 @@ use etalon_figures::output::Target;
 use etalon_figures::view::text::counted;
 use etalon_render::film::{Film, Part, shard};
 use etalon_render::{Job, Kernel, Sampling, Settings};
-use images::{Images, Look};
 use model::ModelArgs;
+use results::{Images, Look, Summary};
 use std::ops::Range;
 use std::path::PathBuf;
-use summary::Summary;
 
 /// Render a scene
 #[derive(Args)]

@@ -1,20 +1,17 @@
 //! `etalon reproduce`: all figures, with their checks.
 
-mod lines;
 mod progress;
 
 use super::console::Console;
-use super::global::{DEFAULT_SEED, Global, OUTPUT, Verdict, out, seed, threads};
+use super::global::{DEFAULT_SEED, Global, OUTPUT, Reports, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
-use super::reports::Reports;
 use clap::{ArgAction, Args};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::gallery::{self, Effort, Inputs, Originals, Reproduced, Step};
 use etalon_figures::output::{self, Written};
 use etalon_figures::view::checks::{Check, Checks};
-use lines::Lines;
-use progress::Progress;
+use progress::{Lines, Progress};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -118,7 +115,7 @@ impl Reproduce {
             Written { files: self.reports.write(&checks(&figures, interrupted, seconds))?, ..Written::default() };
         let output = Output { figures: &figures, passed, failed, skipped, interrupted, seconds };
         console.result(&output, || {
-            reports.text() + &lines::summary(&figures, interrupted, &folder.join(gallery::page::FILE), seconds)
+            reports.text() + &progress::summary(&figures, interrupted, &folder.join(gallery::page::FILE), seconds)
         });
         Ok(Verdict::of(failed == 0, interrupted))
     }
@@ -183,7 +180,7 @@ fn checks(figures: &[Reproduced], interrupted: bool, seconds: f64) -> Checks {
             verdict: check
                 .pass
                 .map(|pass| if pass { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject }),
-            message: lines::found(check),
+            message: progress::found(check),
             details: String::new(),
             seconds: None,
         };

@@ -1,7 +1,7 @@
 //! Samplers and BSDFs of other programs, samplers in files: the arguments of `validate` for them.
 
+use super::super::families::reply_limit;
 use crate::cli::console::Console;
-use crate::cli::program::reply_limit;
 use crate::cli::values::setting;
 use clap::{ArgAction, Args};
 use etalon_bench::protocol::program::bsdf::Program;

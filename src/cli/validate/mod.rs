@@ -4,9 +4,8 @@ mod external;
 mod planted;
 
 use super::console::Console;
-use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
+use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
-use super::reports::Reports;
 use clap::Args;
 use etalon_bench::validation::{Tested, Validation, run, select, suite};
 use etalon_core::error::Result;

@@ -1,7 +1,6 @@
 //! Scenes in the course's COLLADA dialect: what they become, what is refused and where, and that no input breaks the
 //! reader.
 
-mod light;
 mod place;
 mod real;
 mod surface;

@@ -4,8 +4,6 @@ mod bsdfs;
 mod c_header;
 mod files;
 #[cfg(unix)]
-mod group;
-#[cfg(unix)]
 mod misbehaviour;
 
 use crate::program::{Ran, etalon, json};
