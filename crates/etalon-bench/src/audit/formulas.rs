@@ -3,7 +3,7 @@
 //! A misprint is a formula that a report's text has wrong and its program has right; its effect is what it would do if taken at
 //! its word.
 
-use super::erratum::{ETA, Erratum, ErratumCurves, Nature, Suspect, at_all_angles, curve, mean_by_cosine};
+use super::{ETA, Erratum, ErratumCurves, Nature, Suspect, at_all_angles, curve, mean_by_cosine};
 use etalon_core::errata::interface::{
     reciprocal_of_signed_cosine, reflected_sine_without_sign, refracted_cosine_of_squared_difference,
     refracted_normal_part_under_root, refracted_radiance_over_square, refracted_sine_of_itself,

@@ -3,7 +3,7 @@
 //! With a map of 32×16 the errors are percents; with 1024×512 they would be in the fourth digit. The image is a floor under
 //! a uniform sky.
 
-use super::erratum::{Erratum, ErratumCurves, Nature, Suspect};
+use super::{Erratum, ErratumCurves, Nature, Suspect};
 use crate::proposal::SIGMA;
 use crate::validation::{Case, direction_density, direction_sampler};
 use etalon_core::envmap::samplers::{ErrataSampler, SurfaceSampler, TexelSampler};

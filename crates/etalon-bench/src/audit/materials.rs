@@ -1,7 +1,7 @@
 //! The reports' glass: Schlick's polynomial of the incident cosine, inside as outside. The second report's metal: the pdf that it
 //! prints, its Fresnel term, its shadowing, its approximation of Fresnel's equations.
 
-use super::erratum::{ETA, Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
+use super::{ETA, Erratum, ErratumCurves, Nature, Suspect, curve, exact, mean_by_cosine};
 use crate::validation::{Case, direction_density};
 use etalon_core::bsdf::{
     ConductorFresnel, Dielectric, DielectricFresnel, ErrataConductor, Scatter, pdf_without_cosine,

@@ -1,7 +1,7 @@
 //! Misprints that take a test of their own: formulas that a report's text has wrong and its program has right, and what each would
 //! do if taken at its word.
 
-use super::erratum::{ETA, Erratum, ErratumCurves, Nature, ROUNDING, Suspect, curve, exact, mean_by_cosine};
+use super::{ETA, Erratum, ErratumCurves, Nature, ROUNDING, Suspect, curve, exact, mean_by_cosine};
 use crate::validation::Case;
 use etalon_core::errata::images::median_without_half;
 use etalon_core::errata::interface::schlick_of_fifth_power;

@@ -2,9 +2,8 @@
 //!
 //! One set of paths finds the place, another measures it: the place is not chosen by the noise that is measured.
 
-use super::claim::{Bound, Claim, Finding, SIGMAS, Share, Text, VISIBLE, percent};
 use super::paths::{Event, Filter, Path, PixelLight, Place, SPLIT, Tally, View, begins, word};
-use super::texts;
+use super::{Bound, Claim, Finding, SIGMAS, Share, Text, VISIBLE, percent, texts};
 use crate::depth::{DEPTHS, Depths};
 use crate::object_ids::{Kind, ObjectIdBuffer};
 use crate::sampling_strategies::quotient;
@@ -418,7 +417,7 @@ fn brighter(depths: &Depths) -> Claim {
 
 #[cfg(test)]
 mod tests {
-    use super::super::claim::Verdict;
+    use super::super::Verdict;
     use super::*;
     use crate::depth::depths;
     use etalon_core::scene::builtin;

@@ -1,7 +1,6 @@
 //! The reports' claims on formulas and indices, which no map or scene has a part in: glass of 1.45, metals, and microfacets.
 
-use super::claim::{Bound, Claim, Finding, VISIBLE, percent};
-use super::texts;
+use super::{Bound, Claim, Finding, VISIBLE, percent, texts};
 use crate::metal::MetalTable;
 use Bound::AtMost;
 use etalon_core::errata::interface::schlick_incident_cosine;
@@ -160,7 +159,7 @@ pub fn metal_claims(metals: &MetalTable) -> Vec<Claim> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::claim::Verdict;
+    use super::super::Verdict;
     use super::*;
     use crate::metal;
 

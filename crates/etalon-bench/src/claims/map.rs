@@ -1,7 +1,6 @@
 //! The first report's claims on its environment map: samples, median cut, and the sphere under it.
 
-use super::claim::{Bound, Claim, Finding, VISIBLE};
-use super::texts;
+use super::{Bound, Claim, Finding, VISIBLE, texts};
 use crate::fit::log_log_slope;
 use crate::median_cut::{self, Centroid, RegionRow};
 use crate::proposal::Proposal;

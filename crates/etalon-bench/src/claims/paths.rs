@@ -1,6 +1,6 @@
 //! Paths from the eye, traced one by one and filtered by path class: Heckbert's notation, with the kind of each specular event.
 
-use super::claim::Share;
+use super::Share;
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::interrupt;
 use etalon_core::math::Frame;

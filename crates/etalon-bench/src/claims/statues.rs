@@ -1,8 +1,7 @@
 //! The second report's claims on statues: the roughness of gold, what it mirrors, and two ways to sample copper.
 
-use super::claim::{Bound, Claim, Finding, Text, VISIBLE};
 use super::paths::farthest;
-use super::texts;
+use super::{Bound, Claim, Finding, Text, VISIBLE, texts};
 use crate::object_ids::inside;
 use crate::roughness::StatueRender;
 use crate::sampling_strategies::{StrategyComparison, Zone, ZoneImage, quotient};

@@ -1,6 +1,6 @@
 //! What the reports claim: the list of all sentences and numbers that are tested, with the figures that show them.
 
-use super::claim::Text;
+use super::Text;
 
 /// A constant for each claim: its place, what it says, the number that the report prints, the figures that show it, and a remark.
 macro_rules! texts {

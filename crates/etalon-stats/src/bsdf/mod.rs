@@ -12,7 +12,6 @@ mod adjoint;
 mod albedo;
 mod contract;
 mod furnace;
-mod jacobian;
 mod light;
 mod limits;
 mod report;
@@ -103,7 +102,7 @@ pub const ALL: [Check; 10] = [
         name: "jacobian",
         finds: "pdfs of a lobe that are not its probability over the Jacobian of its map from random numbers to directions",
         is_statistical: false,
-        run: jacobian::check,
+        run: sampling::jacobian,
     },
     Check {
         name: "partition",
@@ -127,7 +126,7 @@ pub const ALL: [Check; 10] = [
         name: "sampling",
         finds: "samples that do not follow the pdf; pdfs that integrate to more than 1",
         is_statistical: true,
-        run: sampling::check,
+        run: sampling::sampling,
     },
     Check {
         name: "weights",

@@ -1,12 +1,17 @@
-//! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes.
+//! Samples against the pdf: the chi-square test on the sphere, with atoms for delta lobes; and the Jacobian by finite differences:
+//! the pdf of a lobe times the Jacobian determinant of its map from random numbers to directions is the probability of choosing
+//! the lobe.
 
-use super::contract::{BsdfSample, Density as Probability, PdfKind};
-use super::subject::{Subject, directions, sphere};
+use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKind};
+use super::subject::{Comparison, Subject, cross, directions, length, sphere};
 use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
+use crate::extremes::Extremes;
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
+use rand::RngExt;
+use std::iter::repeat_n;
 
 /// The samples and the pdf of a BSDF.
 struct Scattering<'a>(&'a Subject<'a>);
@@ -45,10 +50,145 @@ impl Density for Scattering<'_> {
 
 /// Counts samples in cells, at delta lobes, and "no sample"; see [`examine`]. The integral of the pdf is tested with them, and
 /// the pdf that each sample carries.
-pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
+pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
     if subject.properties.pdf != PdfKind::Exact {
         return Ok(None);
     }
     let scattering = Scattering(subject);
     examine(&sphere(), &scattering, &scattering, subject.protocol, subject.round).map(Some)
+}
+
+/// Points at which the derivative is taken, and samples that are tried for them.
+const POINTS: usize = 64;
+const TRIALS: usize = 16 * POINTS;
+/// The largest and the smallest step, as powers of ½.
+const STEPS: std::ops::Range<i32> = 3..14;
+/// Random numbers are multiples of this, so that steps from them are exact in single precision.
+const RASTER: f64 = (1u64 << 16) as f64;
+/// Rounding of a derivative times its step: three times that of a sampled direction, in units of the last place of 1.
+const ROUNDING: f64 = 12.0;
+/// A derivative with a larger error than this says nothing.
+const COARSEST: f64 = 0.1;
+/// Fewer points than this say nothing; where samples of other than delta lobes are so rare, the check does not apply.
+const FEWEST: u64 = 8;
+
+/// Compares pdf · |∂wi/∂u₁ × ∂wi/∂u₂| with the probability of choosing the lobe by other random numbers.
+///
+/// Each derivative comes from central differences at several steps, extrapolated to step 0 (Richardson); of these the one with
+/// the smallest error counts, where the error is the change by extrapolation, rounding over the step, and the distance from the
+/// values of the next steps.
+pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
+    let Subject { bsdf, properties, wo, .. } = subject;
+    let applies = properties.pdf == PdfKind::Exact && !properties.narrow;
+    let Some(axes) = properties.map.filter(|_| applies) else { return Ok(None) };
+    let points = points(subject, axes)?;
+    let maps = derivatives(subject, &points, axes)?;
+    let (mut used, mut numbers, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+    for (point, [first, second]) in points.iter().zip(maps) {
+        let (Some((a, da)), Some((b, db))) = (first, second) else { continue };
+        let area = length(cross(a, b));
+        let error = (da * length(b) + db * length(a)) / area;
+        if !error.is_nan() && error <= COARSEST {
+            used.push(point);
+            numbers.push([point.pdf * area / point.sample.lobe_probability, 1.0]);
+            errors.push(error);
+        }
+    }
+    let rounding = |far: &[usize]| {
+        let points: Vec<&MappedPoint> = far.iter().map(|&i| used[i]).collect();
+        let pdfs: Vec<f64> = points.iter().map(|point| point.pdf).collect();
+        let pairs: Vec<Pair> = points.iter().map(|point| [*wo, point.sample.wi]).collect();
+        let of_pdf = subject.rounding(&pdfs, &pairs, |moved| {
+            let each = moved.len() / points.len();
+            let lobes: Vec<usize> = points.iter().flat_map(|point| repeat_n(point.sample.lobe, each)).collect();
+            Ok(bsdf.lobe_pdf(moved, &lobes)?.into_iter().map(|pdf| pdf.unwrap_or(f64::NAN)).collect())
+        })?;
+        let relative = of_pdf.iter().zip(pdfs).map(|(rounding, pdf)| rounding / pdf);
+        Ok(far.iter().zip(relative).map(|(&i, rounding)| errors[i] + rounding).collect())
+    };
+    let message = |i: usize| {
+        let MappedPoint { u, sample, .. } = used[i];
+        format!("{}, u = {u:?}, lobe {}", subject.at(sample.wi), sample.lobe)
+    };
+    let mut found = Comparison::default();
+    found.equal(&numbers, |i| errors[i], rounding, message)?;
+    let count = used.len() as u64;
+    let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| count >= FEWEST);
+    let reason = "the map is too steep for finite differences in its precision".to_owned();
+    let undecided = || Outcome { inconclusive_reason: Some(reason), ..Outcome::open(count) };
+    Ok((points.len() as u64 >= FEWEST).then(|| outcome.unwrap_or_else(undecided)))
+}
+/// Random numbers, the sample that they give, and the pdf of its lobe times the probability of the lobe.
+struct MappedPoint {
+    u: Vec<f64>,
+    sample: BsdfSample,
+    pdf: f64,
+}
+
+/// Samples of other than delta lobes, of which a lobe's pdf is known. Where most samples are of delta lobes, many are tried.
+fn points(subject: &Subject, axes: [usize; 2]) -> Result<Vec<MappedPoint>> {
+    let mut rng = subject.random(2, 0);
+    let mut trials = vec![vec![0.0; subject.properties.dimension]; TRIALS];
+    for u in &mut trials {
+        u.iter_mut().for_each(|u| *u = rng.random());
+        axes.iter().for_each(|&axis| u[axis] = (u[axis] * RASTER).floor() / RASTER);
+    }
+    let samples = subject.sample(&trials.concat())?.into_iter();
+    let spread = samples.zip(trials).filter_map(|(sample, u)| Some((u, sample.filter(|sample| !sample.is_delta())?)));
+    let (u, samples): (Vec<Vec<f64>>, Vec<BsdfSample>) = spread.unzip();
+    let pairs: Vec<Pair> = samples.iter().map(|sample| [subject.wo, sample.wi]).collect();
+    let lobes: Vec<usize> = samples.iter().map(|sample| sample.lobe).collect();
+    let pdfs = subject.bsdf.lobe_pdf(&pairs, &lobes)?;
+    let points = u.into_iter().zip(samples).zip(pdfs);
+    Ok(points.filter_map(|((u, sample), pdf)| Some(MappedPoint { u, sample, pdf: pdf? })).take(POINTS).collect())
+}
+
+/// A derivative of the sampled direction and the bound of its error; `None` at the edge of the lobe.
+type Derivative = Option<(Direction, f64)>;
+
+/// The derivatives by two random numbers at each point.
+fn derivatives(subject: &Subject, points: &[MappedPoint], axes: [usize; 2]) -> Result<Vec<[Derivative; 2]>> {
+    // Every step is also the half of the one before; each is made forwards and backwards.
+    let steps: Vec<f64> = (STEPS.start..=STEPS.end).map(|power| 0.5f64.powi(power)).collect();
+    let moves = |u: f64| steps.iter().flat_map(|step| [-step, *step]).map(|step| u + step).collect::<Vec<f64>>();
+    let inside = |u: &f64| (0.0..1.0).contains(u);
+    let moved = |point: &MappedPoint, axis: usize| {
+        let all = moves(point.u[axis]).into_iter().filter(inside);
+        all.flat_map(|moved| point.u.iter().enumerate().map(move |(i, &u)| if i == axis { moved } else { u })).collect()
+    };
+    let all = points.iter().flat_map(|point| axes.map(|axis| moved(point, axis))).collect::<Vec<Vec<f64>>>();
+    let mut samples = subject.sample(&all.concat())?.into_iter();
+    let mut of = |point: &MappedPoint, axis: usize| {
+        let is_here = |sample: &BsdfSample| sample.lobe == point.sample.lobe && !sample.is_delta();
+        let places: Vec<Option<Direction>> = moves(point.u[axis])
+            .iter()
+            .map(|u| if inside(u) { samples.next()?.filter(is_here).map(|sample| sample.wi) } else { None })
+            .collect();
+        derivative(&places, &steps, subject.properties.precision)
+    };
+    Ok(points.iter().map(|point| axes.map(|axis| of(point, axis))).collect())
+}
+
+/// The derivative from directions before and after each of `steps`.
+fn derivative(places: &[Option<Direction>], steps: &[f64], precision: f64) -> Derivative {
+    let central = |(both, step): (&[Option<Direction>], &f64)| {
+        let (before, after) = (both[0]?, both[1]?);
+        Some([0, 1, 2].map(|i| (after[i] - before[i]) / (2.0 * step)))
+    };
+    let slopes: Vec<Option<Direction>> = places.chunks_exact(2).zip(steps).map(central).collect();
+    let of_step = |(slopes, step): (&[Option<Direction>], &f64)| {
+        let (coarse, fine) = (slopes[0]?, slopes[1]?);
+        let value = [0, 1, 2].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
+        Some((value, distance(value, fine) + ROUNDING * precision / step))
+    };
+    let all: Vec<(Direction, f64)> = slopes.windows(2).zip(steps).filter_map(of_step).collect();
+    let (best, &(value, error)) = all.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    // Rounding that is larger than expected shows in the next steps.
+    let next = [best.checked_sub(1), best.checked_add(1)].into_iter().flatten().filter_map(|i| all.get(i));
+    let spread = next.map(|(other, _)| distance(value, *other)).fold(0.0, f64::at_least);
+    Some((value, error + spread))
+}
+
+fn distance(a: Direction, b: Direction) -> f64 {
+    length([0, 1, 2].map(|i| a[i] - b[i]))
 }

@@ -4,17 +4,13 @@
 //! [`screen`] runs every check on one of them, cheaply. [`Survivors`] collects what looks suspicious, and [`decide`] tests that
 //! again with fresh random numbers: these alone decide. [`shrink()`] looks for the simplest configuration that still fails.
 
-mod configuration;
 mod decide;
-mod screen;
 mod shrink;
 mod space;
 
-pub use configuration::Configuration;
-pub use decide::{Decided, Survivor, Survivors, decide};
-pub use screen::{CONFIRM_LEVEL, Finding, SCREEN_LEVEL, State, confirm, screen};
+pub use decide::{CONFIRM_LEVEL, Decided, Finding, SCREEN_LEVEL, State, Survivor, Survivors, confirm, decide, screen};
 pub use shrink::{Shrunk, fails, shrink};
-pub use space::{Space, Strategy};
+pub use space::{Configuration, Space, Strategy};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! The simplest configuration in which a check still fails.
 
-use super::configuration::Configuration;
-use super::screen::{CONFIRM_LEVEL, Finding, State, confirm};
+use super::decide::{CONFIRM_LEVEL, Finding, State, confirm};
+use super::space::Configuration;
 use crate::bsdf::{Family, Parameter};
 use crate::error::Result;
 use crate::extremes::Extremes;
