@@ -43,7 +43,7 @@ pub fn row_without_sums(probabilities: &[f64], u: f64) -> Option<usize> {
 ///
 /// Right is the sRGB curve, rounded to the nearest.
 #[must_use]
-pub fn encode(value: f32) -> u8 {
+pub fn display_value(value: f32) -> u8 {
     ((std::f32::consts::SQRT_2 * value).powf(1.0 / 2.2).min(1.0) * 255.0) as u8
 }
 
@@ -77,9 +77,9 @@ mod tests {
 
     #[test]
     fn values_are_truncated() {
-        assert_eq!(encode(0.384), 193);
-        assert_eq!(encode(0.38), 192, "192.26");
-        assert_eq!((encode(0.71), encode(0.7)), (255, 253));
-        assert_eq!((encode(0.0), encode(f32::INFINITY)), (0, 255));
+        assert_eq!(display_value(0.384), 193);
+        assert_eq!(display_value(0.38), 192, "192.26");
+        assert_eq!((display_value(0.71), display_value(0.7)), (255, 253));
+        assert_eq!((display_value(0.0), display_value(f32::INFINITY)), (0, 255));
     }
 }

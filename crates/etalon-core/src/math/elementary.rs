@@ -114,7 +114,7 @@ pub fn polynomial<T: Float, const N: usize>(coefficients: &[T; N], t: T) -> T {
 }
 
 /// Ascending coefficients for f32: they leave an error of 2·10⁻⁸.
-pub(super) const SINGLE: [f32; 12] = [
+pub(super) const ERFCX_SINGLE: [f32; 12] = [
     1.253_008_1,
     -0.135_621_07,
     -0.047_562_156,
@@ -130,7 +130,7 @@ pub(super) const SINGLE: [f32; 12] = [
 ];
 
 /// Ascending coefficients for f64: they leave an error of 5·10⁻¹⁷.
-pub(super) const DOUBLE: [f64; 24] = [
+pub(super) const ERFCX_DOUBLE: [f64; 24] = [
     1.253_008_058_269_729_6,
     -0.135_621_106_124_581_17,
     -0.047_562_294_353_420_38,

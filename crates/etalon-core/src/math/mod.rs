@@ -83,8 +83,8 @@ macro_rules! real {
     };
 }
 
-real!(f32, -87.3, elementary::exp_f32, elementary::ln_f32, elementary::SINGLE);
-real!(f64, -708.0, elementary::exp_f64, elementary::ln_f64, elementary::DOUBLE);
+real!(f32, -87.3, elementary::exp_f32, elementary::ln_f32, elementary::ERFCX_SINGLE);
+real!(f64, -708.0, elementary::exp_f64, elementary::ln_f64, elementary::ERFCX_DOUBLE);
 
 /// `f` of every element. The standard library's `map` is not guaranteed to be inlined, and then the loop that calls it does not
 /// vectorize.

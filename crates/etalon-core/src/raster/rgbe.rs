@@ -97,7 +97,7 @@ impl Header {
                 Some((name @ "PRIMARIES", value)) => {
                     let found = numbers(value).and_then(|v| <[f64; 8]>::try_from(v).ok());
                     let found = found.ok_or_else(|| error(format!("no proper {name}: {value:?}")))?;
-                    note = decoded::note(name, found.map(|v| v as f32));
+                    note = decoded::primaries_note(name, found.map(|v| v as f32));
                 }
                 Some(_) => {}
             }

@@ -20,7 +20,7 @@ pub enum ToneMap {
         /// Exposure: log₂ of a factor.
         stops: f32,
     },
-    /// As in the second report: [`errata::images::encode`].
+    /// As in the second report: [`errata::images::display_value`].
     SecondReport,
     /// L / max · 255, truncated as a C cast does, where max is the largest finite channel value of the image: the
     /// first report's PPM, as far as it is known (division first, in single precision). An image without a positive
@@ -43,7 +43,7 @@ impl ToneMap {
         match *self {
             ToneMap::Srgb { stops } => round(srgb_from_linear(value * stops.exp2())),
             ToneMap::Gamma { gamma, stops } => round((value * stops.exp2()).powf(1.0 / gamma)),
-            ToneMap::SecondReport => errata::images::encode(value),
+            ToneMap::SecondReport => errata::images::display_value(value),
             // Without a positive value this is 0/0, NaN, and so black.
             ToneMap::LinearMax => (value / max * 255.0) as u8,
         }

@@ -70,11 +70,11 @@ impl Axis {
     /// Up to about `most` labelled ticks, at their positions along `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
         let mut ticks = match (self.scale, self.every) {
-            _ if !self.names.is_empty() => named(&self.names),
-            _ if !self.at.is_empty() => at(span.lo(), span.hi(), &self.at),
-            (Scale::Log10, _) => log(span.lo(), span.hi(), most),
-            (Scale::Linear, Some(step)) => every(span.lo(), span.hi(), step),
-            (Scale::Linear, None) => linear(span.lo(), span.hi(), most),
+            _ if !self.names.is_empty() => named_ticks(&self.names),
+            _ if !self.at.is_empty() => ticks_at(span.lo(), span.hi(), &self.at),
+            (Scale::Log10, _) => log_ticks(span.lo(), span.hi(), most),
+            (Scale::Linear, Some(step)) => ticks_every(span.lo(), span.hi(), step),
+            (Scale::Linear, None) => linear_ticks(span.lo(), span.hi(), most),
         };
         ticks.major.iter_mut().map(|tick| &mut tick.at).chain(&mut ticks.minor).for_each(|at| *at = span.position(*at));
         ticks
@@ -178,7 +178,7 @@ pub struct Ticks {
 const MOST_STEPS: f64 = 200.0;
 
 /// Steps of 1, 2, 2.5 or 5 times a power of ten, the smallest that gives at most `most` ticks.
-pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
+fn linear_ticks(lo: f64, hi: f64, most: usize) -> Ticks {
     // The smallest round step that is not below the wanted one
     let wanted = (hi - lo) / most.max(2) as f64;
     let power = wanted.log10().floor() as i32;
@@ -190,10 +190,10 @@ pub fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
 }
 
 /// A tick at every multiple of `step`; round steps instead when `step` is not a positive number that fits the range.
-pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
+fn ticks_every(lo: f64, hi: f64, step: f64) -> Ticks {
     let count = (hi - lo) / step;
     if !(step > 0.0 && (0.5..=MOST_STEPS).contains(&count)) {
-        return linear(lo, hi, 8);
+        return linear_ticks(lo, hi, 8);
     }
     let decimals = (0..9)
         .find(|&d| {
@@ -210,7 +210,7 @@ pub fn every(lo: f64, hi: f64, step: f64) -> Ticks {
 }
 
 /// Ticks at those of `places` that lie in the range, labelled with as many decimals as each needs, up to six.
-pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
+fn ticks_at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
     let inside = places.iter().filter(|p| (lo..=hi).contains(*p));
     let decimals = |v: f64| (0..6).find(|&d| (v * ten(d) - (v * ten(d)).round()).abs() < 1e-6).unwrap_or(6) as usize;
     let major = inside.map(|&at| Tick { at, label: number(at, decimals(at)) }).collect();
@@ -218,7 +218,7 @@ pub fn at(lo: f64, hi: f64, places: &[f64]) -> Ticks {
 }
 
 /// A tick in the middle of each place of a list, which is one wide.
-pub fn named(names: &[String]) -> Ticks {
+fn named_ticks(names: &[String]) -> Ticks {
     let tick = |(i, name): (usize, &String)| Tick { at: i as f64 + 0.5, label: name.clone() };
     Ticks { major: names.iter().enumerate().map(tick).collect(), ..Ticks::default() }
 }
@@ -245,10 +245,10 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
 
 /// Decades, all or every n-th, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
 /// holds no two decades. Needs `lo > 0`.
-pub fn log(lo: f64, hi: f64, most: usize) -> Ticks {
+fn log_ticks(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);
     if last <= first {
-        return within_two_decades(lo, hi).unwrap_or(Ticks { minor: Vec::new(), ..linear(lo, hi, most.min(6)) });
+        return within_two_decades(lo, hi).unwrap_or(Ticks { minor: Vec::new(), ..linear_ticks(lo, hi, most.min(6)) });
     }
     // Label every stride-th decade
     let least = (last - first + 1).unsigned_abs().div_ceil(most.max(2) as u32) as i32;
@@ -360,24 +360,24 @@ mod tests {
     #[test]
     fn labels_are_round() {
         let cases = [
-            (linear(0.0, 1.0, 6), "0.0 0.2 0.4 0.6 0.8 1.0", 0),
-            (linear(-1.0, 1.0, 5), "−1.0 −0.5 0.0 0.5 1.0", 0),
-            (linear(0.0, 90.0, 10), "0 10 20 30 40 50 60 70 80 90", 0),
-            (linear(0.0, 1000.0, 4), "0 500 1000", 0),
-            (linear(0.0, 0.1, 5), "0.000 0.025 0.050 0.075 0.100", 0),
+            (linear_ticks(0.0, 1.0, 6), "0.0 0.2 0.4 0.6 0.8 1.0", 0),
+            (linear_ticks(-1.0, 1.0, 5), "−1.0 −0.5 0.0 0.5 1.0", 0),
+            (linear_ticks(0.0, 90.0, 10), "0 10 20 30 40 50 60 70 80 90", 0),
+            (linear_ticks(0.0, 1000.0, 4), "0 500 1000", 0),
+            (linear_ticks(0.0, 0.1, 5), "0.000 0.025 0.050 0.075 0.100", 0),
             // Tiny and huge values share a factor.
-            (linear(0.0, 4e-7, 5), "0 1 2 3 4", -7),
-            (linear(-2e6, 2e6, 5), "−2 −1 0 1 2", 6),
-            (every(0.0, 90.0, 15.0), "0 15 30 45 60 75 90", 0),
-            (every(0.0, 0.5, 0.25), "0.00 0.25 0.50", 0),
-            (at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0]), "8 16 32", 0),
-            (at(0.01, 1.0, &[0.02, 0.25, 1.0]), "0.02 0.25 1", 0),
-            (named(&["a".into(), "b".into()]), "a b", 0),
-            (log(1e-3, 1.0, 8), "10^{−3} 10^{−2} 10^{−1} 10^{0}", 0),
-            (log(1e-30, 1.0, 4), "10^{−30} 10^{−20} 10^{−10} 10^{0}", 0),
+            (linear_ticks(0.0, 4e-7, 5), "0 1 2 3 4", -7),
+            (linear_ticks(-2e6, 2e6, 5), "−2 −1 0 1 2", 6),
+            (ticks_every(0.0, 90.0, 15.0), "0 15 30 45 60 75 90", 0),
+            (ticks_every(0.0, 0.5, 0.25), "0.00 0.25 0.50", 0),
+            (ticks_at(8.0, 40.0, &[4.0, 8.0, 16.0, 32.0, 64.0]), "8 16 32", 0),
+            (ticks_at(0.01, 1.0, &[0.02, 0.25, 1.0]), "0.02 0.25 1", 0),
+            (named_ticks(&["a".into(), "b".into()]), "a b", 0),
+            (log_ticks(1e-3, 1.0, 8), "10^{−3} 10^{−2} 10^{−1} 10^{0}", 0),
+            (log_ticks(1e-30, 1.0, 4), "10^{−30} 10^{−20} 10^{−10} 10^{0}", 0),
             // No two decades inside: plain round values; one decade inside: round steps of the logarithm.
-            (log(2.0, 8.0, 6), "2 4 6 8", 0),
-            (log(0.12, 2.8, 6), "0.2 0.5 1 2", 0),
+            (log_ticks(2.0, 8.0, 6), "2 4 6 8", 0),
+            (log_ticks(0.12, 2.8, 6), "0.2 0.5 1 2", 0),
         ];
         for (ticks, expected, exponent) in cases {
             assert_eq!((labels(&ticks).as_str(), ticks.exponent), (expected, exponent));
@@ -386,10 +386,10 @@ mod tests {
 
     #[test]
     fn minor_ticks_divide_steps() {
-        assert_eq!(every(0.0, 90.0, 15.0).minor[..3], [3.0, 6.0, 9.0]);
-        assert_eq!((log(1e-3, 1.0, 8).minor.len(), log(0.12, 2.8, 6).minor.len()), (24, 6));
+        assert_eq!(ticks_every(0.0, 90.0, 15.0).minor[..3], [3.0, 6.0, 9.0]);
+        assert_eq!((log_ticks(1e-3, 1.0, 8).minor.len(), log_ticks(0.12, 2.8, 6).minor.len()), (24, 6));
         for useless in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1e9] {
-            assert_eq!(every(0.0, 90.0, useless), linear(0.0, 90.0, 8), "{useless}");
+            assert_eq!(ticks_every(0.0, 90.0, useless), linear_ticks(0.0, 90.0, 8), "{useless}");
         }
     }
 
@@ -399,8 +399,8 @@ mod tests {
         for (i, &lo) in ends.iter().enumerate() {
             for (&hi, most) in ends[i + 1..].iter().flat_map(|hi| [0, 1, 5, 40].map(|most| (hi, most))) {
                 let few = |ticks: Ticks, minor| ticks.major.len() <= 42 && ticks.minor.len() <= minor;
-                assert!(few(linear(lo, hi, most), 250), "{lo} {hi} {most}");
-                assert!(lo <= 0.0 || few(log(lo, hi, most), 700), "{lo} {hi} {most}");
+                assert!(few(linear_ticks(lo, hi, most), 250), "{lo} {hi} {most}");
+                assert!(lo <= 0.0 || few(log_ticks(lo, hi, most), 700), "{lo} {hi} {most}");
             }
         }
     }

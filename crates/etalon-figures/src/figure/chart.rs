@@ -43,7 +43,7 @@ impl Chart {
             Some(map) => {
                 sketch.drawing.image(sketch.axes.frame, map.image());
                 if has_own.bar {
-                    room = heatmap::beside(&mut sketch.drawing, map, &sketch.axes.frame);
+                    room = heatmap::bar_beside(&mut sketch.drawing, map, &sketch.axes.frame);
                 }
             }
             None => sketch.axes.grid(&mut sketch.drawing),

@@ -139,7 +139,7 @@ const GAP: f64 = 12.0;
 const STEPS: usize = 256;
 
 /// Draws the bar of `map` to the right of `frame`; returns the room needed outside the frame.
-pub(super) fn beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Sides {
+pub(super) fn bar_beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Sides {
     let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
     let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
     drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));

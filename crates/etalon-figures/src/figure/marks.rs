@@ -63,7 +63,7 @@ impl Sketch<'_> {
 
     /// The parts of a line within the frame.
     fn curve(&mut self, positions: &[Point], stroke: Stroke) {
-        for part in line(positions) {
+        for part in clipped_line(positions) {
             let places: Vec<Point> = part.iter().map(|&p| self.place(p)).collect();
             self.space.add_line(&places, stroke.width + 2.0 * CLEAR);
             let path: Vec<(f64, f64)> = part.into_iter().map(Into::into).collect();
@@ -74,7 +74,7 @@ impl Sketch<'_> {
 
     /// The part of an area within the frame.
     fn fill(&mut self, positions: Vec<Point>, colour: Colour) {
-        let path: Vec<(f64, f64)> = polygon(positions).into_iter().map(Into::into).collect();
+        let path: Vec<(f64, f64)> = clipped_polygon(positions).into_iter().map(Into::into).collect();
         if !path.is_empty() {
             let area = Polygon::new(path, style(colour, true, 0.0));
             self.axes.chart(&mut self.drawing, theme::SOLID).draw_series([area]).expect(NEVER);
@@ -161,7 +161,7 @@ impl Sketch<'_> {
 }
 
 /// The parts of a line that lie inside the unit square. A point that is not finite breaks the line.
-pub(super) fn line(points: &[Point]) -> Vec<Vec<Point>> {
+pub(super) fn clipped_line(points: &[Point]) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut open = false;
     for pair in points.windows(2) {
@@ -203,7 +203,7 @@ fn segment(a: Point, b: Point) -> Option<(Point, Point)> {
 }
 
 /// The part of a polygon inside the unit square (Sutherland and Hodgman, 1974); empty when there is none.
-pub(super) fn polygon(points: Vec<Point>) -> Vec<Point> {
+pub(super) fn clipped_polygon(points: Vec<Point>) -> Vec<Point> {
     let mut points = points;
     for (axis, limit, sign) in [(0, 0.0, 1.0), (0, 1.0, -1.0), (1, 0.0, 1.0), (1, 1.0, -1.0)] {
         let depth = |p: &Point| sign * (p[axis] - limit);
@@ -232,20 +232,23 @@ mod tests {
 
     #[test]
     fn lines_are_cut_at_the_edge_and_broken_at_gaps() {
-        let parts = line(&[[-0.5, 0.5], [0.5, 0.5], [0.5, 2.5], [0.8, 2.5], [0.8, -1.0]]);
+        let parts = clipped_line(&[[-0.5, 0.5], [0.5, 0.5], [0.5, 2.5], [0.8, 2.5], [0.8, -1.0]]);
         assert_eq!(parts, [vec![[0.0, 0.5], [0.5, 0.5], [0.5, 1.0]], vec![[0.8, 1.0], [0.8, 0.0]]]);
-        let parts = line(&[[0.1, 0.1], [0.2, 0.2], [0.3, f64::NAN], [0.4, 0.4], [0.5, 0.5]]);
+        let parts = clipped_line(&[[0.1, 0.1], [0.2, 0.2], [0.3, f64::NAN], [0.4, 0.4], [0.5, 0.5]]);
         assert_eq!(parts, [vec![[0.1, 0.1], [0.2, 0.2]], vec![[0.4, 0.4], [0.5, 0.5]]]);
         for nothing in [&[[0.5, f64::INFINITY], [0.5, 0.5]][..], &[[0.5, 0.5]], &[]] {
-            assert!(line(nothing).is_empty(), "{nothing:?}");
+            assert!(clipped_line(nothing).is_empty(), "{nothing:?}");
         }
     }
 
     #[test]
     fn polygons_are_cut_at_the_edge() {
-        let mut cut = polygon(vec![[-1.0, 0.25], [2.0, 0.25], [2.0, 0.75], [-1.0, 0.75]]);
+        let mut cut = clipped_polygon(vec![[-1.0, 0.25], [2.0, 0.25], [2.0, 0.75], [-1.0, 0.75]]);
         cut.sort_by(|a, b| a.partial_cmp(b).unwrap());
         assert_eq!(cut, [[0.0, 0.25], [0.0, 0.75], [1.0, 0.25], [1.0, 0.75]]);
-        assert!(polygon(vec![[2.0, 2.0], [3.0, 2.0], [3.0, 3.0]]).is_empty() && polygon(Vec::new()).is_empty());
+        assert!(
+            clipped_polygon(vec![[2.0, 2.0], [3.0, 2.0], [3.0, 3.0]]).is_empty()
+                && clipped_polygon(Vec::new()).is_empty()
+        );
     }
 }

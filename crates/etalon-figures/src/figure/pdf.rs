@@ -151,7 +151,7 @@ impl Page {
             };
             let codes = self.fonts.entry(run.face).or_default().encode(run.face, &run.text);
             self.content.set_text_matrix(matrix);
-            self.content.set_font(Name(name(run.face).as_bytes()), short(run.size));
+            self.content.set_font(Name(font_name(run.face).as_bytes()), short(run.size));
             self.content.show(Str(&codes));
             along += run.width();
         }
@@ -179,7 +179,7 @@ impl Page {
         let mut resources = dict.resources();
         let mut names = resources.fonts();
         for &(face, font) in &fonts {
-            names.pair(Name(name(face).as_bytes()), font);
+            names.pair(Name(font_name(face).as_bytes()), font);
         }
         names.finish();
         let mut names = resources.x_objects();
@@ -336,7 +336,7 @@ impl Subset {
 }
 
 /// What the page calls a font.
-pub(super) fn name(face: Face) -> &'static str {
+pub(super) fn font_name(face: Face) -> &'static str {
     match face {
         Face::Regular => "F0",
         Face::Oblique => "F1",

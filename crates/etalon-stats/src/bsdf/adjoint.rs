@@ -33,7 +33,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
         let (there, back) = (channel_of(&there, channel), channel_of(&back, channel));
         let numbers: Vec<[f64; 2]> = (0..pairs.len()).map(|i| [eta2(i) * there[i], back[i]]).collect();
         let rounding = |far: &[usize]| {
-            let of = |reciprocal_values: &[f64]| far.iter().map(|&i| reciprocal_values[i]).collect::<Vec<f64>>();
+            let of = |values: &[f64]| far.iter().map(|&i| values[i]).collect::<Vec<f64>>();
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
             let eval = |pairs: &[Pair]| Ok(channel_of(&bsdf.eval(pairs, &[])?, channel));
             let of_there = subject.rounding(&of(&there), &pairs, eval)?;
@@ -91,24 +91,22 @@ fn adjoint_values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: 
     let Subject { bsdf, properties, wo, .. } = subject;
     let spread = samples.iter().filter(|(_, sample)| !sample.is_delta());
     let pairs: Vec<Pair> = spread.map(|(_, sample)| [*wo, sample.wi]).collect();
-    let adjoint_values = bsdf.eval_adjoint(&pairs)?;
-    let known = pairs.into_iter().zip(adjoint_values).filter_map(|(pair, value)| Some((pair, value?)));
+    let values = bsdf.eval_adjoint(&pairs)?;
+    let known = pairs.into_iter().zip(values).filter_map(|(pair, value)| Some((pair, value?)));
     let (pairs, adjoint): (Vec<Pair>, Vec<_>) = known.unzip();
     let back = bsdf.eval(&swapped(&pairs), &[])?;
     for channel in 0..properties.channels {
         let numbers: Vec<[f64; 2]> =
             adjoint.iter().zip(&back).map(|(adjoint, back)| [adjoint[channel], back[channel]]).collect();
         let rounding = |far: &[usize]| {
-            let of = |adjoint_values: fn([f64; 2]) -> f64| {
-                far.iter().map(|&i| adjoint_values(numbers[i])).collect::<Vec<f64>>()
-            };
+            let of = |values: fn([f64; 2]) -> f64| far.iter().map(|&i| values(numbers[i])).collect::<Vec<f64>>();
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
             let of_back = subject.rounding(&of(|[_, back]| back), &swapped(&pairs), |pairs| {
                 Ok(channel_of(&bsdf.eval(pairs, &[])?, channel))
             })?;
             let of_adjoint = subject.rounding(&of(|[adjoint, _]| adjoint), &pairs, |pairs| {
-                let adjoint_values = bsdf.eval_adjoint(pairs)?.into_iter();
-                Ok(adjoint_values.map(|value| value.map_or(f64::NAN, |f| f[channel])).collect())
+                let values = bsdf.eval_adjoint(pairs)?.into_iter();
+                Ok(values.map(|value| value.map_or(f64::NAN, |f| f[channel])).collect())
             })?;
             Ok(of_back.iter().zip(of_adjoint).map(|(a, b)| a + b).collect())
         };

@@ -234,7 +234,7 @@ fn read_table(path: &Path) -> Result<(usize, usize, Vec<f64>)> {
 /// Longest line, in bytes.
 const LONGEST: u64 = 1 << 20;
 
-pub struct Lines {
+struct Lines {
     path: PathBuf,
     file: BufReader<File>,
     line: Vec<u8>,

@@ -32,7 +32,10 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
     if matches!(choice.layer.fit, Fit::Colour | Fit::SomeColour) {
         let found = header.shared_attributes.chromaticities;
         notes.extend(found.and_then(|Chromaticities { red, green, blue, white }| {
-            decoded::note("chromaticities", [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1])
+            decoded::primaries_note(
+                "chromaticities",
+                [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1],
+            )
         }));
     }
     let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
