@@ -1,4 +1,4 @@
-//! Scene and mesh files of other programs, read as a [`Scene`](crate::scene::Scene) and a [`Request`](crate::scene::Request).
+//! Scene and mesh files of other programs, read as a [`Scene`] and a [`Request`].
 
 pub mod collada;
 pub mod mesh;

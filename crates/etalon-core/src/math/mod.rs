@@ -38,7 +38,7 @@ pub trait Real: num_traits::Float + num_traits::FloatConst + std::fmt::Debug + S
     /// ln x for normal x > 0; see [`elementary`].
     fn logarithm(self) -> Self;
 
-    /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`error_function`].
+    /// exp(x²) erfc(x) for x ≥ 0, to a few units of the type's last place; see [`elementary`].
     fn erfcx(self) -> Self;
 
     /// erf(x) for x ≥ 0, to a few units of the last place of 1.
