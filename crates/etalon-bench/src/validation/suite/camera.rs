@@ -40,7 +40,8 @@ pub fn camera(name: String, projection: Projection, pdf_of: CameraPdf) -> Case {
     Case::of(name, Square, move || {
         let position = DVec3::new(1.0, 2.0, 3.0);
         let camera = Camera::look_at(position, DVec3::ZERO, DVec3::Y, projection).expect("it does not look up");
-        let (prepared, prepared_too) = (PreparedCamera::new(&camera, FILM[0], FILM[1]), PreparedCamera::new(&camera, FILM[0], FILM[1]));
+        let (prepared, prepared_too) =
+            (PreparedCamera::new(&camera, FILM[0], FILM[1]), PreparedCamera::new(&camera, FILM[0], FILM[1]));
         // Half of the wall's sides, as large as the film shows it.
         let [x, y] = match projection {
             Projection::Orthographic { half_width, half_height } => [half_width, half_height],
