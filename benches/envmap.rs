@@ -106,7 +106,7 @@ fn median_cut(c: &mut Criterion) {
     let mut group = c.benchmark_group("median-cut-1024x512");
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
     for n in [64, 1024] {
-        for (name, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
+        for (name, split) in Split::ALL.map(|split| (split.name(), split)) {
             group.bench_with_input(BenchmarkId::new(name, n), &n, |b, &n| {
                 b.iter(|| MedianCut::new(&map, split, SideRule::default()).regions(n));
             });

@@ -28,9 +28,8 @@ pub struct Cut {
     /// the region with the most energy first.
     #[arg(short, value_name = "N,...", value_delimiter = ',', action = ArgAction::Set, default_value = "2,4,16,64")]
     n: Vec<usize>,
-    /// Cut where the energy halves, or where the larger variance is smallest
-    #[arg(long, default_value = "energy",
-          value_parser = choice([("energy", "", Split::Energy), ("variance", "", Split::Variance)]))]
+    /// Where a region is cut
+    #[arg(long, default_value = Split::default().name(), value_parser = choice(Split::ALL.map(|s| (s.name(), s.about(), s))))]
     split: Split,
     /// Put lights at energy centroids, or at the first report's median pixels
     #[arg(long, default_value = "energy",

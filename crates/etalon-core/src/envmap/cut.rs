@@ -29,6 +29,37 @@ pub enum Split {
     Variance,
 }
 
+impl Split {
+    /// All rules, in the order in which they are listed.
+    pub const ALL: [Self; 2] = [Self::Energy, Self::Variance];
+
+    /// Its name at the command line and in names of test cases.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Energy => "energy",
+            Self::Variance => "variance",
+        }
+    }
+
+    /// How it chooses the place, in a few words.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Energy => "across the longer side, where the energy halves",
+            Self::Variance => "where the larger variance of the halves is smallest",
+        }
+    }
+
+    /// Whether it needs the first moments of the energy.
+    const fn needs_moments(self) -> bool {
+        match self {
+            Self::Energy => false,
+            Self::Variance => true,
+        }
+    }
+}
+
 /// How the sides of a region are measured, of which the longer one is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SideRule {
@@ -70,8 +101,9 @@ fn ordered(x: f64) -> Ordered {
 pub struct MedianCut<'a> {
     map: &'a EnvMap,
     energy: SummedArea,
-    /// First moments Σ E ω, one table per axis; only the variance rule needs them.
+    /// First moments Σ E ω, one table per axis, if the rule needs them.
     moments: Option<[SummedArea; 3]>,
+    split: Split,
     /// Used by the energy rule; the variance rule tries cuts along both sides.
     sides: SideRule,
 }
@@ -80,18 +112,19 @@ impl<'a> MedianCut<'a> {
     /// Memory that the tables take for each texel.
     #[must_use]
     pub const fn bytes(split: Split) -> usize {
-        size_of::<f64>() * if matches!(split, Split::Variance) { 4 } else { 1 }
+        size_of::<f64>() * if split.needs_moments() { 4 } else { 1 }
     }
 
-    /// Tabulates the energies of `map`, and for [`Split::Variance`] their first moments.
+    /// Tabulates the energies of `map`, and their first moments if the rule needs them.
     #[must_use]
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();
         let table = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| SummedArea::new(g.width(), g.height(), value);
         let energy_of = |x: usize, y: usize| map.energy(x, y);
-        let moments = (split == Split::Variance)
+        let moments = split
+            .needs_moments()
             .then(|| [0, 1, 2].map(|axis| table(&|x, y| energy_of(x, y) * g.direction_in_texel(x, y, 0.5, 0.5)[axis])));
-        Self { map, energy: table(&energy_of), moments, sides }
+        Self { map, energy: table(&energy_of), moments, split, sides }
     }
 
     /// Divides the map into exactly `n` regions, in reading order of their corners.
@@ -106,7 +139,7 @@ impl<'a> MedianCut<'a> {
         }
         // Cut level by level where the number allows that, single texels staying whole, then the region of highest priority until there are `n`.
         let whole = Block { x0: 0, y0: 0, x1: width, y1: height };
-        let level_by_level = self.moments.is_none() && n.is_power_of_two();
+        let level_by_level = self.split == Split::Energy && n.is_power_of_two();
         let halves = |block| self.cut(block).map_or(vec![block], Vec::from);
         let blocks = (0..if level_by_level { n.ilog2() } else { 0 })
             .fold(vec![whole], |blocks, _| blocks.into_iter().flat_map(halves).collect());
@@ -128,14 +161,20 @@ impl<'a> MedianCut<'a> {
     fn candidate(&self, block: Block) -> Candidate {
         let g = self.map.geometry();
         let column: f64 = (block.y0..block.y1).map(|y| g.solid_angle(y)).sum();
-        let priority = if self.moments.is_some() { self.variance(block) } else { self.energy.sum(block) };
+        let priority = match self.split {
+            Split::Energy => self.energy.sum(block),
+            Split::Variance => self.variance(block),
+        };
         let solid_angle = column * (block.x1 - block.x0) as f64;
         (ordered(priority), ordered(solid_angle), Reverse((block.y0, block.x0)), block)
     }
 
     /// The two halves of a region; `None` for a single texel.
     fn cut(&self, block: Block) -> Option<[Block; 2]> {
-        if self.moments.is_some() { self.cut_by_variance(block) } else { self.cut_by_energy(block, self.sides) }
+        match self.split {
+            Split::Energy => self.cut_by_energy(block, self.sides),
+            Split::Variance => self.cut_by_variance(block),
+        }
     }
 
     fn cut_by_energy(&self, block: Block, sides: SideRule) -> Option<[Block; 2]> {

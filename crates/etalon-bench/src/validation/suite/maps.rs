@@ -115,9 +115,9 @@ fn is_black(map: &EnvMap) -> bool {
 /// The cuts of the suite.
 pub fn cuts() -> Vec<Case> {
     let mut cases = Vec::new();
-    for (rule, split) in [("energy", Split::Energy), ("variance", Split::Variance)] {
+    for split in Split::ALL {
         for regions in [1, 16, 77] {
-            cases.push(strata(format!("strata/{rule}/{regions}"), split, regions, ENERGY));
+            cases.push(strata(format!("strata/{}/{regions}", split.name()), split, regions, ENERGY));
         }
     }
     cases

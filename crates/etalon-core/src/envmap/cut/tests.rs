@@ -23,7 +23,7 @@ fn regions_tile_the_map_and_keep_its_flux() {
     for map in maps() {
         let flux = DVec3::from_array(Info::of(&map).flux_rgb);
         let (w, h) = (map.geometry().width(), map.geometry().height());
-        for split in [Split::Energy, Split::Variance] {
+        for split in Split::ALL {
             for sides in [SideRule::Sphere, SideRule::Texels] {
                 let cut = MedianCut::new(&map, split, sides);
                 assert!(cut.regions(0).is_err() && cut.regions(w * h + 1).is_err());
