@@ -62,7 +62,7 @@ impl PreparedCamera {
     /// The area that the whole image covers at the distance of a point, of surfaces that face the camera.
     #[inline]
     pub fn area_at(&self, point: Vec3) -> f32 {
-        // The film's area, one unit of length away, over cos³ θ / d², θ the angle to the axis and d the distance.
+        // The film's area, one unit of length away, times d² cos³ θ, θ the angle to the axis and d the distance.
         let film = 4.0 * self.right.length() * self.up.length();
         if self.parallel {
             return film;

@@ -231,7 +231,7 @@ pub struct Hits {
     pub t: Lane,
     /// Number of the object in [`super::geometry::Geometry`], or [`NOTHING`].
     pub object: [u32; LANES],
-    /// For meshes: index of the triangle in the tree.
+    /// For meshes: index of the triangle in the tree. Like `u` and `v`, stale where anything else was hit.
     pub place: [u32; LANES],
     /// Barycentric weight of the triangle's second corner.
     pub u: Lane,

@@ -23,7 +23,7 @@ impl LightSample {
     pub const BLACK: Self = Self { wi: Vec3::Y, distance: f32::INFINITY, weight: Rgb::ZERO, pdf: f32::INFINITY };
 }
 
-/// Samples directions towards a light.
+/// Samples directions towards a light, uniformly by solid angle: the pdf depends on the point alone.
 pub trait SampleLight {
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
 

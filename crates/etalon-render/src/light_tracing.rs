@@ -14,7 +14,7 @@
 //! with p per area, for n_l light paths beside n_c camera paths. The distances cancel. What remains of a vertex is p⊥←(wo) /
 //! p⊥→(wi), pdfs per projected solid angle ([`projected`]); at a delta lobe [`delta_ratio`]. At x₁, which light tracing connects to the
 //! camera without sampling, p←(wo) is 1; the camera contributes the area that the image covers there
-//! ([`LightTracing::from_camera`]), and the light its [`density`](LightTracing::density). Camera paths carry q; light paths carry the
+//! ([`LightTracing::q_at_camera`]), and the light its [`density`](LightTracing::density). Camera paths carry q; light paths carry the
 //! densities of the other techniques over their own, from the same factors.
 //!
 //! The weights depend on the path alone, not on the pixel or its filter. For each path those of all techniques sum to 1, and each technique has
@@ -138,7 +138,7 @@ impl LightTracing {
 
     /// q of a path that has left the camera, for a first hit where the whole image covers `area`.
     #[inline]
-    pub fn from_camera(area: f32) -> f32 {
+    pub fn q_at_camera(area: f32) -> f32 {
         area / SAMPLES_PER_LIGHT_PATH as f32
     }
 

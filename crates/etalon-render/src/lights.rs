@@ -1,5 +1,5 @@
-//! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the point lights
-//! that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
+//! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the directional
+//! lights that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
 use super::lanes::{NOTHING, Ray};
 use super::light_sample::{LightPoint, LightSample, SampleLight};

@@ -22,7 +22,7 @@ pub struct PreviousVertex {
     pub kind: Kind,
     /// The density of light tracing over that of this path, except for the factors that the next vertices contribute; 0 where light
     /// tracing cannot find the path. See [`super::light_tracing`].
-    pub light_tracing: f32,
+    pub q: f32,
     /// Whether light tracing finds light that is found next: its paths start towards surfaces that are not diffuse, and are
     /// connected to the camera at the second vertex or later.
     pub is_caustic: bool,
@@ -32,14 +32,14 @@ plain_items! { PreviousVertex = PreviousVertex::CAMERA }
 
 impl PreviousVertex {
     pub const CAMERA: Self =
-        Self { specular: true, pdf: 0.0, normal: Vec3::Z, kind: Kind::Delta, light_tracing: 0.0, is_caustic: false };
+        Self { specular: true, pdf: 0.0, normal: Vec3::Z, kind: Kind::Delta, q: 0.0, is_caustic: false };
 
     /// `light_tracing` of the next vertex, from its value with the factor of the direction to the viewer and the pdf per
     /// projected solid angle of the new direction.
     #[inline]
-    pub fn continued(light_tracing: f32, projected_pdf: impl FnOnce() -> f32) -> f32 {
-        let projected_pdf = if light_tracing > 0.0 { projected_pdf() } else { 0.0 };
-        if projected_pdf > 0.0 { light_tracing / projected_pdf } else { 0.0 }
+    pub fn q_over_pdf(q: f32, projected_pdf: impl FnOnce() -> f32) -> f32 {
+        let projected_pdf = if q > 0.0 { projected_pdf() } else { 0.0 };
+        if projected_pdf > 0.0 { q / projected_pdf } else { 0.0 }
     }
 }
 
@@ -56,7 +56,7 @@ pub struct EmitterHit {
 }
 
 impl PreparedScene<'_> {
-    /// Whether paths go on to other surfaces after n scatterings and one more.
+    /// Whether a path may scatter again at the next surface, after n scatterings and one more.
     #[inline]
     pub fn may_continue(&self, scatterings: u32) -> bool {
         scatterings + 1 < self.request.max_depth && !self.is_lone_convex
@@ -75,8 +75,7 @@ impl PreparedScene<'_> {
         is_left && (self.has_emitters || self.scene.environment.is_some())
     }
 
-    /// The weight of light that a ray finds, by the balance heuristic over all techniques that find it: the only place that knows
-    /// which do. `by_light` is the density of light samples at the previous vertex, `by_light_path` what the light contributes
+    /// The weight of light that a ray finds, by the balance heuristic over all techniques that find it. `by_light` is the density of light samples at the previous vertex, `by_light_path` what the light contributes
     /// to the density of light tracing.
     #[inline]
     fn emission_weight(
@@ -90,8 +89,8 @@ impl PreparedScene<'_> {
         }
         let is_sampled = !previous.specular && self.sampling.is_mis();
         let by_light = if is_sampled { by_light() / previous.pdf } else { 0.0 };
-        let is_traced = previous.is_caustic && previous.light_tracing > 0.0;
-        let by_light_path = if is_traced { previous.light_tracing * by_light_path() } else { 0.0 };
+        let is_traced = previous.is_caustic && previous.q > 0.0;
+        let by_light_path = if is_traced { previous.q * by_light_path() } else { 0.0 };
         balance_heuristic(1.0, [by_light, by_light_path])
     }
 

@@ -1,5 +1,7 @@
-//! One record per object with its BSDF and emission: scene materials become BSDFs under the settings of the render; and shading normals
-//! that differ from the surface's: what light paths are multiplied by, and which paths have no density of light tracing.
+//! One record per object with its BSDF and emission: scene materials become BSDFs under the settings of the render.
+//!
+//! Also what follows where shading normals differ from the surface's: the factor of light paths, and which paths have no density of light
+//! tracing.
 //!
 //! Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, section 5.3.
 

@@ -1,7 +1,7 @@
 //! Direct light: samples of every source of light at the interactions with a material, and the shadow rays towards them.
 
 use super::bsdf::{Scattered, eval_many, reverse_pdf_many};
-use super::scatter::light_tracing_ratio;
+use super::scatter::next_q;
 use super::state::{Interactions, Radiance, ShadowRay, ShadowRays, Step, Vertices};
 use super::surfaces::Material;
 use crate::environment::BsdfOnly;
@@ -72,7 +72,7 @@ pub fn sample_direct_light(
             if material.kind().is_diffuse() {
                 diffuse_shadow_rays(step, interactions, samples, count, shadow_rays);
             } else {
-                any_shadow_rays(step, material, vertices, samples, count, scattered, shadow_rays);
+                general_shadow_rays(step, material, vertices, samples, count, scattered, shadow_rays);
             }
             radiance.work.rays += shadow_rays.count;
             if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
@@ -226,8 +226,8 @@ fn diffuse_shadow_rays(
             // What the shading normal would let through the surface is black.
             let cos = if at(&interactions.n, i).dot(wi) > 0.0 { cos } else { 0.0 };
             let by_bsdf = cos * FRAC_1_PI;
-            let share = balance_heuristic(n * samples.pdf[i], [by_bsdf, 0.0]);
-            let value = at(&interactions.beta, i) * at(&samples.weight, i) * (by_bsdf * share / n);
+            let mis_weight = balance_heuristic(n * samples.pdf[i], [by_bsdf, 0.0]);
+            let value = at(&interactions.beta, i) * at(&samples.weight, i) * (by_bsdf * mis_weight / n);
             let t_max = if value == Rgb::ZERO { 0.0 } else { samples.limit[i] };
             [value.x, value.y, value.z, t_max]
         },
@@ -235,7 +235,7 @@ fn diffuse_shadow_rays(
 }
 
 /// Rays from any other surface towards light samples, `n` for each, except black ones.
-fn any_shadow_rays(
+fn general_shadow_rays(
     step: Step,
     material: Material,
     vertices: &Vertices,
@@ -266,10 +266,10 @@ fn any_shadow_rays(
         if !(value.max_element() > 0.0 && surface.normal.dot(wi) * local.z > 0.0) {
             continue;
         }
-        let by_light_tracing = if interactions.light_tracing[i] > 0.0 && step.depth > 0 {
+        let by_light_tracing = if interactions.q[i] > 0.0 && step.depth > 0 {
             let emission = emission_density(scene, vertices.surface(i).position, samples, i);
             let reverse_pdf = || scattered.reverse_pdf[i];
-            light_tracing_ratio(step, vertices, i, wi, 1.0, reverse_pdf) * emission
+            next_q(step, vertices, i, wi, 1.0, reverse_pdf) * emission
         } else {
             0.0
         };

@@ -116,17 +116,19 @@ pub fn trace_light_paths(
         let samples = RaySamples::of_light_paths(streams, scatterings + 1);
         next.count = 0;
         // Light paths start towards surfaces that are not diffuse.
-        let object = |i: usize, shader: &SurfaceShader| {
+        let group = |i: usize, shader: &SurfaceShader| {
             let is_start = matches!(paths.previous[i], PreviousOfLight::Light { .. }) && shader.kind.is_diffuse();
             (shader.bsdf.is_reciprocal() && !is_start).then_some(hits.object[i])
         };
-        for group in by_material.sort(scene, hits, paths.count, object) {
-            let shader = evaluate(scene, paths, hits, group, vertices);
+        for group in by_material.sort(scene, hits, paths.count, group) {
+            let shader = evaluate_vertices(scene, paths, hits, group, vertices);
             if scatterings > 0 && shader.kind != Kind::Delta {
                 connections.add(scene, camera, shader, paths, vertices);
             }
-            let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
-            scatter(scene, samples, Material { shader, bsdfs }, paths, vertices, scattered, next);
+            if scatterings + 1 < scene.request.max_depth {
+                let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
+                scatter(scene, samples, Material { shader, bsdfs }, paths, vertices, scattered, next);
+            }
         }
         traced += connections.contributions.len();
         connections.splat(scene, camera, splats);
@@ -155,7 +157,7 @@ fn start(scene: &PreparedScene, tracing: &LightTracing, streams: &Streams, count
 }
 
 /// Evaluates the surfaces that these paths, all on one object, have hit, where both normals agree about the light.
-fn evaluate<'a>(
+fn evaluate_vertices<'a>(
     scene: &'a PreparedScene,
     paths: &LightPaths,
     hits: &Hits,
@@ -165,15 +167,15 @@ fn evaluate<'a>(
     let Vertices { interactions, frames } = vertices;
     let shader = &scene.shaders[hits.object[group[0] as usize] as usize];
     (interactions.count, frames.count) = (0, 0);
-    for &path in group {
-        let i = path as usize;
+    for &ray in group {
+        let i = ray as usize;
         let (frame, ns) = shading_frame(scene, shader, &paths.ray, hits, i);
         let (n, origin) = (frame.surface.normal, frame.surface.position);
         if is_sound([n, frame.surface.shading], frame.wo) {
             let (slot, beta) = (paths.slot[i], at(&paths.power, i));
             let path_class = paths.path_class[i].then_diffuse();
             frames.push(frame);
-            interactions.push(Interaction { path, slot, n, ns, origin, beta, path_class, light_tracing: 0.0 });
+            interactions.push(Interaction { ray, slot, n, ns, origin, beta, path_class, q: 0.0 });
         }
     }
     shader
@@ -206,7 +208,7 @@ impl Vertices {
     ) -> f32 {
         let wo = at(&self.frames.wo, i);
         let ratio = self.projected(i, wo, 1.0) / self.projected(i, wi, pdf);
-        match paths.previous[self.interactions.path[i] as usize] {
+        match paths.previous[self.interactions.ray[i] as usize] {
             PreviousOfLight::Surface { others } => others * ratio * reverse_pdf,
             PreviousOfLight::Light { light, density } => {
                 let normal = at(&self.interactions.ns, i);
@@ -239,7 +241,7 @@ fn scatter(
         reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     }
     for i in 0..count {
-        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.path[i] as usize);
+        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.ray[i] as usize);
         let sample = if is_sampled {
             scattered.sample(i).map(BsdfSample::adjoint)
         } else {
@@ -291,7 +293,7 @@ impl Connections {
         paths: &LightPaths,
         vertices: &Vertices,
     ) {
-        // Evaluate the BSDF and its pdf for a camera path, which comes from the camera.
+        // Evaluate the BSDF and its pdf with the roles of both directions exchanged: wo to the camera, as in a camera path.
         let Self { contributions, rays, limits, views, values, varying } = self;
         let Vertices { interactions, frames } = vertices;
         let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
@@ -315,7 +317,7 @@ impl Connections {
             let (surface, wi) = (vertices.surface(i), view.direction);
             let area = camera.area_at(surface.position);
             let others = vertices.others(scene, paths, shader.kind, i, Continuation { wi, pdf: 1.0, reverse_pdf });
-            let others = others / LightTracing::from_camera(area);
+            let others = others / LightTracing::q_at_camera(area);
             let factor = adjoint_factor(surface, at(&frames.wo, i), wi) * at(&wo, k).z.abs() / area;
             let path_class = interactions.path_class[i].reversed();
             rays.set(contributions.len(), Ray { origin: surface.ray_origin(wi), direction: wi });

@@ -33,7 +33,7 @@ use direct::{DirectLight, sample_direct_light};
 use etalon_core::bsdf::Bsdf;
 use scatter::sample_bsdf;
 use state::{PathRays, Step, Vertices};
-use surfaces::{ByMaterial, evaluate};
+use surfaces::{ByMaterial, DIFFUSE, evaluate};
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]
@@ -82,14 +82,13 @@ pub fn trace(
             break;
         }
         if depth == 0 && scene.light_tracing.is_some() {
-            begin_light_tracing(scene, camera, hits, rays);
+            set_camera_q(scene, camera, hits, rays);
         }
         let step = Step { scene, samples: scene.ray_samples(streams, depth), depth };
         next.count = 0;
-        // Diffuse surfaces of any object are one material.
-        let number =
-            |i: usize, shader: &SurfaceShader| Some(if shader.kind.is_diffuse() { NOTHING } else { hits.object[i] });
-        for group in by_material.sort(scene, hits, rays.count, number) {
+        let group =
+            |i: usize, shader: &SurfaceShader| Some(if shader.kind.is_diffuse() { DIFFUSE } else { hits.object[i] });
+        for group in by_material.sort(scene, hits, rays.count, group) {
             let material = evaluate(step, rays, hits, group, vertices, varying);
             if material.kind() != Kind::Delta {
                 sample_direct_light(step, material, vertices, direct, radiance);
@@ -157,19 +156,19 @@ fn add_emissive_intersections(scene: &PreparedScene, rays: &PathRays, hits: &Hit
     }
 }
 
-/// Sets the density of light tracing at the first hits.
-fn begin_light_tracing(scene: &PreparedScene, camera: &PreparedCamera, hits: &Hits, rays: &mut PathRays) {
+/// Sets the density of light tracing over that of camera paths at the first hits.
+fn set_camera_q(scene: &PreparedScene, camera: &PreparedCamera, hits: &Hits, rays: &mut PathRays) {
     for i in (0..rays.count).filter(|&i| hits.object[i] != NOTHING) {
         let ray = rays.ray.at(i);
-        rays.previous[i].light_tracing = match scene.shaders[hits.object[i] as usize].kind {
+        rays.previous[i].q = match scene.shaders[hits.object[i] as usize].kind {
             Kind::Delta => 0.0,
-            _ => LightTracing::from_camera(camera.area_at(ray.origin + hits.t[i] * ray.direction)),
+            _ => LightTracing::q_at_camera(camera.area_at(ray.origin + hits.t[i] * ray.direction)),
         };
     }
 }
 
 /// Ends paths of low throughput at random and raises the throughput of the survivors. The scale of radiance in a medium of index η,
-/// 1/η², does not count: it is undone where the light has come from.
+/// 1/η², does not count: it is undone where the path leaves the medium.
 fn russian_roulette(step: Step, rays: &mut PathRays) {
     rays.retain(|rays, i| {
         let beta = at(&rays.beta, i);

@@ -34,7 +34,7 @@ pub fn sample_bsdf(
     if kind.is_diffuse() {
         sample_diffuse(step, rays, &vertices.interactions, &mut scattered.wi, next);
     } else {
-        sample_any(step, material, rays, vertices, scattered, next);
+        sample_general(step, material, rays, vertices, scattered, next);
     }
 }
 
@@ -63,18 +63,18 @@ fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, wi: 
     for i in 0..count {
         let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(wi, i));
         // The normals must agree on the side.
-        if n.dot(direction) <= 0.0 {
+        if n.dot(direction) <= 0.0 || at(&interactions.beta, i) == Rgb::ZERO {
             continue;
         }
         let pdf = normal.dot(direction) * FRAC_1_PI;
         let projected_pdf = || projected([n, normal], direction, pdf);
-        let light_tracing = PreviousVertex::continued(interactions.light_tracing[i], projected_pdf);
+        let q = PreviousVertex::q_over_pdf(interactions.q[i], projected_pdf);
         let kind = Kind::Diffuse;
         next.push(PathRay {
             ray: Ray { origin: at(&interactions.origin, i), direction },
             beta: at(&interactions.beta, i),
-            eta_scale: rays.eta_scale[interactions.path[i] as usize],
-            previous: PreviousVertex { specular: false, pdf, normal, kind, light_tracing, is_caustic: false },
+            eta_scale: rays.eta_scale[interactions.ray[i] as usize],
+            previous: PreviousVertex { specular: false, pdf, normal, kind, q, is_caustic: false },
             slot: interactions.slot[i],
             path_class: interactions.path_class[i],
         });
@@ -85,7 +85,7 @@ fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, wi: 
 static NO_NUMBERS: [Lane; 2] = [[0.0; LANES]; 2];
 
 /// Any other surface.
-fn sample_any(
+fn sample_general(
     step: Step,
     material: Material,
     rays: &PathRays,
@@ -97,7 +97,7 @@ fn sample_any(
     let (scene, kind, shared) = (step.scene, material.kind(), &material.shader.bsdf);
     let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
     // Ask for those random numbers only that the BSDF needs.
-    let numbers = |needed: bool, numbers: Dimension| needed.then(|| numbers.get_2d_lanes(slots, SubSample::ONLY));
+    let numbers = |needed: bool, from: Dimension| needed.then(|| from.get_2d_lanes(slots, SubSample::ONLY));
     let (u, choice) =
         (numbers(kind != Kind::Delta, step.samples.bsdf), numbers(shared.needs_choice(), step.samples.choice));
     let (u, [choice, _]) = (u.as_ref().unwrap_or(&NO_NUMBERS), choice.as_ref().unwrap_or(&NO_NUMBERS));
@@ -106,7 +106,7 @@ fn sample_any(
         reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
     }
     for i in 0..count {
-        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.path[i] as usize);
+        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.ray[i] as usize);
         let sample =
             if is_sampled { scattered.sample(i) } else { bsdf.sample(local_wo, choice[i], [u[0][i], u[1][i]]) };
         let Some(sample) = sample.filter(|sample| sample.weight != Rgb::ZERO) else { continue };
@@ -117,14 +117,12 @@ fn sample_any(
             continue;
         }
         let previous = if sample.is_delta() {
-            let light_tracing = interactions.light_tracing[i];
-            let is_traced = light_tracing > 0.0
-                && step.depth > 0
-                && vertices.is_sound(i, wi)
-                && vertices.is_sound(i, at(&frames.wo, i));
+            let q = interactions.q[i];
+            let is_traced =
+                q > 0.0 && step.depth > 0 && vertices.is_sound(i, wi) && vertices.is_sound(i, at(&frames.wo, i));
             // Light tracing cannot connect a delta lobe to the camera.
-            let light_tracing = if is_traced { light_tracing * delta_ratio(bsdf, &sample) } else { 0.0 };
-            PreviousVertex { specular: true, light_tracing, is_caustic: true, ..PreviousVertex::CAMERA }
+            let q = if is_traced { q * delta_ratio(bsdf, &sample) } else { 0.0 };
+            PreviousVertex { specular: true, q, is_caustic: true, ..PreviousVertex::CAMERA }
         } else {
             let reverse_pdf = || if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
             PreviousVertex {
@@ -132,7 +130,7 @@ fn sample_any(
                 pdf: sample.pdf,
                 normal: frame.z,
                 kind,
-                light_tracing: light_tracing_ratio(step, vertices, i, wi, sample.pdf, reverse_pdf),
+                q: next_q(step, vertices, i, wi, sample.pdf, reverse_pdf),
                 is_caustic: step.depth > 0,
             }
         };
@@ -151,23 +149,16 @@ fn sample_any(
     }
 }
 
-/// [`PreviousVertex::light_tracing`] of a direction `wi` and its pdf; `reverse_pdf` is that of the direction to the viewer if light
+/// [`PreviousVertex::q`] of a direction `wi` and its pdf; `reverse_pdf` is that of the direction to the viewer if light
 /// comes from `wi`.
 #[inline]
-pub fn light_tracing_ratio(
-    step: Step,
-    vertices: &Vertices,
-    i: usize,
-    wi: Vec3,
-    pdf: f32,
-    reverse_pdf: impl FnOnce() -> f32,
-) -> f32 {
-    let light_tracing = vertices.interactions.light_tracing[i];
-    if light_tracing == 0.0 {
+pub fn next_q(step: Step, vertices: &Vertices, i: usize, wi: Vec3, pdf: f32, reverse_pdf: impl FnOnce() -> f32) -> f32 {
+    let q = vertices.interactions.q[i];
+    if q == 0.0 {
         return 0.0;
     }
     // Light tracing connects the first vertex to the camera without sampling.
     let reverse_pdf = if step.depth == 0 { 1.0 } else { reverse_pdf() };
-    let reverse = light_tracing * vertices.projected(i, at(&vertices.frames.wo, i), reverse_pdf);
-    PreviousVertex::continued(reverse, || vertices.projected(i, wi, pdf))
+    let reverse = q * vertices.projected(i, at(&vertices.frames.wo, i), reverse_pdf);
+    PreviousVertex::q_over_pdf(reverse, || vertices.projected(i, wi, pdf))
 }

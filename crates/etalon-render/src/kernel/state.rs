@@ -20,7 +20,7 @@ lanes! {
         ray: Ray,
         /// Product of BSDF times cosine over pdf so far.
         beta: Rgb,
-        /// Product of η² of the refractions so far, by which radiance is lower than outside of the medium.
+        /// Product of η² of the refractions so far: `beta` times it is the throughput without the scale 1/η² of radiance in a medium.
         eta_scale: f32,
         /// The vertex that the ray has left.
         previous: PreviousVertex,
@@ -33,22 +33,22 @@ lanes! {
 lanes! {
     /// Points where rays have hit surfaces of one material.
     pub struct Interactions of Interaction {
-        /// The ray that has hit it.
-        path: u32,
+        /// The index of the ray that has hit it.
+        ray: u32,
         /// The camera sample, or the slot of a light path.
         slot: u32,
         /// Unit normal of the surface.
         n: Vec3,
-        /// Unit normal for shading, on the side of the viewer.
+        /// Unit normal for shading, on the side of the ray's origin except at surfaces that transmit.
         ns: Vec3,
-        /// Where rays to the viewer's side start.
+        /// Where rays to the side of the ray's origin start; in light paths the point itself.
         origin: Vec3,
         /// Throughput of the path; at diffuse surfaces times the albedo.
         beta: Rgb,
         /// The class of the path if it is scattered here, not by a delta lobe.
         path_class: PathClass,
-        /// [`PreviousVertex::light_tracing`] of the path up to here; at diffuse surfaces with the factor of the direction to the viewer.
-        light_tracing: f32,
+        /// [`PreviousVertex::q`] of the path up to here; at diffuse surfaces with the factor of the direction to the viewer.
+        q: f32,
     }
 }
 
@@ -72,9 +72,9 @@ lanes! {
     /// Rays towards light samples, and what each adds to its camera sample if nothing is in the way.
     pub struct ShadowRays of ShadowRay {
         ray: Ray,
-        /// Distance of the light.
+        /// Its length, which ends in front of the light; 0 if the value is 0.
         t_max: f32,
-        /// Radiance times throughput.
+        /// What the camera sample gains if nothing is in the way; of rays that look for emitters, except for their radiance.
         value: Rgb,
         slot: u32,
         path_class: PathClass,

@@ -2,18 +2,18 @@
 
 use super::bsdf::Bsdfs;
 use super::state::{Interaction, Interactions, PathRays, ShadingFrame, Step, Vertices};
-use crate::lanes::{Hits, NOTHING, Rays, Rows, at};
+use crate::lanes::{Hits, Rays, Rows, at};
 use crate::light_tracing::projected;
 use crate::prepared::PreparedScene;
 use crate::shaders::{Kind, SurfaceShader};
 use etalon_core::bsdf::{Bsdf, Scatter};
-use etalon_core::math::Rgb;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
 /// The material of interactions: that of one object, or diffuse ones of any.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
+    /// Of the first interaction, whose albedo is not that of the others if they are diffuse.
     pub shader: &'a SurfaceShader,
     /// In the order of the interactions; of diffuse ones their throughput has the albedo.
     pub bsdfs: Bsdfs<'a>,
@@ -25,26 +25,29 @@ impl Material<'_> {
     }
 }
 
+/// The group of all diffuse objects; others are groups by themselves.
+pub const DIFFUSE: u32 = u32::MAX;
+
 /// The hits of a step, sorted by material.
 #[derive(Default)]
 pub struct ByMaterial {
-    /// Rays whose material is [`NOTHING`], which are the most and need not be sorted.
+    /// Rays of the group [`DIFFUSE`], which are the most and need not be sorted.
     diffuse: Vec<u32>,
-    /// Of the others the number of the material, and that of the ray in the lower half.
+    /// Of the others the group, and the ray in the lower half.
     others: Vec<u64>,
-    /// The numbers of those rays, in the same order.
+    /// Those rays, in the same order.
     rays: Vec<u32>,
 }
 
 impl ByMaterial {
-    /// The numbers of the first `count` rays that have hit surfaces which scatter light, for each material. `material` is a number
-    /// of the material of a ray's hit, if the ray scatters there.
+    /// Groups the first `count` rays by the material that they have hit. `group` is the number of a hit's group; `None` drops it, as
+    /// black surfaces are.
     pub fn sort<'a>(
         &'a mut self,
         scene: &PreparedScene,
         hits: &Hits,
         count: usize,
-        material: impl Fn(usize, &SurfaceShader) -> Option<u32>,
+        group: impl Fn(usize, &SurfaceShader) -> Option<u32>,
     ) -> impl Iterator<Item = &'a [u32]> {
         self.diffuse.clear();
         self.others.clear();
@@ -53,9 +56,9 @@ impl ByMaterial {
             if shader.kind == Kind::Black {
                 continue;
             }
-            match material(i, shader) {
-                Some(NOTHING) => self.diffuse.push(i as u32),
-                Some(material) => self.others.push(u64::from(material) << 32 | i as u64),
+            match group(i, shader) {
+                Some(DIFFUSE) => self.diffuse.push(i as u32),
+                Some(group) => self.others.push(u64::from(group) << 32 | i as u64),
                 None => {}
             }
         }
@@ -82,15 +85,14 @@ pub fn evaluate<'a>(
 ) -> Material<'a> {
     let Vertices { interactions, frames } = vertices;
     let shader = &step.scene.shaders[hits.object[group[0] as usize] as usize];
-    interactions.count = 0;
+    (interactions.count, frames.count) = (0, 0);
     if shader.kind.is_diffuse() {
         group.iter().for_each(|&i| diffuse(step, rays, hits, i as usize, interactions));
         return Material { shader, bsdfs: Bsdfs::Same(&shader.bsdf) };
     }
     let is_traced = step.scene.light_tracing.is_some() && shader.bsdf.is_reciprocal();
-    frames.count = 0;
-    for &path in group {
-        let i = path as usize;
+    for &ray in group {
+        let i = ray as usize;
         let (frame, normal) = shading_frame(step.scene, shader, &rays.ray, hits, i);
         // The back of what only reflects
         if shader.kind == Kind::Reflecting && frame.surface.normal.dot(frame.wo) < 0.0 {
@@ -98,10 +100,10 @@ pub fn evaluate<'a>(
         }
         let (slot, beta) = (rays.slot[i], at(&rays.beta, i));
         // Light paths do not scatter at surfaces that are not reciprocal.
-        let light_tracing = if is_traced { rays.previous[i].light_tracing } else { 0.0 };
+        let q = if is_traced { rays.previous[i].q } else { 0.0 };
         let (n, origin) = (frame.surface.normal, frame.surface.ray_origin(frame.wo));
         let path_class = rays.path_class[i].then_diffuse();
-        interactions.push(Interaction { path, slot, n, ns: normal, origin, beta, path_class, light_tracing });
+        interactions.push(Interaction { ray, slot, n, ns: normal, origin, beta, path_class, q });
         frames.push(frame);
     }
     Material { shader, bsdfs: Bsdfs::of(shader, &frames.uv[..frames.count], varying) }
@@ -114,20 +116,20 @@ fn diffuse(step: Step, rays: &PathRays, hits: &Hits, i: usize, out: &mut Interac
     let wo = -at(&rays.ray.direction, i);
     let surface = shader.facing(step.scene.geometry.surface(&rays.ray, hits, i), wo);
     let bsdf = shader.bsdf_at(|| step.scene.geometry.uv(hits, i, surface.position));
-    let albedo = if let Bsdf::Diffuse(diffuse) = &*bsdf { diffuse.albedo() } else { Rgb::ZERO };
+    let Bsdf::Diffuse(diffuse) = &*bsdf else { unreachable!("a surface of the kind diffuse has a diffuse BSDF") };
     // Light tracing connects the first vertex to the camera without sampling.
     let reverse_pdf = if step.depth == 0 { 1.0 } else { surface.shading.dot(wo) * FRAC_1_PI };
-    let light_tracing = rays.previous[i].light_tracing;
+    let q = rays.previous[i].q;
     let normals = [surface.normal, surface.shading];
     out.push(Interaction {
-        path: i as u32,
+        ray: i as u32,
         slot: rays.slot[i],
         n: surface.normal,
         ns: surface.shading_for(wo),
         origin: surface.ray_origin(wo),
-        beta: at(&rays.beta, i) * albedo,
+        beta: at(&rays.beta, i) * diffuse.albedo(),
         path_class: rays.path_class[i].then_diffuse(),
-        light_tracing: if light_tracing > 0.0 { light_tracing * projected(normals, wo, reverse_pdf) } else { 0.0 },
+        q: if q > 0.0 { q * projected(normals, wo, reverse_pdf) } else { 0.0 },
     });
 }
 
