@@ -6,15 +6,15 @@ use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
 use etalon::protocol::program::sampler::Client;
 use etalon::protocol::program::{Answer, Connection, External, connect};
-use etalon::protocol::sampler::Space;
 use etalon::protocol::sampler::files::{GridDensity, SampleFile};
+use etalon::protocol::sampler::{NAMED, Space};
 use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
 use etalon::{Error, Result};
 use etalon_stats::bsdf::{Family, Pair};
-use etalon_stats::{Density, Protocol, SampleCount, Sampler, examine};
+use etalon_stats::{Density, Discrete, Protocol, SampleCount, Sampler, examine};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -102,15 +102,14 @@ pub fn grid(path: &Path) -> Result<()> {
 fn files(samples: &Path, grid: &Path) -> Result<()> {
     // Too brief for a verdict, but it uses everything that was read.
     let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
-    let test = |name: &str| {
-        let space: Space = name.parse()?;
+    let test = |space: Space| {
         let density = Arc::new(GridDensity::read_csv(space, grid)?);
         let sampler = SampleFile::open(samples, Arc::clone(&density))?;
         examine(space.domain(), &sampler, &*density, &brief, 0)?;
         Ok(())
     };
-    let all = ["sphere", "hemisphere", "square", "line", "discrete:3"].map(test);
-    all.into_iter().reduce(Result::or).unwrap_or(Ok(()))
+    let spaces = NAMED.map(|(_, space)| space).into_iter().chain([Space::Discrete(Discrete { outcomes: 3 })]);
+    spaces.map(test).reduce(Result::or).unwrap_or(Ok(()))
 }
 
 /// Recorded responses of a program to requests for samples, their pdf and their inverse, or for what a BSDF has, in blocks as

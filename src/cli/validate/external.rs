@@ -25,9 +25,7 @@ pub struct Arguments {
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
     /// Domain of the samples [default: what the program says]
-    ///
-    /// sphere, hemisphere, square, line or discrete:N
-    #[arg(long, value_name = "DOMAIN")]
+    #[arg(long, value_name = "DOMAIN", long_help = format!("Domain of the samples [default: what the program says]\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
@@ -130,7 +128,7 @@ fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) ->
     let density = match space {
         None if is_table => {
             return Err(Error::parameter("domain", "the domain of a table is not known")
-                .with_hint("`domain` sphere, hemisphere, square, line or discrete:N"));
+                .with_hint(format!("`domain` {}", Space::known())));
         }
         Some(space) if is_table => GridDensity::read_csv(space, pdf)?,
         None | Some(Space::Directions(Directions { half: false, .. })) => {

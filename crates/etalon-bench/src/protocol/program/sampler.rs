@@ -14,7 +14,7 @@
 
 use super::connection::{self, Connection, protocol_error};
 use super::greeting::Greeting;
-use crate::protocol::sampler::{HINT, Space, write_numbers, write_point};
+use crate::protocol::sampler::{Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{number, quote, real};
 use etalon_stats::{Atom, Density, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
@@ -121,7 +121,8 @@ impl Client {
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
-                return Err(Error::parameter("domain", "the program does not say what its domain is").with_hint(HINT));
+                return Err(Error::parameter("domain", "the program does not say what its domain is")
+                    .with_hint(format!("domains: {}", Space::known())));
             }
         };
         // Read the atoms

@@ -25,18 +25,23 @@ pub enum Space {
 }
 
 /// The domains of a fixed size, by name; `discrete:N` has a size. The pole of directions is +z.
-const NAMED: [(&str, Space); 4] = [
+pub const NAMED: [(&str, Space); 4] = [
     ("sphere", Space::Directions(Directions { pole: Pole::Z, half: false })),
     ("hemisphere", Space::Directions(Directions { pole: Pole::Z, half: true })),
     ("square", Space::Square(Square)),
     ("line", Space::Line(Line::UNIT)),
 ];
-/// The names, for messages.
-pub const HINT: &str = "domains: sphere, hemisphere, square, line, discrete:N";
 /// Most points of a finite set.
 const MOST_OUTCOMES: usize = 1 << 20;
 
 impl Space {
+    /// The names of all domains, in a sentence.
+    #[must_use]
+    pub fn known() -> String {
+        let names: Vec<&str> = NAMED.iter().map(|(name, _)| *name).collect();
+        format!("{} or discrete:N", names.join(", "))
+    }
+
     /// The domain itself.
     #[must_use]
     pub fn domain(&self) -> &dyn Domain {
@@ -136,7 +141,8 @@ impl FromStr for Space {
         if let Some((_, space)) = NAMED.iter().find(|(name, _)| *name == text) {
             return Ok(*space);
         }
-        let error = |message: String| Error::parameter("domain", message).with_hint(HINT);
+        let error =
+            |message: String| Error::parameter("domain", message).with_hint(format!("domains: {}", Self::known()));
         let count = text.strip_prefix("discrete:").ok_or_else(|| error(format!("unknown domain {text:?}")))?;
         let outcomes = count.parse().ok().filter(|n| (1..=MOST_OUTCOMES).contains(n));
         let outcomes = outcomes.ok_or_else(|| error(format!("{text:?} needs a number from 1 to {MOST_OUTCOMES}")))?;
