@@ -5,7 +5,7 @@ use crate::caller::{Caller, run};
 use crate::calls::Calls;
 use crate::found::Found;
 use crate::sampler::Plan;
-use etalon::protocol::program::greeting::{declare, has_sound_map};
+use etalon::protocol::program::properties::{declare, has_sound_map};
 use etalon::study::albedo::{Request, albedo_table};
 use etalon::study::validation::{WholeBsdf, families};
 use etalon_stats::bsdf::{

@@ -1,6 +1,7 @@
 //! What a test detects with how many samples.
 
-use etalon_stats::{Protocol, SampleCount, chi_square};
+use etalon_stats::power;
+use etalon_stats::{Protocol, SampleCount};
 use pyo3::prelude::*;
 
 /// The level of the counts, and the number of cells, atoms and "no sample" included, less one.
@@ -14,12 +15,12 @@ fn setting(level: f64, samples: SampleCount) -> PyResult<(f64, usize)> {
 #[pyfunction]
 pub fn detectable(samples: u64, level: f64) -> PyResult<f64> {
     let (level, dof) = setting(level, SampleCount::Fixed(samples))?;
-    Ok(chi_square::detectable(dof, level, samples))
+    Ok(power::detectable(dof, level, samples))
 }
 
 /// The number of samples that detect a relative error of a pdf with a probability of 90 %.
 #[pyfunction]
 pub fn samples_for(error: f64, level: f64) -> PyResult<u64> {
     let (level, dof) = setting(level, SampleCount::Detect(error))?;
-    Ok(chi_square::samples_for(dof, level, error))
+    Ok(power::samples_for(dof, level, error))
 }

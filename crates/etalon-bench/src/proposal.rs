@@ -12,7 +12,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::sampling::stream::{CounterRng, Independent, Stream};
 use etalon_core::sampling::table::{Table1, Table2};
-use etalon_stats::chi_square::{ChiSquare, chi_square};
+use etalon_stats::power::{ChiSquare, chi_square};
 use rand::RngExt;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -1,7 +1,6 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::chi_square::FEWEST;
 use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
@@ -11,6 +10,7 @@ use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
 use crate::mass::Integral;
+use crate::power::FEWEST;
 use crate::sampler::{Atom, Density, Sample, Sampler};
 use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;

@@ -1,12 +1,12 @@
 //! What people read of a test: regions of cells where observed and expected counts differ most, as lines of a table and in words;
 //! assertions for `cargo test` that say this; points and counts in messages.
 
-use crate::chi_square::POWER;
 use crate::domain::Domain;
 use crate::examine::{Protocol, validate};
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::outcome::{Counts, Outcome};
+use crate::power::POWER;
 use crate::sampler::{Density, Mass, Sampler};
 use std::collections::VecDeque;
 use std::fmt::{Debug, Display, Write};

@@ -1,8 +1,8 @@
 //! Means of independent replicates: the interval that holds the true one; two of them compared by Welch's t-test, with the
 //! p-value, the difference that would have been found, and dominated replicates.
 
-use crate::chi_square::POWER;
 use crate::extremes::Extremes;
+use crate::power::POWER;
 use crate::welch::{Mean, deviation, fewer_dof, two_sided};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

@@ -1,7 +1,6 @@
 //! Deterministic checks: what must hold for every sample and every value of the pdf; and values of a coordinate that several
 //! samples of a batch have: clamped ones, for example.
 
-use crate::chi_square::chi_square_below;
 use crate::counting::BATCH;
 use crate::cubature::Probe;
 use crate::diagnosis::{count, tuple};
@@ -9,6 +8,7 @@ use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::hash::GOLDEN;
+use crate::power::chi_square_below;
 use crate::sampler::{Density, SINGLE_PRECISION, Sample, Sampler};
 use crate::serial::SerialCounts;
 use std::cmp::Reverse;

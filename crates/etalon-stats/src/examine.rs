@@ -1,6 +1,5 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
-use crate::chi_square::{FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
 use crate::counting::{Counted, Counting, Source, streams};
 use crate::cubature::{InvalidPdf, Probe};
 use crate::diagnosis::{diagnose, tuple};
@@ -11,6 +10,7 @@ use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
+use crate::power::{FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
 use crate::sampler::{Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};

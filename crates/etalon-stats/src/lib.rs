@@ -13,7 +13,6 @@
 
 mod bounded;
 pub mod bsdf;
-pub mod chi_square;
 mod counting;
 pub mod cubature;
 mod diagnosis;
@@ -27,6 +26,7 @@ mod grid;
 mod mass;
 pub mod multiple;
 mod outcome;
+pub mod power;
 pub mod prelude;
 mod sampler;
 mod scales;

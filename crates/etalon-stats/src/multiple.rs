@@ -157,7 +157,7 @@ mod tests {
     fn two_p_values_make_one() {
         // Against the chi-square distribution with four degrees of freedom.
         for (a, b) in [(0.3, 0.01), (1.0, 1.0), (1e-200, 1e-5)] {
-            let expected = crate::chi_square::chi_square_tail(4.0, -2.0 * (f64::ln(a) + f64::ln(b)));
+            let expected = crate::power::chi_square_tail(4.0, -2.0 * (f64::ln(a) + f64::ln(b)));
             assert!((fisher(a, b) - expected).abs() <= 1e-9 * expected, "{a} {b}");
         }
         assert_eq!(fisher(0.0, 0.5), 0.0);

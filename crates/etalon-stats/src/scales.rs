@@ -11,11 +11,11 @@
 //! Source of the sums per scale: Donoho, Johnstone, Kerkyacharian & Picard, "Density estimation by wavelet thresholding",
 //! Annals of Statistics 24(2), 1996 (Haar coefficients of a histogram).
 
-use crate::chi_square::{FEWEST, chi_square_below, chi_square_tail, noncentrality_near};
 use crate::cubature::Shares;
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::multiple::any_of;
+use crate::power::{FEWEST, chi_square_below, chi_square_tail, noncentrality_near};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::f64::consts::FRAC_PI_2;
 

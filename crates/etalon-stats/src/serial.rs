@@ -6,9 +6,9 @@
 //! (rows − 1)(columns − 1) degrees of freedom. Source: Billingsley, "Statistical Methods in Markov Chains", Annals of
 //! Mathematical Statistics 32, 1961.
 
-use crate::chi_square::{FEWEST, chi_square_below, chi_square_tail};
 use crate::extremes::Extremes;
 use crate::grid::Subdivision;
+use crate::power::{FEWEST, chi_square_below, chi_square_tail};
 
 /// Expected counts per entry of the table, about.
 const SAMPLES_PER_ENTRY: f64 = 20.0;

@@ -1,12 +1,12 @@
 //! What the parts and the order of the counted samples say, beside the counts of the cells.
 
-use crate::chi_square::{ChiSquare, chi_square_below};
 use crate::counting::Tally;
 use crate::cubature::Shares;
 use crate::diagnosis::p_value;
 use crate::extremes::Extremes;
 use crate::grid::Subdivision;
 use crate::multiple::weighted;
+use crate::power::{ChiSquare, chi_square_below};
 use crate::scales::{Scale, Scales};
 use crate::serial::Labels;
 

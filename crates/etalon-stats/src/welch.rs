@@ -6,8 +6,8 @@
 //! different population variances are involved", Biometrika 34, 1947; for images Jung, Hanika & Dachsbacher, "Detecting
 //! Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2), 2020.
 
-use crate::chi_square::{chi_square_tail, noncentrality};
 use crate::extremes::Extremes;
+use crate::power::{chi_square_tail, noncentrality};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// What independent samples say about a quantity.

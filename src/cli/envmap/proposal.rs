@@ -10,7 +10,7 @@ use etalon_core::error::{Error, Result};
 use etalon_figures::output;
 use etalon_figures::view::proposal as view;
 use etalon_figures::view::text::{p_is, rounded};
-use etalon_stats::chi_square::ChiSquare;
+use etalon_stats::power::ChiSquare;
 use serde::Serialize;
 
 /// Compare distributions that choose rows and columns of a map

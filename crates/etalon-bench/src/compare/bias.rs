@@ -2,8 +2,8 @@
 
 use super::side::{Noise, Side};
 use etalon_stats::Extremes;
-use etalon_stats::chi_square::POWER;
 use etalon_stats::estimate::Difference;
+use etalon_stats::power::POWER;
 use etalon_stats::welch::Mean;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -6,13 +6,13 @@ use super::light::Uncertainty;
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::{Subject, place, sphere};
 use super::weights::{BATCH, CellSum, Sums, sums};
-use crate::chi_square::noncentrality;
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
 use crate::multiple::sidak;
 use crate::outcome::Outcome;
+use crate::power::noncentrality;
 use rand::RngExt;
 use std::f64::consts::PI;
 

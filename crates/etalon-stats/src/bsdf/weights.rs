@@ -6,7 +6,6 @@
 
 use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::{Subject, sphere};
-use crate::chi_square::{FEWEST, chi_square_tail, noncentrality, samples_for};
 use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Result, poll};
@@ -15,6 +14,7 @@ use crate::extremes::Extremes;
 use crate::grid::Grid;
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome};
+use crate::power::{FEWEST, chi_square_tail, noncentrality, samples_for};
 use rand::RngExt;
 use rayon::prelude::*;
 

@@ -10,7 +10,7 @@
 //! | `lobes N`, then N lines `wo`, if it has delta lobes | N lines `wi probability throughput …` of all lobes, or `none` |
 
 use super::connection::{self, Connection, protocol_error};
-use super::greeting::{Greeting, declared};
+use super::properties::{Greeting, declared};
 use crate::protocol::sampler::write_numbers;
 use etalon_core::error::Result;
 use etalon_core::import::place::{number, quote, real};

@@ -7,8 +7,8 @@
 
 pub mod bsdf;
 mod connection;
-pub mod greeting;
 mod process;
+pub mod properties;
 pub mod sampler;
 
 pub use connection::{Answer, Connection};
@@ -16,8 +16,8 @@ pub(crate) use process::{Group, last_line, tail, words};
 
 use crate::protocol::sampler::Space;
 use etalon_core::error::{Error, Result};
-use greeting::Greeting;
 use process::Process;
+use properties::Greeting;
 use std::time::Duration;
 
 /// What a program says in its greeting that it has.

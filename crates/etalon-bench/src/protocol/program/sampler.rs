@@ -13,7 +13,7 @@
 //! `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
 
 use super::connection::{self, Connection, protocol_error};
-use super::greeting::Greeting;
+use super::properties::Greeting;
 use crate::protocol::sampler::{Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{number, quote, real};

@@ -3,7 +3,7 @@
 use super::super::case::Case;
 use super::super::run::{Validation, run as run_cases};
 use etalon_core::error::Result;
-use etalon_stats::chi_square::noncentrality;
+use etalon_stats::power::noncentrality;
 use etalon_stats::{Density, Domain, Outcome, Protocol, Sampler, Verdict};
 use serde::Serialize;
 
