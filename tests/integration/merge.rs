@@ -1,4 +1,4 @@
-//! Parts of a render and of a sweep: their files, `etalon merge`, and what may not be merged.
+//! Parts of a render and of a sweep: their files, `etalon merge`, and what may not be merged; replays of one configuration of a sweep.
 
 use crate::program::{etalon, json};
 use etalon::Error;

@@ -3,8 +3,7 @@
 //! An image of depth m has the light that was scattered at most m times. One deep render, decomposed by path class, therefore
 //! holds the images of all depths; [`truncation`] compares them with renders that end at depth m.
 
-use super::object_ids::{Kind, ObjectIdBuffer};
-use crate::object_ids::inside;
+use crate::object_ids::{Kind, ObjectIdBuffer, inside};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::math::{Rgb, mean_rgb};

@@ -118,7 +118,7 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
             r_parallel_approximate: approximate.parallel,
             r_perpendicular_approximate: approximate.perpendicular,
             r_unpolarized_approximate: approximate.unpolarized(),
-            r_schlick: dielectric::polynomial(f0, cos),
+            r_schlick: dielectric::schlick_polynomial(f0, cos),
         }
     };
     let largest_error = |f: fn(&ConductorRow) -> f64| largest(90.0, |theta| f(&row(theta)).abs());

@@ -107,7 +107,7 @@ fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64
 
 /// A mean over pixels with its standard error, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mean {
+pub struct PixelMean {
     /// Mean of each channel.
     pub value: [f64; 3],
     /// Standard error of each mean.
@@ -120,7 +120,7 @@ pub fn inside<T>(values: impl IntoIterator<Item = T>, mask: &[bool]) -> impl Ite
     values.into_iter().zip(mask).filter(|(_, inside)| **inside).map(|(value, _)| value)
 }
 
-impl Mean {
+impl PixelMean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
     pub fn of(film: &Film, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
@@ -182,8 +182,8 @@ mod tests {
 
     #[test]
     fn z_is_the_worst_channels() {
-        let mean = |value: [f64; 3]| Mean { value, error: [3.0, 3.0, 3.0], pixels: 1 };
-        let other = Mean { error: [4.0; 3], ..mean([0.0; 3]) };
+        let mean = |value: [f64; 3]| PixelMean { value, error: [3.0, 3.0, 3.0], pixels: 1 };
+        let other = PixelMean { error: [4.0; 3], ..mean([0.0; 3]) };
         assert_eq!(mean([5.0, -10.0, 0.0]).z(&other), -2.0);
         assert!(mean([f64::NAN, 0.0, 0.0]).z(&other).is_nan());
         assert_eq!(mean([1.0, 2.0, 3.0]).mean_rgb(), 2.0);

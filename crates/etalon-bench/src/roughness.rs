@@ -1,7 +1,6 @@
 //! A metal statue in a Cornell box: its mean radiance, the share of its highlights, and the noise of the image.
 
-use super::object_ids::{Kind, ObjectIdBuffer};
-use crate::object_ids::{Mean, inside};
+use crate::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::scene::{Conductor, Material, Request, Scene};
@@ -43,7 +42,7 @@ pub struct StatueRow {
 pub struct StatueRender {
     pub row: StatueRow,
     /// The statue's mean radiance.
-    pub statue: Mean,
+    pub statue: PixelMean,
     /// Which pixels show the statue.
     pub mask: Vec<bool>,
     /// The kind of object at each pixel.
@@ -56,7 +55,7 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
-    let statue = Mean::of(&rendered.part.film, &mask);
+    let statue = PixelMean::of(&rendered.part.film, &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
     let squares =
@@ -83,11 +82,11 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
 
 /// The statue's mean radiance with normals sampled from the full distribution, with a sixteenth of the samples and other random
 /// numbers: independent of the image that it is compared with.
-pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<Mean> {
+pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings, mask: &[bool]) -> Result<PixelMean> {
     let request = Request { spp: (request.spp / 16).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     settings.model.normals = NormalSampling::Ndf;
-    Ok(Mean::of(&render(scene, &request, &settings, &Silent)?.part.film, mask))
+    Ok(PixelMean::of(&render(scene, &request, &settings, &Silent)?.part.film, mask))
 }
 
 /// The first metal of a scene.

@@ -1,9 +1,8 @@
 //! Directions sampled in proportion to the BSDF, and uniformly over the hemisphere: the same mean, but very different medians
 //! and noise. Measured by distance from the statue's silhouette, where the second report saw a dark rim.
 
-use super::object_ids::Kind;
 use super::roughness::{StatueRender, render_statue};
-use crate::object_ids::{Mean, inside};
+use crate::object_ids::{Kind, PixelMean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
@@ -166,7 +165,7 @@ impl<'a> Pair<'a> {
 /// Some of the pixels of one image: numbers with standard errors. Those of median, brightness and noise are upper bounds: they count
 /// the differences between pixels as chance, too.
 pub struct ZoneImage {
-    mean: Mean,
+    mean: PixelMean,
     /// Median radiance of the pixels.
     pub median: [f64; 2],
     /// Mean 8-bit value of the tone-mapped pixels.
@@ -199,7 +198,7 @@ impl ZoneImage {
 
     fn of(pair: &Pair, mask: &[bool]) -> Self {
         let film = &pair.shot.rendered.part.film;
-        let mean = Mean::of(film, mask);
+        let mean = PixelMean::of(film, mask);
         let n = mean.pixels as f64;
         let (mut light, mut variance, mut squares) = (Vec::with_capacity(mean.pixels), 0.0, 0.0);
         for estimate in inside(film.estimates(), mask) {

@@ -34,7 +34,7 @@ impl PreviousVertex {
     pub const CAMERA: Self =
         Self { specular: true, pdf: 0.0, normal: Vec3::Z, kind: Kind::Delta, q: 0.0, is_caustic: false };
 
-    /// `light_tracing` of the next vertex, from its value with the factor of the direction to the viewer and the pdf per
+    /// [`q`](Self::q) of the next vertex, from its value with the factor of the direction to the viewer and the pdf per
     /// projected solid angle of the new direction.
     #[inline]
     pub fn q_over_pdf(q: f32, projected_pdf: impl FnOnce() -> f32) -> f32 {
@@ -75,8 +75,8 @@ impl PreparedScene<'_> {
         is_left && (self.has_emitters || self.scene.environment.is_some())
     }
 
-    /// The weight of light that a ray finds, by the balance heuristic over all techniques that find it. `by_light` is the density of light samples at the previous vertex, `by_light_path` what the light contributes
-    /// to the density of light tracing.
+    /// The weight of light that a ray finds, by the balance heuristic over all techniques that find it. `by_light`
+    /// is the density of light samples at the previous vertex, `by_light_path` what the light contributes to the density of light tracing.
     #[inline]
     fn emission_weight(
         &self,

@@ -272,7 +272,7 @@ pub struct Repeated {
     pub pdf: f64,
 }
 
-/// What was found in the batches so far.
+/// Values that several samples of a batch have, from the batches so far.
 #[derive(Debug, Clone, Default)]
 pub struct Repeats {
     /// Batches looked at.

@@ -8,8 +8,7 @@ mod proposal;
 mod sample;
 
 use super::console::Console;
-use super::global::{Global, Verdict};
-use crate::cli::global::OUTPUT;
+use crate::cli::global::{Global, OUTPUT, Verdict};
 use crate::cli::map_file::{self, MapOptions};
 use crate::cli::values::stops;
 use clap::{Args, Subcommand};

@@ -1,8 +1,7 @@
 //! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
 
-use super::super::global::Reports;
 use crate::cli::console::Console;
-use crate::cli::global::{Global, Verdict};
+use crate::cli::global::{Global, Reports, Verdict};
 use etalon_bench::table::Table;
 use etalon_bench::validation::planted::{self, By, Finding, Findings, PlantedFault};
 use etalon_core::error::Result;

@@ -110,20 +110,20 @@ pub struct ErratumCurves {
 }
 
 /// An error before it is tested, and the tests of the printed claim and of the corrected one.
-pub type Suspect = (Erratum, [Case; 2]);
+type Suspect = (Erratum, [Case; 2]);
 
 /// The outcome of a deterministic check of `samples` samples, and what it found wrong.
-pub fn exact(violation: Option<String>, samples: u64) -> Outcome {
+fn exact(violation: Option<String>, samples: u64) -> Outcome {
     Outcome { violation, ..Outcome::open(samples) }
 }
 
 /// Index of refraction of the reports' glass.
-pub const ETA: f64 = 1.45;
+const ETA: f64 = 1.45;
 /// Relative difference of equal numbers by rounding.
-pub const ROUNDING: f64 = 1e-9;
+const ROUNDING: f64 = 1e-9;
 
 /// A test of a formula at all angles on both sides of glass; `wrong` is its error at a cosine and an η.
-pub fn at_all_angles(name: &str, what: &'static str, wrong: impl Fn(f64, f64) -> f64 + Send + Sync + 'static) -> Case {
+fn at_all_angles(name: &str, what: &'static str, wrong: impl Fn(f64, f64) -> f64 + Send + Sync + 'static) -> Case {
     const ANGLES: u32 = 9000;
     let cosines = || (0..ANGLES).map(|i| ((f64::from(i) + 0.5) * 90.0 / f64::from(ANGLES)).to_radians().cos());
     Case::new(format!("audit/{name}"), move |_: &Protocol, _| {
@@ -136,14 +136,14 @@ pub fn at_all_angles(name: &str, what: &'static str, wrong: impl Fn(f64, f64) ->
 }
 
 /// A function at equal steps from `from` to `to`, ends included.
-pub fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+fn curve(from: f64, to: f64, f: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     const STEPS: u32 = 180;
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
     (0..=STEPS).map(|i| [at(i), f(at(i))]).collect()
 }
 
 /// The mean over uniform light that meets a surface: 2 ∫ f cos θ d cos θ.
-pub fn mean_by_cosine(f: impl Fn(f64) -> f64) -> f64 {
+fn mean_by_cosine(f: impl Fn(f64) -> f64) -> f64 {
     const STEPS: u32 = 100_000;
     let step = 1.0 / f64::from(STEPS);
     let at = |i: u32| (f64::from(i) + 0.5) * step;

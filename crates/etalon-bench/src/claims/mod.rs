@@ -20,12 +20,12 @@ pub use statues::{StatueInputs, sampling_claims, statue_claims};
 use etalon_stats::Extremes;
 
 /// Standard errors that a number must be away from its bound.
-pub const SIGMAS: f64 = 3.0;
+const SIGMAS: f64 = 3.0;
 
 /// The smallest relative difference in brightness that an observer sees, 2 %: Weber's fraction.
 ///
 /// Source: Hood & Finkelstein, "Sensitivity to Light", in *Handbook of Perception and Human Performance*, 1986.
-pub const VISIBLE: f64 = 0.02;
+const VISIBLE: f64 = 0.02;
 
 /// What a number must be for the claim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -194,7 +194,7 @@ impl Claim {
 }
 
 /// A share in percent, for texts.
-pub fn percent(share: f64) -> String {
+fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {
         return "0 %".into();

@@ -166,7 +166,7 @@ impl NamedMap {
     }
 }
 
-/// How an image holds the probe.
+/// How an image holds the light probe of Grace Cathedral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grace {
     /// As the file that is distributed: row 0 is the floor.
@@ -175,7 +175,7 @@ pub enum Grace {
     Upright,
 }
 
-const SIZE: [usize; 2] = [1024, 512];
+const GRACE_SIZE: [usize; 2] = [1024, 512];
 /// SHA-256 of the texels, row by row, as red, green and blue in f32 (little-endian).
 const UPSIDE_DOWN: &str = "27123b8a7e761b7db7757f6595b7a473475e008f37203f0e01764174a5e85761";
 /// The same of the turned map.
@@ -185,7 +185,7 @@ impl Grace {
     /// How `image` holds the probe, if it is the probe to the last bit.
     #[must_use]
     pub fn of(image: &Image) -> Option<Self> {
-        if [image.width(), image.height()] != SIZE {
+        if [image.width(), image.height()] != GRACE_SIZE {
             return None;
         }
         match checksum(image).as_str() {

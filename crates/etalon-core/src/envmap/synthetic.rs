@@ -115,8 +115,8 @@ const HORIZON: DVec3 = DVec3::new(0.52, 0.60, 0.68);
 const GROUND: DVec3 = DVec3::new(0.17, 0.14, 0.105);
 const AUREOLE: DVec3 = DVec3::new(1.0, 0.90, 0.74);
 
-/// The map, in f32; see the module.
-pub fn sun() -> Image {
+/// The map `sun`, in f32; see the module.
+fn sun() -> Image {
     let (se, ce) = libm::sincos(ELEVATION);
     let (sa, ca) = libm::sincos(AZIMUTH);
     let sun = DVec3::new(ce * ca, se, ce * sa);

@@ -2,7 +2,7 @@
 //! its program does not do.
 
 use crate::math::Real;
-use crate::optics::dielectric::{self, normal_reflectance, polynomial};
+use crate::optics::dielectric::{self, normal_reflectance, schlick_polynomial};
 
 /// Schlick's polynomial of the incident cosine on both sides of a dielectric.
 ///
@@ -11,7 +11,7 @@ use crate::optics::dielectric::{self, normal_reflectance, polynomial};
 /// With total internal reflection added it reflects 0.573 of uniform light from inside; 0.596 is correct.
 #[must_use]
 pub fn schlick_incident_cosine<T: Real>(cos_i: T, eta: T) -> T {
-    polynomial(normal_reflectance(eta), cos_i)
+    schlick_polynomial(normal_reflectance(eta), cos_i)
 }
 
 /// Schlick's polynomial of the cosine of the refracted direction, which the second report's BSDF of glass has in the share that is
@@ -20,7 +20,7 @@ pub fn schlick_incident_cosine<T: Real>(cos_i: T, eta: T) -> T {
 /// By Fresnel's equations both are the same. By this polynomial the shares add up to 1.96 for light that grazes glass of 1.45.
 #[must_use]
 pub fn schlick_refracted_cosine(cos_i: f64, eta: f64) -> Option<f64> {
-    dielectric::eta_cos_t(cos_i, eta).map(|g| polynomial(normal_reflectance(eta), g / eta))
+    dielectric::eta_cos_t(cos_i, eta).map(|g| schlick_polynomial(normal_reflectance(eta), g / eta))
 }
 
 /// Schlick's polynomial as the second report's text prints it, F₀ + (1 − F₀)(1 − cos⁵); its program has the correct

@@ -69,7 +69,7 @@ pub fn write(path: &Path, scene: &Scene, request: &Request) -> Result<Exported> 
 }
 
 /// What stands beside a scene file.
-pub struct Aside {
+struct Aside {
     /// The name of the scene file without its extension.
     pub stem: String,
     /// Its extension: files of different formats stand beside each other.
@@ -81,7 +81,7 @@ pub struct Aside {
 }
 
 /// The content of such a file.
-pub enum Content {
+enum Content {
     Mesh(Arc<Mesh>),
     Map(Image),
 }
@@ -133,17 +133,17 @@ impl Aside {
 }
 
 /// What a format lacks.
-pub fn unsupported(scene: &Scene, what: &str) -> Error {
+fn unsupported(scene: &Scene, what: &str) -> Error {
     Error::unsupported(Path::new(&scene.name), format!("{what} cannot be exported in this format"))
 }
 
 /// Numbers with `separator` between them, each with as many digits as it takes to read the same number.
-pub fn numbers<T: std::fmt::Display>(values: impl IntoIterator<Item = T>, separator: &str) -> String {
+fn numbers<T: std::fmt::Display>(values: impl IntoIterator<Item = T>, separator: &str) -> String {
     values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(separator)
 }
 
 /// The environment's map with its scale.
-pub fn scaled_map(environment: &Environment) -> Image {
+fn scaled_map(environment: &Environment) -> Image {
     let geometry = environment.map.geometry();
     Image::from_fn(geometry.width(), geometry.height(), |x, y| environment.radiance_in_texel((x, y)))
 }

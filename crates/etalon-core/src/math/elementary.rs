@@ -113,7 +113,7 @@ pub fn polynomial<T: Float, const N: usize>(coefficients: &[T; N], t: T) -> T {
     (sums[0] + sums[1] * t) + t2 * (sums[2] + sums[3] * t)
 }
 
-/// Ascending coefficients for f32: they leave an error of 2·10⁻⁸.
+/// Ascending coefficients of [`erfcx`] for f32: they leave an error of 2·10⁻⁸.
 pub(super) const ERFCX_SINGLE: [f32; 12] = [
     1.253_008_1,
     -0.135_621_07,
@@ -129,7 +129,7 @@ pub(super) const ERFCX_SINGLE: [f32; 12] = [
     7.731_024e-5,
 ];
 
-/// Ascending coefficients for f64: they leave an error of 5·10⁻¹⁷.
+/// Ascending coefficients of [`erfcx`] for f64: they leave an error of 5·10⁻¹⁷.
 pub(super) const ERFCX_DOUBLE: [f64; 24] = [
     1.253_008_058_269_729_6,
     -0.135_621_106_124_581_17,
@@ -158,6 +158,12 @@ pub(super) const ERFCX_DOUBLE: [f64; 24] = [
 ];
 
 /// exp(x²) erfc(x) for `x` ≥ 0, infinity included, from the coefficients of its type.
+///
+/// It falls smoothly from 1 to 1/(√π x), so that one polynomial serves all x: times 1 + 2x it is a polynomial of t = (x − 3)/(x + 3). The
+/// coefficients are Chebyshev fits of this project, made with 40 digits.
+///
+/// Source of the idea: Shepherd and Laframboise, "Chebyshev Approximation of (1 + 2x) exp(x²) erfc(x) in 0 ≤ x < ∞", Mathematics of
+/// Computation 36, 1981.
 #[inline(always)]
 pub(super) fn erfcx<T: Float, const N: usize>(x: T, coefficients: &[T; N]) -> T {
     let three = T::one() + T::one() + T::one();

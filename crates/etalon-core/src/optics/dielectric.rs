@@ -1,7 +1,7 @@
 //! Fresnel reflectance of a smooth dielectric, in a factored form without cancellation near eta = 1; Schlick's approximation of it,
 //! correct on both sides.
 
-use super::{dielectric, incidence};
+use super::incidence;
 use crate::math::Real;
 
 /// What an interface does to a ray of given incidence.
@@ -107,7 +107,7 @@ pub fn normal_reflectance<T: Real>(eta: T) -> T {
 ///
 /// Source: Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, eq. 15.
 #[must_use]
-pub fn polynomial<T: Real>(f0: T, cos: T) -> T {
+pub fn schlick_polynomial<T: Real>(f0: T, cos: T) -> T {
     let m = T::one() - incidence(cos);
     let m2 = m * m;
     f0 + (T::one() - f0) * m2 * m2 * m
@@ -121,9 +121,9 @@ pub fn schlick<T: Real>(cos_i: T, eta: T) -> T {
     }
     let f0 = normal_reflectance(eta);
     if eta > T::one() {
-        return polynomial(f0, cos_i);
+        return schlick_polynomial(f0, cos_i);
     }
-    dielectric::eta_cos_t(cos_i, eta).map_or(T::one(), |g| polynomial(f0, g / eta))
+    eta_cos_t(cos_i, eta).map_or(T::one(), |g| schlick_polynomial(f0, g / eta))
 }
 
 #[cfg(test)]
@@ -216,7 +216,7 @@ mod tests {
     fn both_sides_agree_with_each_other() {
         for i in 1..=100 {
             let c = f64::from(i) / 100.0;
-            let cos_t = dielectric::fresnel(c, 1.45).cos_t.unwrap();
+            let cos_t = fresnel(c, 1.45).cos_t.unwrap();
             assert!((schlick(c, 1.45) - schlick(cos_t, 1.0 / 1.45)).abs() < 1e-13);
         }
     }

@@ -9,7 +9,8 @@ pub mod warp;
 
 pub use etalon_random::{hash, stream};
 
-/// Starts to bring `table[index]` into the cache and does not wait for it; nothing beyond the end of the table.
+/// Starts to bring `table[index]` into the cache and does not wait for it; nothing beyond the end of the table. On
+/// processors other than x86-64 it does nothing.
 #[inline(always)]
 pub fn prefetch<T>(table: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]

@@ -243,7 +243,7 @@ fn steps(lo: f64, hi: f64, step: f64, decimals: i32, parts: i32) -> Ticks {
     Ticks { major, minor, exponent }
 }
 
-/// Decades, all or every n-th, with the multiples 2 to 9 between them; the round steps of [`linear`] when the range
+/// Decades, all or every n-th, with the multiples 2 to 9 between them; the round steps of [`linear_ticks`] when the range
 /// holds no two decades. Needs `lo > 0`.
 fn log_ticks(lo: f64, hi: f64, most: usize) -> Ticks {
     let (first, last) = ((lo.log10() - 1e-9).ceil() as i32, (hi.log10() + 1e-9).floor() as i32);

@@ -93,6 +93,9 @@ impl Heatmap {
 
 /// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
 /// takes the dark one.
+///
+/// Both scales are straight lines of lightness in Oklab (Björn Ottosson, 2020), with hue and chroma as plain functions of the position,
+/// chosen to stay inside sRGB.
 pub fn sequential(t: f64) -> Colour {
     let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
     let chroma = 0.085 + 0.04 * (1.0 - t).powi(3) + 0.09 * t.powi(4);

@@ -57,8 +57,8 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     Ok(found.outcome("being finite, not negative and as declared"))
 }
 
-/// A sample that is no delta lobe's, with its random numbers and its pdf.
-type Spread<'a> = (&'a Vec<f64>, &'a BsdfSample, f64);
+/// A sample with its random numbers, and its pdf or, of a delta lobe, its probability.
+type Drawn<'a> = (&'a Vec<f64>, &'a BsdfSample, f64);
 
 /// Compares weight · pdf with f |cos θᵢ| at samples, and the pdf of each with what `pdf` returns, to the last bit. For samples of
 /// delta lobes, probability and weight are those of the lobe.
@@ -83,15 +83,15 @@ pub fn formula(subject: &Subject) -> Result<Option<Outcome>> {
     Ok(found.outcome("weight = f |cos| / pdf"))
 }
 
-fn at(subject: &Subject, (u, sample, _): &Spread) -> String {
+fn at(subject: &Subject, (u, sample, _): &Drawn) -> String {
     format!("{}, u = {u:?}", subject.at(sample.wi))
 }
 
-fn pairs(subject: &Subject, spread: &[Spread]) -> Vec<Pair> {
+fn pairs(subject: &Subject, spread: &[Drawn]) -> Vec<Pair> {
     spread.iter().map(|(_, sample, _)| [subject.wo, sample.wi]).collect()
 }
 
-fn carried_pdfs(subject: &Subject, spread: &[Spread], found: &mut Comparison) -> Result<()> {
+fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
     for (sample, asked) in spread.iter().zip(subject.bsdf.pdf(&pairs(subject, spread))?) {
         let (at, pdf) = (|| at(subject, sample), sample.2);
         let equal = asked.to_bits() == pdf.to_bits();
@@ -101,7 +101,7 @@ fn carried_pdfs(subject: &Subject, spread: &[Spread], found: &mut Comparison) ->
     Ok(())
 }
 
-fn weights(subject: &Subject, spread: &[Spread], found: &mut Comparison) -> Result<()> {
+fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
     let Subject { bsdf, properties, .. } = subject;
     let pairs = pairs(subject, spread);
     let values = bsdf.eval(&pairs, &[])?;
@@ -129,7 +129,7 @@ fn weights(subject: &Subject, spread: &[Spread], found: &mut Comparison) -> Resu
     Ok(())
 }
 
-fn delta_lobes(subject: &Subject, samples: &[Spread], found: &mut Comparison) -> Result<()> {
+fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> Result<()> {
     for sample in samples {
         let (at, &(_, &BsdfSample { wi, weight, .. }, probability)) = (|| at(subject, sample), sample);
         let Some(lobe) = subject.deltas.iter().find(|lobe| sphere().same(lobe.wi.into(), wi.into())) else {

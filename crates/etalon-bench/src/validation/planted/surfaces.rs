@@ -14,14 +14,14 @@ use glam::DVec3;
 
 const ALPHA: f64 = 0.3;
 
-/// The view, at 60° unless said otherwise.
+/// The view of the tests of normals, at 60°.
 fn view() -> DVec3 {
     let (sin, cos) = 60f64.to_radians().sin_cos();
     DVec3::new(sin, 0.0, cos)
 }
 
 /// A mistake in the pdf of the full distribution of normals of Beckmann's distribution.
-fn all(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+fn ndf_pdf(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
     PlantedFault::of(name, Directions::hemisphere(Pole::Z), move |faulty| {
         let facets = Beckmann::new(ALPHA);
         let draw = move |u: &[f64]| Some(Sample::new(facets.sample_ndf([u[0], u[1]])));
@@ -33,7 +33,7 @@ fn all(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
 }
 
 /// A mistake in the pdf of the normals visible from `wo`.
-fn visible<M>(name: &'static str, facets: M, wo: DVec3, wrong: fn(&M, DVec3, DVec3) -> f64) -> PlantedFault
+fn vndf_pdf<M>(name: &'static str, facets: M, wo: DVec3, wrong: fn(&M, DVec3, DVec3) -> f64) -> PlantedFault
 where
     M: SampleNormals<f64> + Send + Sync + 'static,
 {
@@ -47,7 +47,7 @@ where
 }
 
 /// A mistake in mapping random numbers to tan² θ and an azimuth in turns.
-fn sampled(name: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> PlantedFault {
+fn ndf_sampling(name: &'static str, wrong: fn(&[f64]) -> (f64, f64)) -> PlantedFault {
     PlantedFault::of(name, Directions::hemisphere(Pole::Z), move |faulty| {
         let draw = move |u: &[f64]| {
             let (tan2, turns) = if faulty { wrong(u) } else { (-ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]) };
@@ -64,32 +64,32 @@ pub fn normals() -> Vec<PlantedFault> {
     let theta = (1.0 / (1.34 * ALPHA)).atan();
     let worst = DVec3::new(theta.sin(), 0.0, theta.cos());
     vec![
-        all("normals/missing-cosine", |m| Beckmann::new(ALPHA).d(m.to_array()))
+        ndf_pdf("normals/missing-cosine", |m| Beckmann::new(ALPHA).d(m.to_array()))
             .mistake("D(m) taken for the pdf of normals, which is D(m) cos θ: the second report"),
-        all("normals/alpha-for-roughness", |m| Beckmann::new(ALPHA * ALPHA).pdf_ndf(m.to_array()))
+        ndf_pdf("normals/alpha-for-roughness", |m| Beckmann::new(ALPHA * ALPHA).pdf_ndf(m.to_array()))
             .mistake("α² in the pdf where the sampler has α: one of them took α for a roughness"),
-        all("normals/zero-over-zero", |m| {
+        ndf_pdf("normals/zero-over-zero", |m| {
             f64::from(normal_pdf_by_angles(ALPHA as f32, m.z.clamp(-1.0, 1.0).acos() as f32))
         })
         .mistake("the pdf formed as p(θ) p(φ)/sin θ, which is 0/0 for the normal of u = 0: the second report's course"),
-        sampled("normals/logarithm-of-zero", |u| (-ALPHA * ALPHA * u[0].ln(), u[1]))
+        ndf_sampling("normals/logarithm-of-zero", |u| (-ALPHA * ALPHA * u[0].ln(), u[1]))
             .mistake("ln u instead of ln(1 − u): infinite for u = 0, which is sampled"),
-        sampled("normals/half-a-turn", |u| (-ALPHA * ALPHA * (1.0 - u[0]).ln(), 0.5 * u[1]))
+        ndf_sampling("normals/half-a-turn", |u| (-ALPHA * ALPHA * (1.0 - u[0]).ln(), 0.5 * u[1]))
             .mistake("φ = π u instead of 2π u"),
-        sampled("normals/slope-variance", |u| (-2.0 * ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]))
+        ndf_sampling("normals/slope-variance", |u| (-2.0 * ALPHA * ALPHA * (1.0 - u[0]).ln(), u[1]))
             .mistake("α taken for the standard deviation of slopes, which is α/√2"),
-        visible("normals/all-for-visible", Beckmann::new(ALPHA), view(), |facets, _, m| facets.pdf_ndf(m.to_array()))
+        vndf_pdf("normals/all-for-visible", Beckmann::new(ALPHA), view(), |facets, _, m| facets.pdf_ndf(m.to_array()))
             .mistake("visible normals sampled, divided by the pdf of the full distribution"),
-        visible("normals/missing-g1", Ggx::new(ALPHA), view(), |facets, wo, m| {
+        vndf_pdf("normals/missing-g1", Ggx::new(ALPHA), view(), |facets, wo, m| {
             facets.d(m.to_array()) * wo.dot(m).max(0.0) / wo.z
         })
         .mistake("the pdf of visible normals without the visible share G₁"),
-        visible("normals/rational-shadowing", Beckmann::new(ALPHA), worst, |facets, wo, m| {
+        vndf_pdf("normals/rational-shadowing", Beckmann::new(ALPHA), worst, |facets, wo, m| {
             let a = wo.z / (ALPHA * wo.truncate().length());
             facets.d(m.to_array()) * wo.dot(m).max(0.0) * g1_rational(a) / wo.z
         })
         .mistake("Walter's rational fit of G₁ in the pdf of visible normals, an error of 0.3 %: most renderers"),
-        visible(
+        vndf_pdf(
             "normals/facing-away",
             Ggx::new(1.0),
             DVec3::new(80f64.to_radians().sin(), 0.0, 80f64.to_radians().cos()),
@@ -100,13 +100,13 @@ pub fn normals() -> Vec<PlantedFault> {
 }
 
 /// A rough surface, of which many reflections end below the horizon.
-const REFLECTING: f64 = 0.8;
+const REFLECTING_ALPHA: f64 = 0.8;
 
 fn facets() -> Ggx<f64> {
-    Ggx::new(REFLECTING)
+    Ggx::new(REFLECTING_ALPHA)
 }
 
-/// The view, at 45°.
+/// The view of the tests of reflection, at 45°.
 const WO: DVec3 = DVec3::new(std::f64::consts::FRAC_1_SQRT_2, 0.0, std::f64::consts::FRAC_1_SQRT_2);
 
 /// `WO` reflected at the facet, if the direction leaves the surface.
@@ -133,22 +133,22 @@ fn pdf_vndf(wi: DVec3) -> f64 {
 /// The factor k by which the cap of normals is cut to those that may reflect above the horizon, and the length of the
 /// stretched view. Source: Eto & Tokuyoshi, "Bounded VNDF Sampling for Smith–GGX Reflections", SIGGRAPH Asia 2023.
 fn bound() -> (f64, f64) {
-    let a = REFLECTING.min(1.0);
+    let a = REFLECTING_ALPHA.min(1.0);
     let s2 = (1.0 + WO.truncate().length()).powi(2);
     let k = (1.0 - a * a) * s2 / (s2 + a * a * WO.z * WO.z);
-    (k, (REFLECTING * WO.truncate()).extend(WO.z).length())
+    (k, (REFLECTING_ALPHA * WO.truncate()).extend(WO.z).length())
 }
 
 /// Reflections at normals of the bounded cap.
 fn bounded(u: [f64; 2]) -> Option<DVec3> {
     let (k, length) = bound();
-    let v = (REFLECTING * WO.truncate()).extend(WO.z) / length;
+    let v = (REFLECTING_ALPHA * WO.truncate()).extend(WO.z) / length;
     // Sample the bounded spherical cap, and unstretch the half vector.
     let z = (1.0 - u[0]) * (1.0 + k * v.z) - k * v.z;
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
     let h = DVec3::new(sin * cos_phi, sin * sin_phi, z) + v;
-    reflected((REFLECTING * h.truncate()).extend(h.z).normalize().to_array())
+    reflected((REFLECTING_ALPHA * h.truncate()).extend(h.z).normalize().to_array())
 }
 
 /// D(m)/(2 (k cos θₒ + t)), t the length of the stretched view: the pdf of [`bounded`].
@@ -163,7 +163,7 @@ fn pair(draw: fn([f64; 2]) -> Option<DVec3>, pdf: fn(DVec3) -> f64) -> (impl Sam
 }
 
 /// A mistake in the pdf of reflections at visible normals.
-fn pdf_fault(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
+fn reflection_pdf(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
     PlantedFault::of(name, Directions::hemisphere(Pole::Z), move |faulty| {
         pair(reflected_at_visible, if faulty { wrong } else { pdf_vndf })
     })
@@ -172,11 +172,11 @@ fn pdf_fault(name: &'static str, wrong: fn(DVec3) -> f64) -> PlantedFault {
 pub fn reflection() -> Vec<PlantedFault> {
     let half = Directions::hemisphere(Pole::Z);
     vec![
-        pdf_fault("bsdf/reflection/missing-jacobian", |wi| facets().pdf_vndf(WO.to_array(), facet(wi).to_array()))
+        reflection_pdf("bsdf/reflection/missing-jacobian", |wi| facets().pdf_vndf(WO.to_array(), facet(wi).to_array()))
             .mistake("the normal's pdf taken for the direction's: 1/(4 wo·m) forgotten"),
-        pdf_fault("bsdf/reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
+        reflection_pdf("bsdf/reflection/jacobian-of-the-surface", |wi| pdf_vndf(wi) * WO.dot(facet(wi)) / WO.z)
             .mistake("1/(4 wo·n) in place of 1/(4 wo·m): the surface's normal for the facet's"),
-        pdf_fault("bsdf/reflection/swapped-directions", |wi| {
+        reflection_pdf("bsdf/reflection/swapped-directions", |wi| {
             0.25 * facets().d(facet(wi).to_array()) * facets().g1_over_cos(wi.to_array())
         })
         .mistake("wo and wi exchanged in the pdf, which by visible normals is not symmetric"),

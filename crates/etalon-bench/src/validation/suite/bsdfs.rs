@@ -5,10 +5,9 @@
 //! directions and probabilities of smooth materials are computed here from the laws of reflection, Snell and Fresnel, in
 //! f64 and in their textbook form, independently of the materials' code.
 
-use super::super::case::Case;
 use super::super::families::Scattering;
 use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, boundary, bsdf, in_lanes, metal, short, towards};
-use crate::validation::case::direction_density;
+use crate::validation::case::{Case, direction_density};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Mixture, NormalSampling, Scatter, families};
 use etalon_core::math::Rgb;
 use etalon_core::optics::metals::SILVER;

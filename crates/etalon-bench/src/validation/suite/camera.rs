@@ -82,7 +82,7 @@ pub fn camera(name: String, projection: Projection, pdf_of: CameraPdf) -> Case {
     })
 }
 
-/// Columns and rows of the film.
+/// Columns and rows of the film of the tests of filters.
 const FILTERED: [u16; 2] = [7, 3];
 /// A pixel on the left edge of the image: half of the film positions that its filter reaches are outside.
 const PIXEL: [u32; 2] = [0, 1];

@@ -5,8 +5,7 @@
 //! Tested are the places alone, and the directions from one place (of the environment the directions alone, and the
 //! places for one direction).
 
-use super::super::case::Case;
-use crate::validation::case::direction_density;
+use crate::validation::case::{Case, direction_density};
 use etalon_core::envmap::EnvMap;
 use etalon_core::envmap::samplers::{self, MapSampling, Method};
 use etalon_core::error::Result;

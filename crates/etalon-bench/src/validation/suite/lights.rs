@@ -54,7 +54,7 @@ const VIEWED: [(&str, [f64; 2], [f64; 2], f64); 7] = [
     ("strip", [-100.0, 100.0], [-0.01, 0.01], 1.0),
 ];
 
-/// The cases.
+/// The cases of directions towards one light.
 pub fn directions() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, xs, ys, depth) in VIEWED {
@@ -250,7 +250,7 @@ const COUNTS: [usize; 3] = [10, 200, 10_000];
 const POINTS: [(&str, Vec3); 2] = [("inside", Vec3::new(0.4, 0.6, 0.3)), ("outside", Vec3::new(3.0, -1.0, 0.5))];
 const NORMALS: [(&str, Option<Vec3>); 2] = [("sphere", None), ("normal", Some(Vec3::new(-0.6, 0.8, 0.0)))];
 
-/// The cases.
+/// The cases of the choice among many lights.
 pub fn selections() -> Vec<Case> {
     let mut cases = Vec::new();
     for count in COUNTS {

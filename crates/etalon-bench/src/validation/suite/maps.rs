@@ -128,7 +128,8 @@ pub type Share = fn(&Region) -> f64;
 /// In proportion to its energy.
 pub const ENERGY: Share = |region| region.energy;
 
-/// The test of a number of regions.
+/// The test of a number of regions: a region is sampled by its share, a texel in it by its energy. The pdf of both steps is that of the
+/// whole map if the regions tile it and their energies are right.
 pub fn strata(name: String, split: Split, regions: usize, share: Share) -> Case {
     Case::new(name, move |protocol, round| examine_strata(split, regions, share, protocol, round))
 }

@@ -1,9 +1,8 @@
 //! The XML of a COLLADA file: elements by name, by `id` and by link, their numbers, and the place of each.
 
-use super::super::place::{Rule, finite};
 use super::super::{MAX_WARNINGS, further_warnings};
 use crate::error::{Error, Result};
-use crate::import::place::{At, quote};
+use crate::import::place::{At, Rule, finite, quote};
 use crate::math::Rgb;
 use crate::memory;
 use roxmltree::{Document as Xml, Error as XmlError, Node, NodeType, ParsingOptions};

@@ -72,22 +72,22 @@ const MAX_DEPTH: usize = 256;
 const MAX_NODES: usize = 1 << 18;
 
 #[derive(Default)]
-pub struct Found<'a> {
-    pub view: Option<View<'a>>,
-    pub lights: Vec<Light>,
-    pub objects: Vec<Object>,
+struct Found<'a> {
+    view: Option<View<'a>>,
+    lights: Vec<Light>,
+    objects: Vec<Object>,
 }
 
 impl Found<'_> {
     /// The box around all objects.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+    fn bounds(&self) -> Option<[DVec3; 2]> {
         let boxes = self.objects.iter().filter_map(|object| material::bounds(&object.shape));
         boxes.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]).map(|ends| ends.map(|end| end.as_dvec3()))
     }
 }
 
 /// Collects the content of the file's scene.
-pub fn walk<'a>(document: &Document<'a>) -> Result<Found<'a>> {
+fn walk<'a>(document: &Document<'a>) -> Result<Found<'a>> {
     let up = transform::up_axis(document)?;
     let instance = document.require(document.root(), "scene/instance_visual_scene")?;
     let scene = document.follow(instance, "url", "visual_scene")?;

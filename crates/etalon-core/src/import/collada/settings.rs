@@ -11,10 +11,9 @@
 //!
 //! Fields of view, position and matrix are used; the others follow from them or have no effect.
 
-use super::super::place::finite;
 use crate::error::Result;
 use crate::files::{read_bounded, without_bom};
-use crate::import::place::At;
+use crate::import::place::{At, finite};
 use crate::import::transform::in_range;
 use crate::scene::{Camera, PixelFilter, Projection};
 use glam::{DMat3, DVec3};

@@ -1,10 +1,9 @@
 //! The file's up axis, and the transforms of COLLADA's nodes; and the camera that the course's renderer places itself: of the file's
 //! camera only direction and field of view count.
 
-use super::super::place::{ANGLE, ANY, Rule};
 use super::document::{Document, Element, elements, find};
 use crate::error::Result;
-use crate::import::place::quote;
+use crate::import::place::{ANGLE, ANY, Rule, quote};
 use crate::import::transform::{affine, in_range, rotate};
 use crate::scene::{Camera, Projection};
 use glam::{DMat3, DMat4, DVec3};

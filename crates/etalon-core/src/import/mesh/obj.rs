@@ -1,8 +1,7 @@
 //! OBJ: the text format of Wavefront's Advanced Visualizer, as far as polygons go.
 
-use super::super::place::finite;
 use crate::error::{Error, Result};
-use crate::import::place::{At, quote};
+use crate::import::place::{At, finite, quote};
 use crate::import::shape::{corner_uv, fan, point, unit_normals};
 use crate::memory;
 use crate::scene::Mesh;

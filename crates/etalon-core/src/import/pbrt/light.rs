@@ -1,12 +1,11 @@
 //! Lights: environment maps, directional, point and area lights.
 
-use super::super::place::{ANY, LIGHT};
 use super::params::Params;
 use super::reader::Reader;
 use super::setup::MAX_SAMPLES;
 use crate::envmap::{EnvMap, MAX_RADIANCE, check_range, equal_area};
 use crate::error::Result;
-use crate::import::place::{At, quote};
+use crate::import::place::{ANY, At, LIGHT, quote};
 use crate::import::transform::{self, in_range};
 use crate::math::Rgb;
 use crate::memory;

@@ -1,12 +1,11 @@
 //! Materials: diffuse surfaces, plain, rough or coated, mirrors, glass, metals and mixtures, with or without textures.
 
-use super::super::place::{ANY, DIELECTRIC_INDEX, FRACTION, Rule};
 use super::params::Params;
 use super::reader::{GREY, Reader};
 use super::texture::Values;
 use crate::bsdf::{Bsdf, CoatedDiffuse, OrenNayar, ThinDielectric};
 use crate::error::{Error, Result};
-use crate::import::place::quote;
+use crate::import::place::{ANY, DIELECTRIC_INDEX, FRACTION, Rule, quote};
 use crate::math::Rgb;
 use crate::optics::metals;
 use crate::scene::{

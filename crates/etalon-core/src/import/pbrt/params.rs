@@ -1,9 +1,8 @@
 //! Parameter lists: `"type name" value` or `"type name" [values]`, read by name and type, none left over unnoticed.
 
-use super::super::place::{ANY, Rule};
 use super::lexer::{Lexer, Token};
 use crate::error::{Error, Result};
-use crate::import::place::{At, quote};
+use crate::import::place::{ANY, At, Rule, quote};
 use crate::math::Rgb;
 use crate::memory;
 use std::cell::RefCell;

@@ -1,6 +1,5 @@
 //! Walks through a pbrt file and those that it includes, and keeps what their directives set until the scene is whole.
 
-use super::super::{MAX_WARNINGS, further_warnings};
 use super::lexer::{Lexer, Token};
 use super::params::Params;
 use super::setup::Setup;
@@ -8,7 +7,7 @@ use super::texture::Textures;
 use crate::error::{Error, Result};
 use crate::files::read_bounded;
 use crate::import::place::At;
-use crate::import::{Imported, SceneOptions};
+use crate::import::{Imported, MAX_WARNINGS, SceneOptions, further_warnings};
 use crate::math::Rgb;
 use crate::scene::{Emission, Environment, Light, Material, Object, Scene};
 use glam::DMat4;

@@ -1,10 +1,9 @@
 //! Spectra in parameters: turned into RGB or an index of refraction, as the parameter means it.
 
-use super::super::place::finite;
 use super::params::{Param, Params};
 use crate::error::Result;
 use crate::files::{read_bounded, without_bom};
-use crate::import::place::quote;
+use crate::import::place::{finite, quote};
 use crate::optics::D_LINE_NM;
 use crate::optics::colorimetry::{ILLUMINANTS, black_body, light_rgb, reflectance_rgb, rgb_of_chromaticity};
 use crate::optics::media::{DIELECTRICS, Dielectric};

@@ -1,12 +1,11 @@
 //! `Texture`: constants, images, checkerboards, products and mixes over (u, v); parameters that name one; the textures that
 //! a file has named so far, and the images that they share.
 
-use super::super::place::{FRACTION, Rule};
 use crate::error::{Error, Result};
 use crate::import::pbrt::lexer::Lexer;
 use crate::import::pbrt::params::Params;
 use crate::import::pbrt::reader::Reader;
-use crate::import::place::{At, quote};
+use crate::import::place::{At, FRACTION, Rule, quote};
 use crate::math::{Rgb, mean_rgb};
 use crate::memory;
 use crate::raster::{ReadOptions, read_with_notes};

@@ -204,7 +204,8 @@ pub(super) struct Block<'a> {
     pub data: &'a [u8],
 }
 
-/// Finds all blocks of the full resolution of one part; `table` is where the offset tables begin, after the headers.
+/// Finds all blocks of the full resolution of one part before any image is allocated: the codecs reserve memory for whatever size a
+/// header or a compressed stream announces, and a file of a hundred bytes can announce terabytes. `table` is where the offset tables begin, after the headers.
 pub(super) fn locate<'a>(
     path: &Path,
     bytes: &'a [u8],

@@ -2,7 +2,7 @@
 
 use crate::gallery::prelude::*;
 use crate::view::depth as view;
-use etalon_bench::object_ids::Mean;
+use etalon_bench::object_ids::PixelMean;
 use etalon_core::error::Result;
 use etalon_core::raster::Image;
 use etalon_core::scene::{Environment, FirstHit, Material, Mesh, Object, Request, Scene, Shape, builtin};
@@ -99,12 +99,12 @@ fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha: [f3
     }
     let rendered = render(&scene, request, settings, &Silent)?;
     let disc = pixels(&scene, request, |shape| matches!(shape, Shape::Mesh(_)));
-    let mean = Mean::of(&rendered.part.film, &disc);
+    let mean = PixelMean::of(&rendered.part.film, &disc);
     // Other random numbers: independent means.
     let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
     let other = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     let z = |scene: &Scene, settings: &Settings| {
-        Result::Ok(mean.z(&Mean::of(&render(scene, &fewer, settings, &Silent)?.part.film, &disc)))
+        Result::Ok(mean.z(&PixelMean::of(&render(scene, &fewer, settings, &Silent)?.part.film, &disc)))
     };
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, ..other };
     let row = PairRow {

@@ -5,7 +5,7 @@ use crate::gallery::prelude::*;
 use crate::view::depth as view;
 use etalon_bench::depth::{self, DEPTHS, Depths, RadianceRow};
 use etalon_bench::metal::worst;
-use etalon_bench::object_ids::{Kind, Mean, ObjectIdBuffer};
+use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean};
 use etalon_core::error::Result;
 use etalon_core::raster::ToneMap;
 use etalon_core::scene::{Material, Request, builtin};
@@ -99,7 +99,7 @@ fn white(sphere: &FurnaceSphere) -> Check {
 pub struct FurnaceSphere {
     pub material: &'static str,
     /// Over the pixels whose centre shows it.
-    pub radiance: Mean,
+    pub radiance: PixelMean,
 }
 
 /// Renders a diffuse, a mirror and a glass sphere at `spp` samples per pixel.
@@ -112,7 +112,7 @@ pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
     Ok(spheres.map(|(kind, material)| FurnaceSphere {
         material,
-        radiance: Mean::of(&rendered.part.film, &objects.mask(kind)),
+        radiance: PixelMean::of(&rendered.part.film, &objects.mask(kind)),
     }))
 }
 
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn no_sphere_gains_or_loses_light() {
         for sphere in furnace(4, &Settings::default()).unwrap() {
-            let Mean { error, pixels, .. } = sphere.radiance;
+            let PixelMean { error, pixels, .. } = sphere.radiance;
             let error = error.into_iter().fold(0.0, f64::max);
             assert!(pixels > 100 && (sphere.radiance.mean_rgb() - 1.0).abs() < 4.0 * error + 1e-5, "{sphere:?}");
         }

@@ -4,7 +4,7 @@ use super::error_time::{LIMIT, small};
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
 use etalon_bench::converge::doubling::{Deadline, Times};
-use etalon_bench::object_ids::{Kind, Mean, ObjectIdBuffer, inside};
+use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::raster::Metadata;
@@ -74,7 +74,7 @@ struct RoughnessLevel {
     /// 1 / (MSE · processor time).
     efficiency: Estimate,
     /// The metal's mean radiance, over all replicates.
-    light: Mean,
+    light: PixelMean,
 }
 
 /// Renders a scene with its metals at each roughness, sampling normals in every way, each `replicates` times, alternating.
@@ -134,7 +134,7 @@ fn measure(
                 mse: Estimate::mean(&all(0)),
                 cpu_seconds: Estimate::mean(&all(1)),
                 efficiency: efficiency(measured),
-                light: Mean::of(&part.film, &mask),
+                light: PixelMean::of(&part.film, &mask),
             });
         }
     }

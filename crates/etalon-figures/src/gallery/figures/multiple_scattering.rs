@@ -4,7 +4,7 @@
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::gallery::prelude::*;
 use crate::view::depth::grid;
-use etalon_bench::object_ids::{Mean, ObjectIdBuffer};
+use etalon_bench::object_ids::{ObjectIdBuffer, PixelMean};
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::error::Result;
 use etalon_core::math::Rgb;
@@ -154,7 +154,7 @@ struct Spheres {
     metal: &'static str,
     /// Whether they have multiple scattering.
     multiple: bool,
-    radiance: [Mean; 4],
+    radiance: [PixelMean; 4],
     /// Samples that were not finite or negative.
     dropped: u64,
     /// The render.
@@ -178,7 +178,7 @@ fn spheres(spp: u32, size: [usize; 2], settings: &Settings) -> Result<Vec<Sphere
             }
             let (scene, request) = scene.resized(Request { spp, ..request }, size);
             let rendered = render(&scene, &request, settings, &Silent)?;
-            let radiance = std::array::from_fn(|i| Mean::of(&rendered.part.film, &shows(&scene, &request, i)));
+            let radiance = std::array::from_fn(|i| PixelMean::of(&rendered.part.film, &shows(&scene, &request, i)));
             let dropped = rendered.dropped.total();
             results.push(Spheres { metal, multiple: multiple_scattering, radiance, dropped, image: rendered.image });
         }

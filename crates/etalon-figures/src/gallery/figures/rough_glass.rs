@@ -2,7 +2,7 @@
 
 use crate::gallery::prelude::*;
 use crate::view::depth as view;
-use etalon_bench::object_ids::{Kind, Mean, ObjectIdBuffer, inside};
+use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
 use etalon_bench::roughness::brightest_percent;
 use etalon_core::error::{Error, Result};
 use etalon_core::math::Rgb;
@@ -91,7 +91,7 @@ struct GlassRow {
 struct GlassRender {
     row: GlassRow,
     /// The glass's mean radiance.
-    glass: Mean,
+    glass: PixelMean,
     image: Image,
 }
 
@@ -137,11 +137,11 @@ fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha: f3
     let rendered = render(&scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(&scene, request);
     let mask = objects.mask(Kind::Glass);
-    let glass = Mean::of(&rendered.part.film, &mask);
+    let glass = PixelMean::of(&rendered.part.film, &mask);
     let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
     let seed = settings.seed.wrapping_add(1);
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
-    let reference = Mean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
+    let reference = PixelMean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
     let square = glass.error.iter().map(|error| error * error).sum::<f64>() / 3.0;
     let walls = objects.mask(Kind::Diffuse);
     let light = inside(rendered.image.pixels(), &walls).map(|p| f64::from(p.element_sum())).collect();
