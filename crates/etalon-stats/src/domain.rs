@@ -328,6 +328,26 @@ impl Directions {
     pub fn hemisphere(pole: Pole) -> Self {
         Self { pole, half: true }
     }
+
+    /// The direction at chart coordinates: [`point_at`](Domain::point_at).
+    #[inline]
+    #[must_use]
+    pub fn direction_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
+        let below = if self.half { below } else { 2.0 * below };
+        let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
+        let (sin, z) = ((below * (2.0 - below)).at_least(0.0).sqrt(), 1.0 - below);
+        let (x, y) = (sin * cos_phi, sin * sin_phi);
+        match self.pole {
+            Pole::Z => [x, y, z],
+            Pole::Y => [y, z, x],
+        }
+    }
+
+    /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
+    fn theta(&self, range: [f64; 2]) -> [f64; 2] {
+        // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
+        range.map(|x| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees())
+    }
 }
 
 /// How far from 1 the length of a unit vector may be: rounding of f32, and little more.
@@ -404,28 +424,6 @@ impl Domain for Directions {
         };
         let [p0, p1] = cell.y.map(|y| 360.0 * y);
         if cell.y == [0.0, 1.0] { place } else { format!("{place}, phi {}°..{}°", degrees(p0), degrees(p1)) }
-    }
-}
-
-impl Directions {
-    /// The direction at chart coordinates: [`point_at`](Domain::point_at).
-    #[inline]
-    #[must_use]
-    pub fn direction_at(&self, [below, turns]: [f64; 2]) -> [f64; 3] {
-        let below = if self.half { below } else { 2.0 * below };
-        let (sin_phi, cos_phi) = (TAU * turns).sin_cos();
-        let (sin, z) = ((below * (2.0 - below)).at_least(0.0).sqrt(), 1.0 - below);
-        let (x, y) = (sin * cos_phi, sin * sin_phi);
-        match self.pole {
-            Pole::Z => [x, y, z],
-            Pole::Y => [y, z, x],
-        }
-    }
-
-    /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
-    fn theta(&self, range: [f64; 2]) -> [f64; 2] {
-        // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
-        range.map(|x| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees())
     }
 }
 

@@ -15,6 +15,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+const DOMAIN: &str = "Domain of the samples [default: what the program says]";
+
 /// An external sampler or BSDF.
 #[derive(Args)]
 #[command(next_help_heading = "Samplers and BSDFs of other programs")]
@@ -24,8 +26,7 @@ pub struct Arguments {
     /// Requests and replies go over its standard input and output.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
     exec: Option<String>,
-    /// Domain of the samples [default: what the program says]
-    #[arg(long, value_name = "DOMAIN", long_help = format!("Domain of the samples [default: what the program says]\n\n{}", Space::known()))]
+    #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]

@@ -20,7 +20,7 @@ fn script(text: &str, more: &[&str]) -> Ran {
     ran
 }
 
-const HELLO: &str = "read l; echo 'etalon 1 domain=line dimension=1'; echo end; read l; ";
+const GREETING: &str = "read l; echo 'etalon 1 domain=line dimension=1'; echo end; read l";
 
 #[test]
 fn a_name_gives_files_theirs_and_no_commands_to_the_terminal() {
@@ -85,7 +85,7 @@ fn programs_that_misbehave_are_named() {
         ("yes end", "it went on after \"end\""),
     ];
     for (text, expected) in cases {
-        let ran = script(&format!("{HELLO}{text}"), &["--timeout", "5"]);
+        let ran = script(&format!("{GREETING}; {text}"), &["--timeout", "5"]);
         assert_eq!(ran.code, 2, "{text}: {}", ran.stderr);
         assert!(ran.stderr.contains(expected) && ran.stderr.contains("client.sh"), "{text}: {}", ran.stderr);
     }
@@ -160,7 +160,6 @@ fn start(folder: &Path, script: &str) -> Child {
         .unwrap()
 }
 
-const GREETING: &str = "read l; echo 'etalon 1 domain=line dimension=1'; echo end; read l";
 const NOTE: &str = "ps -o pgid= -p $$ > group.part; mv group.part group";
 
 #[test]

@@ -103,7 +103,7 @@ impl Exact {
 
 /// Whether moving one input by a few units of its last place decides if there is a value at all, such as at a
 /// triangle's edge.
-pub fn on_the_edge(reference: Formula<Precise>, precision: Precision, inputs: &[f64]) -> bool {
+fn on_the_edge(reference: Formula<Precise>, precision: Precision, inputs: &[f64]) -> bool {
     let mut x: Vec<Precise> = inputs.iter().map(|&x| Precise::of(x)).collect();
     let exists = reference(&x).is_some();
     (0..x.len()).any(|i| {

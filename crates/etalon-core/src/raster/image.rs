@@ -114,9 +114,7 @@ impl Image {
     pub fn map(&self, f: impl Fn(Rgb) -> Rgb) -> Self {
         Self { pixels: self.pixels.iter().map(|&p| f(p)).collect(), ..*self }
     }
-}
 
-impl Image {
     /// Every pixel repeated `factor` times in both directions (nearest neighbour).
     ///
     /// # Panics

@@ -89,6 +89,25 @@ impl Heatmap {
             self.colour(value.map_or(f64::NAN, |&value| span.position(value)))
         })
     }
+
+    /// The colour bar alone, lying, `length` long (at least 60), with its ticks and its label below.
+    pub fn bar(&self, length: f64) -> Drawing {
+        let length = length.max(60.0);
+        let label = text::width(&self.label, theme::LABEL_SIZE, false);
+        let width = (length + 2.0 * FACTOR).max(label + 2.0 * EDGE).ceil();
+        let bar = Rect::new(0.5 * (width - length), EDGE, length, WIDTH);
+        let mut drawing = Drawing::new(width, 0.0, 2.0);
+        let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
+        drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
+        let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
+        let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
+        let room = Sides { bottom, ..Sides::default() };
+        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [&self.label, ""]);
+        let after = [bar.right() + 6.0, bar.centre()[1]];
+        frame::draw_factor(&mut drawing, &ticks, after, (Anchor::Start, Level::Middle));
+        drawing.height = (bar.bottom() + bottom + EDGE).ceil();
+        drawing
+    }
 }
 
 /// Sequential scale: `t` from 0 (dark purple) over teal to 1 (light yellow). Outside values take the nearest end, NaN
@@ -159,27 +178,6 @@ pub(super) fn bar_beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> 
 const EDGE: f64 = 10.0;
 /// Width kept right of the bar for the factor that all its labels share.
 const FACTOR: f64 = 50.0;
-
-impl Heatmap {
-    /// The colour bar alone, lying, `length` long (at least 60), with its ticks and its label below.
-    pub fn bar(&self, length: f64) -> Drawing {
-        let length = length.max(60.0);
-        let label = text::width(&self.label, theme::LABEL_SIZE, false);
-        let width = (length + 2.0 * FACTOR).max(label + 2.0 * EDGE).ceil();
-        let bar = Rect::new(0.5 * (width - length), EDGE, length, WIDTH);
-        let mut drawing = Drawing::new(width, 0.0, 2.0);
-        let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
-        drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
-        let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
-        let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
-        let room = Sides { bottom, ..Sides::default() };
-        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [&self.label, ""]);
-        let after = [bar.right() + 6.0, bar.centre()[1]];
-        frame::draw_factor(&mut drawing, &ticks, after, (Anchor::Start, Level::Middle));
-        drawing.height = (bar.bottom() + bottom + EDGE).ceil();
-        drawing
-    }
-}
 
 #[cfg(test)]
 mod tests {

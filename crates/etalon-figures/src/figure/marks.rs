@@ -161,7 +161,7 @@ impl Sketch<'_> {
 }
 
 /// The parts of a line that lie inside the unit square. A point that is not finite breaks the line.
-pub(super) fn clipped_line(points: &[Point]) -> Vec<Vec<Point>> {
+fn clipped_line(points: &[Point]) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut open = false;
     for pair in points.windows(2) {
@@ -203,7 +203,7 @@ fn segment(a: Point, b: Point) -> Option<(Point, Point)> {
 }
 
 /// The part of a polygon inside the unit square (Sutherland and Hodgman, 1974); empty when there is none.
-pub(super) fn clipped_polygon(points: Vec<Point>) -> Vec<Point> {
+fn clipped_polygon(points: Vec<Point>) -> Vec<Point> {
     let mut points = points;
     for (axis, limit, sign) in [(0, 0.0, 1.0), (0, 1.0, -1.0), (1, 0.0, 1.0), (1, 1.0, -1.0)] {
         let depth = |p: &Point| sign * (p[axis] - limit);

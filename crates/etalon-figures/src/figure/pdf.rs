@@ -254,7 +254,7 @@ fn unit(byte: u8) -> f32 {
 
 /// The glyphs of a font that the page uses, with their characters and widths.
 #[derive(Default)]
-pub(super) struct Subset {
+struct Subset {
     glyphs: GlyphRemapper,
     /// New glyph number to character and width in thousandths of the font size.
     used: BTreeMap<u16, (char, f32)>,
@@ -336,7 +336,7 @@ impl Subset {
 }
 
 /// What the page calls a font.
-pub(super) fn font_name(face: Face) -> &'static str {
+fn font_name(face: Face) -> &'static str {
     match face {
         Face::Regular => "F0",
         Face::Oblique => "F1",
@@ -345,7 +345,7 @@ pub(super) fn font_name(face: Face) -> &'static str {
 }
 
 /// `bytes` as a zlib stream, which PDF calls FlateDecode.
-pub(super) fn deflate(bytes: &[u8]) -> Vec<u8> {
+fn deflate(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("written to memory")
 }

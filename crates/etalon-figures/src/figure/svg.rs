@@ -139,7 +139,7 @@ fn attributes(paint: &Paint) -> String {
 }
 
 /// As CSS and attributes write it, without opacity.
-pub(super) fn hexadecimal(Colour { r, g, b, .. }: Colour) -> String {
+fn hexadecimal(Colour { r, g, b, .. }: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

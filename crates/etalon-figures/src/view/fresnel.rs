@@ -10,7 +10,7 @@ pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Str
     Stroke { colour, width: theme::LINE, dash }
 }
 
-pub(super) fn angle_axis() -> Axis {
+fn angle_axis() -> Axis {
     Axis::linear("angle of incidence /{θ} (degrees)").range(0.0, 90.0).every(15.0)
 }
 

@@ -22,7 +22,6 @@ use std::f32::consts::FRAC_1_PI;
 pub struct DirectLight {
     choices: Vec<Choice>,
     samples: Box<LightSampleLanes>,
-    scattered: Box<Scattered>,
     shadow_rays: Box<ShadowRays>,
     hits: Box<Hits>,
 }
@@ -52,11 +51,12 @@ pub fn sample_direct_light(
     step: Step,
     material: Material,
     vertices: &Vertices,
+    scattered: &mut Scattered,
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
     let interactions = &vertices.interactions;
-    let DirectLight { choices, samples, scattered, shadow_rays, hits } = buffers;
+    let DirectLight { choices, samples, shadow_rays, hits } = buffers;
     if material.kind().is_diffuse() {
         // Every interaction has a shadow ray, of no length where its value is 0: copying some only would cost more.
         let (from, count) = (interactions, interactions.count);

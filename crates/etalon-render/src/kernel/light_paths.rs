@@ -74,9 +74,8 @@ struct Connections {
     contributions: Vec<Contribution>,
     rays: Box<Rays>,
     limits: Lane,
-    /// The vertices on one object that the camera may see, by number, and what evaluates the BSDF there.
+    /// The vertices on one object that the camera may see, by number, and the BSDFs there if it has textures.
     views: Vec<(usize, View)>,
-    values: Box<Scattered>,
     varying: Vec<Bsdf>,
 }
 
@@ -87,7 +86,6 @@ impl Default for Connections {
             rays: Box::default(),
             limits: [0.0; LANES],
             views: Vec::new(),
-            values: Box::default(),
             varying: Vec::new(),
         }
     }
@@ -123,7 +121,7 @@ pub fn trace_light_paths(
         for group in by_material.sort(scene, hits, paths.count, group) {
             let shader = evaluate_vertices(scene, paths, hits, group, vertices);
             if scatterings > 0 && shader.kind != Kind::Delta {
-                connections.add(scene, camera, shader, paths, vertices);
+                connections.add(scene, camera, shader, paths, vertices, scattered);
             }
             if scatterings + 1 < scene.request.max_depth {
                 let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
@@ -292,24 +290,25 @@ impl Connections {
         shader: &SurfaceShader,
         paths: &LightPaths,
         vertices: &Vertices,
+        scattered: &mut Scattered,
     ) {
         // Evaluate the BSDF and its pdf with the roles of both directions exchanged: wo to the camera, as in a camera path.
-        let Self { contributions, rays, limits, views, values, varying } = self;
+        let Self { contributions, rays, limits, views, varying } = self;
         let Vertices { interactions, frames } = vertices;
         let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
         for i in 0..interactions.count {
             let view = camera.project(frames.surface[i].position).filter(|view| vertices.reaches(i, view.direction));
             if let Some(view) = view {
                 set(&mut wo, views.len(), vertices.frame(i).to_local(view.direction));
-                set(&mut values.wi, views.len(), at(&frames.local_wo, i));
+                set(&mut scattered.wi, views.len(), at(&frames.local_wo, i));
                 uv.push(frames.uv[i]);
                 views.push((i, view));
             }
         }
         let bsdfs = Bsdfs::of(shader, &uv, varying);
-        eval_many(scene.arch, bsdfs, &wo, views.len(), values);
+        eval_many(scene.arch, bsdfs, &wo, views.len(), scattered);
         for (k, (i, view)) in views.drain(..).enumerate() {
-            let (f, reverse_pdf) = (at(&values.weight, k), values.pdf[k]);
+            let (f, reverse_pdf) = (at(&scattered.weight, k), scattered.pdf[k]);
             if f == Rgb::ZERO {
                 continue;
             }

@@ -91,7 +91,7 @@ pub fn trace(
         for group in by_material.sort(scene, hits, rays.count, group) {
             let material = evaluate(step, rays, hits, group, vertices, varying);
             if material.kind() != Kind::Delta {
-                sample_direct_light(step, material, vertices, direct, radiance);
+                sample_direct_light(step, material, vertices, scattered, direct, radiance);
             }
             sample_bsdf(step, material, rays, vertices, scattered, next);
         }

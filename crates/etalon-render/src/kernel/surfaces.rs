@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_1_PI;
 /// The material of interactions: that of one object, or diffuse ones of any.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
-    /// Of the first interaction, whose albedo is not that of the others if they are diffuse.
+    /// That of the first interaction; others that are diffuse may have another albedo.
     pub shader: &'a SurfaceShader,
     /// In the order of the interactions; of diffuse ones their throughput has the albedo.
     pub bsdfs: Bsdfs<'a>,
@@ -33,7 +33,7 @@ pub const DIFFUSE: u32 = u32::MAX;
 pub struct ByMaterial {
     /// Rays of the group [`DIFFUSE`], which are the most and need not be sorted.
     diffuse: Vec<u32>,
-    /// Of the others the group, and the ray in the lower half.
+    /// The other rays, in the lower half, below the numbers of their groups.
     others: Vec<u64>,
     /// Those rays, in the same order.
     rays: Vec<u32>,

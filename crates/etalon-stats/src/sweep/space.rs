@@ -233,7 +233,7 @@ pub struct Configuration {
 
 /// The largest angle of `wo` with the normal, in degrees: directions along the surface are not tested, as nothing is
 /// scattered to them.
-pub(super) const LARGEST_ANGLE: f64 = 89.99;
+const LARGEST_ANGLE: f64 = 89.99;
 /// The angle of directions along the surface with the normal, in degrees.
 const HORIZON: f64 = 90.0;
 

@@ -150,7 +150,7 @@ impl GridDensity {
     }
 
     /// Whether `claimed` is the pdf at `point` up to rounding of both, in text or to f32.
-    pub(super) fn agrees(&self, point: Point, claimed: f64) -> bool {
+    fn agrees(&self, point: Point, claimed: f64) -> bool {
         const ROUNDING: f64 = 1e-5;
         let Some([x, y]) = self.space.domain().to_chart(point) else { return false };
         let near = |at: f64| [(at - ROUNDING).max(0.0), at, (at + ROUNDING).min(1f64.next_down())];
@@ -168,7 +168,7 @@ impl GridDensity {
     }
 
     /// The pdf at a point, 0 outside of the domain.
-    pub(super) fn value(&self, point: Point) -> f64 {
+    fn value(&self, point: Point) -> f64 {
         self.space.domain().to_chart(point).map_or(0.0, |place| self.at(place))
     }
 

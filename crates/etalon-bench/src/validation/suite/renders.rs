@@ -357,7 +357,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// (1/π) E(n) of the sphere's map, averaged over each pixel by Gauss's rule of three points an axis.
-pub fn lit_sphere_image(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
+fn lit_sphere_image(scene: &Scene, request: &Request) -> Vec<Option<f64>> {
     const NODES: [(f64, f64); 3] =
         [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
     // Closer to the silhouette, three points an axis are not exact enough.

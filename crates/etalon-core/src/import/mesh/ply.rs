@@ -205,7 +205,7 @@ const MAX_LINES: usize = 10_000;
 
 /// How numbers are written after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
+enum Encoding {
     Ascii,
     LittleEndian,
     BigEndian,
@@ -213,9 +213,9 @@ pub enum Encoding {
 
 /// A type of number: its size in a binary file in bytes, and the number from its bytes, the lowest first.
 #[derive(Debug, Clone, Copy)]
-pub struct Scalar {
-    pub size: usize,
-    pub number: fn([u8; 8]) -> f64,
+struct Scalar {
+    size: usize,
+    number: fn([u8; 8]) -> f64,
 }
 
 impl Scalar {
@@ -241,36 +241,36 @@ const SCALARS: [([&str; 2], Scalar); 8] = [
 ];
 
 /// One number of an element, or a list of them.
-pub struct Property {
+struct Property {
     /// For example `x`.
-    pub name: String,
+    name: String,
     /// Type of the value, or of the items of a list.
-    pub scalar: Scalar,
+    scalar: Scalar,
     /// For a list, the type of its length, which comes first.
-    pub length: Option<Scalar>,
+    length: Option<Scalar>,
 }
 
 /// A table in the file: rows that all have the same properties.
-pub struct Element {
+struct Element {
     /// For example `vertex`.
-    pub name: String,
+    name: String,
     /// How many there are.
-    pub count: usize,
+    count: usize,
     /// In the order of the file.
-    pub properties: Vec<Property>,
+    properties: Vec<Property>,
 }
 
-pub struct Header {
-    pub encoding: Encoding,
+struct Header {
+    encoding: Encoding,
     /// In the order of the file.
-    pub elements: Vec<Element>,
+    elements: Vec<Element>,
     /// Where the numbers start.
-    pub body: usize,
+    body: usize,
 }
 
 impl Element {
     /// Fewest bytes that a row takes. In text each number has a digit and, except for the last one in the file, a space.
-    pub fn least_bytes(&self, encoding: Encoding) -> usize {
+    fn least_bytes(&self, encoding: Encoding) -> usize {
         let size = |p: &Property| if encoding == Encoding::Ascii { 2 } else { p.length.unwrap_or(p.scalar).size };
         self.properties.iter().map(size).sum()
     }
@@ -281,7 +281,7 @@ impl Header {
     ///
     /// # Errors
     /// [`Error::Input`] for a malformed header, with its line.
-    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
+    fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
         if !bytes.starts_with(b"ply\n") && !bytes.starts_with(b"ply\r") {
             return Err(Error::input(path, "the first line is not \"ply\": this is no PLY file"));
         }

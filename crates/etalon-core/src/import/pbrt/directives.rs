@@ -164,6 +164,61 @@ impl Reader<'_> {
         };
         Ok(self.state.transform * step)
     }
+
+    /// `ObjectBegin`: the shapes up to `ObjectEnd` belong to the object `name`.
+    fn begin_object(&mut self, name: String, at: At) -> Result<()> {
+        if self.recording.is_some() {
+            return Err(at.input("ObjectBegin inside of an object"));
+        }
+        self.recording = Some((name, Vec::new()));
+        self.begin("ObjectBegin", at)
+    }
+
+    fn end_object(&mut self, at: &At) -> Result<()> {
+        self.state = self.end("ObjectBegin", "ObjectEnd", at)?;
+        if let Some((name, parts)) = self.recording.take() {
+            memory::insert(&mut self.instanced, name, parts.into(), || at.to_string())?;
+        }
+        Ok(())
+    }
+
+    /// A shape of the scene, or of the object that is open. Light sources do not repeat, as in pbrt.
+    fn shape_or_part(&mut self, params: Params) -> Result<()> {
+        let Some((_, parts)) = &mut self.recording else { return self.shape(&params) };
+        if self.state.emission.is_some() {
+            return Err(params.at.unsupported("an area light in an object for ObjectInstance is not supported"));
+        }
+        let what = params.at.clone();
+        memory::push(parts, (params, self.state.clone()), || what.to_string())
+    }
+
+    /// `ObjectInstance`: the object's shapes once more, in the current coordinate system. Each takes the memory of a shape that is
+    /// written out, so that together they have the limit of mesh files.
+    fn instance(&mut self, name: &str, at: &At) -> Result<()> {
+        if self.recording.is_some() {
+            return Err(at.input("ObjectInstance inside of an object"));
+        }
+        let known = self.instanced.get(name).map(Rc::clone);
+        let parts = known.ok_or_else(|| at.input(format!("no object named {}", quote(name))))?;
+        let (saved, known_warnings) = (self.state.clone(), self.warnings.len());
+        for (params, state) in &*parts {
+            let transform = transform::checked(saved.transform * state.transform, at)?;
+            self.state = State { transform, ..state.clone() };
+            self.mesh_bytes = self.mesh_bytes.checked_sub(params.bytes()).ok_or_else(|| {
+                let message = format!("with this, the scene's instances exceed {} MiB", MAX_MESH_BYTES >> 20);
+                at.limit(format!("{}: {message}", quote(name)))
+            })?;
+            self.shape(params)?;
+        }
+        self.state = saved;
+        // What one instance has said, the others need not repeat.
+        for warning in self.warnings.split_off(known_warnings) {
+            if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        Ok(())
+    }
 }
 
 /// `Option` of pbrt-v4: flags that change what is computed may only be off; the rest has no effect on the expected image.
@@ -207,61 +262,4 @@ fn unknown(name: &str, at: &At) -> crate::error::Error {
         _ => return at.input(format!("{} is not a directive of pbrt", quote(name))),
     };
     at.unsupported(format!("{name} is not supported")).with_hint(hint)
-}
-
-impl Reader<'_> {
-    /// `ObjectBegin`: the shapes up to `ObjectEnd` belong to the object `name`.
-    pub(super) fn begin_object(&mut self, name: String, at: At) -> Result<()> {
-        if self.recording.is_some() {
-            return Err(at.input("ObjectBegin inside of an object"));
-        }
-        self.recording = Some((name, Vec::new()));
-        self.begin("ObjectBegin", at)
-    }
-
-    pub(super) fn end_object(&mut self, at: &At) -> Result<()> {
-        self.state = self.end("ObjectBegin", "ObjectEnd", at)?;
-        if let Some((name, parts)) = self.recording.take() {
-            memory::insert(&mut self.instanced, name, parts.into(), || at.to_string())?;
-        }
-        Ok(())
-    }
-
-    /// A shape of the scene, or of the object that is open. Light sources do not repeat, as in pbrt.
-    pub(super) fn shape_or_part(&mut self, params: Params) -> Result<()> {
-        let Some((_, parts)) = &mut self.recording else { return self.shape(&params) };
-        if self.state.emission.is_some() {
-            return Err(params.at.unsupported("an area light in an object for ObjectInstance is not supported"));
-        }
-        let what = params.at.clone();
-        memory::push(parts, (params, self.state.clone()), || what.to_string())
-    }
-
-    /// `ObjectInstance`: the object's shapes once more, in the current coordinate system. Each takes the memory of a shape that is
-    /// written out, so that together they have the limit of mesh files.
-    pub(super) fn instance(&mut self, name: &str, at: &At) -> Result<()> {
-        if self.recording.is_some() {
-            return Err(at.input("ObjectInstance inside of an object"));
-        }
-        let known = self.instanced.get(name).map(Rc::clone);
-        let parts = known.ok_or_else(|| at.input(format!("no object named {}", quote(name))))?;
-        let (saved, known_warnings) = (self.state.clone(), self.warnings.len());
-        for (params, state) in &*parts {
-            let transform = transform::checked(saved.transform * state.transform, at)?;
-            self.state = State { transform, ..state.clone() };
-            self.mesh_bytes = self.mesh_bytes.checked_sub(params.bytes()).ok_or_else(|| {
-                let message = format!("with this, the scene's instances exceed {} MiB", MAX_MESH_BYTES >> 20);
-                at.limit(format!("{}: {message}", quote(name)))
-            })?;
-            self.shape(params)?;
-        }
-        self.state = saved;
-        // What one instance has said, the others need not repeat.
-        for warning in self.warnings.split_off(known_warnings) {
-            if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
-        }
-        Ok(())
-    }
 }

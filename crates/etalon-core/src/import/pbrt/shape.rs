@@ -186,14 +186,14 @@ const DISK_CORNERS: u32 = 128;
 
 /// Triangles in the object's coordinates, each corner with its texture coordinates.
 #[derive(Default)]
-pub struct Flat {
+struct Flat {
     pub positions: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
     pub uv: Vec<[Vec2; 3]>,
 }
 
 /// `disk`: at z = `height`, its front towards +z; u runs around it and v from the rim to the centre.
-pub fn disk(p: &Params, warnings: &mut Vec<String>) -> Result<Flat> {
+fn disk(p: &Params, warnings: &mut Vec<String>) -> Result<Flat> {
     let radius = p.float("radius", &POSITIVE)?.unwrap_or(1.0);
     let height = p.float("height", &ANY)?.unwrap_or(0.0);
     p.only_float("innerradius", |r| r == 0.0, "0 (a whole disk)")?;
@@ -213,7 +213,7 @@ pub fn disk(p: &Params, warnings: &mut Vec<String>) -> Result<Flat> {
 }
 
 /// `bilinearmesh`, whose patches must be parallelograms: two triangles of each.
-pub fn parallelograms(p: &Params) -> Result<Flat> {
+fn parallelograms(p: &Params) -> Result<Flat> {
     let missing = |what: &str| p.at.input(format!("{} needs {what}", p.owner));
     let positions = p.groups::<3>("P", &["point", "point3"])?.ok_or_else(|| missing("\"point3 P\""))?;
     let patches = match p.groups::<4>("indices", &["integer"])? {

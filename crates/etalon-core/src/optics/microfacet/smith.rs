@@ -67,7 +67,7 @@ pub trait Microfacet<T: Real>: Copy {
 
 /// sin² of the angle with the mean normal.
 #[inline(always)]
-pub(super) fn sin2<T: Real>(w: [T; 3]) -> T {
+fn sin2<T: Real>(w: [T; 3]) -> T {
     w[0] * w[0] + w[1] * w[1]
 }
 
@@ -115,7 +115,7 @@ impl<T: Real> Widths<T> {
 
     /// A number along y of the anisotropic surface's normals, on the isotropic surface: r y.
     #[inline(always)]
-    pub(super) fn unstretch_normal<U: Real>(&self, y: U) -> U {
+    fn unstretch_normal<U: Real>(&self, y: U) -> U {
         U::from_f64(self.ratio) * y
     }
 

@@ -43,7 +43,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Decoded> {
 }
 
 /// The images of some layers of a part, and what their alpha says.
-pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<Vec<(Image, Coverage)>> {
+fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<Vec<(Image, Coverage)>> {
     let (path, header) = (&file.path, &file.headers()[part]);
     let (data, window) = (header.data_window(), header.shared_attributes.display_window);
     check_window(path, data, window, file.bytes.len())?;
@@ -79,7 +79,7 @@ pub(super) fn read_layers(file: &Exr, part: usize, layers: &[Shown]) -> Result<V
 }
 
 /// Refuses windows beyond the limits, and a display window that has next to nothing to do with the data.
-pub(super) fn check_window(path: &Path, data: IntegerBounds, window: IntegerBounds, bytes: usize) -> Result<()> {
+fn check_window(path: &Path, data: IntegerBounds, window: IntegerBounds, bytes: usize) -> Result<()> {
     // What the data can hold is found out block by block; this is about the limits.
     check_size(path, data.size.0 as u64, data.size.1 as u64, bytes, u64::MAX)?;
     check_size(path, window.size.0 as u64, window.size.1 as u64, bytes, u64::MAX)?;

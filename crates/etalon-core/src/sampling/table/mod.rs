@@ -152,22 +152,6 @@ fn fill(weights: &[f64], cdf: &mut [f64], guide: &mut [u16]) -> f64 {
     total
 }
 
-/// Weights that tables of every kind are tested with.
-#[cfg(test)]
-fn weights() -> Vec<Vec<f64>> {
-    vec![
-        vec![1.0],
-        vec![0.0, 1.0],
-        vec![1.0, 0.0],
-        vec![1.0, 2.0, 3.0, 0.0, 4.0],
-        vec![0.0, 0.0, 5.0, 0.0],
-        (0..1000).map(|i| f64::from(i % 7) * 0.1).collect(),
-        (0..1000).map(|i| if i == 400 { 1e12 } else { 1e-12 }).collect(),
-        (0..100).map(|i| if i == 0 { 1.0 } else { 1e-300 }).collect(),
-        (0..70_000).map(|i| f64::from(i % 3) + if i == 69_000 { 1e5 } else { 0.0 }).collect(),
-    ]
-}
-
 /// A distribution over n cells of a line.
 #[derive(Debug, Clone)]
 pub struct Table1 {
@@ -313,6 +297,22 @@ impl Table2 {
     pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
         [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
     }
+}
+
+/// Weights that tables of every kind are tested with.
+#[cfg(test)]
+fn weights() -> Vec<Vec<f64>> {
+    vec![
+        vec![1.0],
+        vec![0.0, 1.0],
+        vec![1.0, 0.0],
+        vec![1.0, 2.0, 3.0, 0.0, 4.0],
+        vec![0.0, 0.0, 5.0, 0.0],
+        (0..1000).map(|i| f64::from(i % 7) * 0.1).collect(),
+        (0..1000).map(|i| if i == 400 { 1e12 } else { 1e-12 }).collect(),
+        (0..100).map(|i| if i == 0 { 1.0 } else { 1e-300 }).collect(),
+        (0..70_000).map(|i| f64::from(i % 3) + if i == 69_000 { 1e5 } else { 0.0 }).collect(),
+    ]
 }
 
 #[cfg(test)]

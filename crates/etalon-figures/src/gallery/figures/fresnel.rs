@@ -75,11 +75,10 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
 }
 
 const NAMES: [&str; 6] = ["water", "glass", "diamond", "Fe", "Au", "Ag"];
-const POINTS_OF_MEDIA: usize = 901;
 
 fn media() -> Result<Content> {
     let interfaces = NAMES.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-    let curves = media::curves(1.0, &interfaces, POINTS_OF_MEDIA, Formulas::Exact)?;
+    let curves = media::curves(1.0, &interfaces, POINTS, Formulas::Exact)?;
     let closed = |c: &MediumCurves| {
         ((c.eta - 1.0).powi(2) + c.k * c.k) / ((c.eta + 1.0).powi(2) + c.k * c.k) - c.rows[0].r_unpolarized
     };
