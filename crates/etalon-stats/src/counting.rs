@@ -1,7 +1,7 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Integration, InvalidPdf, Probe, Shares};
+use crate::cubature::{Check, Integrals, Integration, InvalidPdf, Probe, Shares};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
@@ -9,6 +9,7 @@ use crate::exact::{Repeats, outside, pdf_violation};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
+use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::power::FEWEST;
 use crate::sampler::{Atom, Density, Sample, Sampler};
@@ -16,6 +17,7 @@ use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;
 use rand::RngExt;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Random points at which integrals are checked: one for each four samples, between a least and a largest number.
 const SAMPLES_PER_CHECK: u64 = 4;
@@ -44,13 +46,22 @@ pub struct Counting<'a> {
     pub labels: Labels,
     /// The density's atoms, which are counted apart.
     pub atoms: &'a [Atom],
-    pub samples: u64,
+    pub looks: Looks,
     /// What the density would have to integrate to for "no sample" never to happen, where its mass is not declared.
     pub whole: Option<f64>,
     /// Whether the density has an unknown mass: its integrals are then divided by their sum.
     pub normalized: bool,
     /// The probability with which the bound of the integral may fail.
     pub risk: f64,
+}
+
+/// Integrals as far as they have been refined.
+struct Known {
+    integrals: Integrals,
+    /// What the integrals are multiplied by to be probabilities.
+    scale: f64,
+    /// The probabilities of the parts.
+    shares: Shares,
 }
 
 /// Counts and integrals.
@@ -70,80 +81,133 @@ pub struct Counted {
 type Correction = [f64; 2];
 
 impl Counting<'_> {
-    /// Integrates and counts.
+    /// Integrates and counts: all samples, or those up to the first of the looks that `ends` the test.
     ///
     /// Where the first samples show that the integrals are too uncertain, the density is integrated again with the probes
     /// that they found. Where the second samples still show it, the missing part of the integrals is estimated from them and
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
-    pub fn run(&self, pilot: &[Probe], round: u64) -> Result<Counted> {
+    pub fn run(&self, pilot: &[Probe], round: u64, ends: impl Fn(&Counted) -> bool) -> Result<Counted> {
         let Source { domain, sampler, density, seed, cancelled } = *self.source;
-        let Self { subdivision, labels, atoms, .. } = *self;
+        let Self { subdivision, labels, atoms, looks, .. } = *self;
+        let all = looks.samples();
         let mut integration = Integration::with_parts(domain, density, subdivision, pilot, cancelled)?;
         if let Integration::Refined(refinement) = &mut integration {
             let [_, checks] = streams(round, 0);
             let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
             refinement.learn(&found)?;
         }
-        let probes = (self.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
         let attempts = if sampler.finite_len().is_some() { 1 } else { ATTEMPTS };
         let mut corrections: Option<Vec<Correction>> = None;
         let mut attempt = 1;
         loop {
             let [stream, checks] = streams(round, attempt);
             let counters = Counters { subdivision, labels, atoms, integration: &integration };
-            let tally = self.source.tally(stream, self.samples, &counters)?;
-            let mut integrals = integration.integrals();
-            let Integration::Refined(refinement) = &mut integration else {
-                let (integral, scale) = (Integral::exact(&integrals), self.scale(&integrals.values));
-                let shares = Some((integration.shares(subdivision).times(scale), 0.0));
-                let (values, invalid) =
-                    (integrals.values.iter().map(|value| scale * value).collect(), integrals.invalid);
-                return Ok(Counted { values, shares, integral, uncertain: false, invalid, tally });
-            };
-            let check = refinement.check(probes, seed, checks)?;
-            let integral = Integral::measured(&integrals, &check, &tally, self.risk);
-            let invalid = integrals.invalid.or(check.invalid);
-            let scale = self.scale(&integrals.values);
-            integrals.values.iter_mut().chain(&mut integrals.errors).for_each(|integral| *integral *= scale);
-
-            let some = self.samples - if self.normalized { tally.none } else { 0 };
-            let missed = |cell: usize| tally.missed[cell].sum() / some.max(1) as f64;
-            // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
-            let found = |cell: usize| {
-                let [difference, error] = check.difference(cell);
-                scale * (difference.abs() - CHANCE * error).at_least(0.0) + missed(cell)
-            };
-            let error = |cell: usize| match &corrections {
-                Some(corrections) => corrections[cell][1],
-                None => integrals.errors[cell] + found(cell),
-            };
-            let uncertain = self.is_uncertain(&integrals.values, error);
-            // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf; apply corrections.
-            let is_good = !uncertain
-                && (corrections.is_some()
-                    || Share::total(tally.missed.iter().copied()) <= MISSED * self.samples as f64);
-            if is_good || attempt == attempts || invalid.is_some() {
-                let all_found: f64 = (0..subdivision.grid.len()).map(found).sum();
-                let shares = corrections.is_none().then(|| (refinement.shares(subdivision).times(scale), all_found));
-                for (value, [more, _]) in integrals.values.iter_mut().zip(corrections.into_iter().flatten()) {
-                    *value = (*value + more).at_least(0.0);
+            let known = self.known(&integration);
+            let mut tally = Tally::empty(&counters);
+            let mut from = 0;
+            // Each early look is taken once. A test ends there if errors of the integrals do not explain what was found.
+            for samples in looks.early().filter(|_| attempt == 1) {
+                tally = tally.plus(self.source.tally(stream, from..samples, &counters)?);
+                from = samples;
+                if ends(&self.unchecked(&known, &tally)) {
+                    let (counted, _) = self.checked(&integration, &known, &tally, checks, None)?;
+                    if ends(&counted) {
+                        return Ok(counted);
+                    }
                 }
-                let scale = self.scale(&integrals.values);
-                integrals.values.iter_mut().for_each(|value| *value *= scale);
-                return Ok(Counted { values: integrals.values, shares, integral, uncertain, invalid, tally });
+            }
+            tally = tally.plus(self.source.tally(stream, from..all, &counters)?);
+            let (counted, check) = self.checked(&integration, &known, &tally, checks, corrections.as_deref())?;
+            let (Integration::Refined(refinement), Some(check)) = (&mut integration, check) else {
+                return Ok(counted);
+            };
+            // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf.
+            let is_good = !counted.uncertain
+                && (corrections.is_some()
+                    || Share::total(tally.missed.iter().copied()) <= MISSED * all as f64);
+            if is_good || attempt == attempts || counted.invalid.is_some() {
+                return Ok(counted);
             }
             // Learn where the density is not what the nodes predict; before the last attempt estimate what is missing.
             attempt += 1;
             if attempt < attempts {
                 refinement.learn(&[check.found, tally.found].concat())?;
             } else {
+                let scale = known.scale;
                 let correction = |cell: usize| {
-                    let ([within_reach, error], missed) = (check.difference(cell), missed(cell));
-                    [scale * within_reach + missed, (scale * error).hypot((missed / self.samples as f64).sqrt())]
+                    let ([within_reach, error], missed) = (check.difference(cell), self.missed(&tally, cell));
+                    [scale * within_reach + missed, (scale * error).hypot((missed / all as f64).sqrt())]
                 };
                 corrections = Some((0..subdivision.grid.len()).map(correction).collect());
             }
         }
+    }
+
+    /// The integrals as far as they have been refined.
+    fn known(&self, integration: &Integration) -> Known {
+        let integrals = integration.integrals();
+        let scale = self.scale(&integrals.values);
+        Known { shares: integration.shares(self.subdivision).times(scale), integrals, scale }
+    }
+
+    /// The counts of `tally`, and the integrals as they are known, with errors that are not.
+    fn unchecked(&self, known: &Known, tally: &Tally) -> Counted {
+        let Known { integrals, shares, scale } = known;
+        Counted {
+            integral: Integral { error: f64::INFINITY, ..Integral::exact(integrals) },
+            values: integrals.values.iter().map(|value| scale * value).collect(),
+            shares: Some((shares.clone(), 0.0)),
+            uncertain: false,
+            invalid: integrals.invalid,
+            tally: tally.clone(),
+        }
+    }
+
+    /// The counts of `tally`, and the integrals with their errors, which are measured at random points of stream
+    /// number `checks`; with `corrections`, if these are known. Exact sums have no errors and need no such points.
+    fn checked(
+        &self,
+        integration: &Integration,
+        known: &Known,
+        tally: &Tally,
+        checks: u64,
+        corrections: Option<&[Correction]>,
+    ) -> Result<(Counted, Option<Check>)> {
+        let unchecked = self.unchecked(known, tally);
+        let Integration::Refined(refinement) = integration else {
+            return Ok((Counted { integral: Integral::exact(&known.integrals), ..unchecked }, None));
+        };
+        let Known { integrals, scale, .. } = known;
+        let probes = (tally.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
+        let check = refinement.check(probes, self.source.seed, checks)?;
+        let integral = Integral::measured(integrals, &check, tally, self.risk);
+        let invalid = integrals.invalid.or(check.invalid);
+
+        // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
+        let found = |cell: usize| {
+            let [difference, error] = check.difference(cell);
+            scale * (difference.abs() - CHANCE * error).at_least(0.0) + self.missed(tally, cell)
+        };
+        let error = |cell: usize| match corrections {
+            Some(corrections) => corrections[cell][1],
+            None => scale * integrals.errors[cell] + found(cell),
+        };
+        let mut values = unchecked.values;
+        let uncertain = self.is_uncertain(tally.samples, &values, error);
+        let all_found: f64 = (0..self.subdivision.grid.len()).map(found).sum();
+        let shares = unchecked.shares.filter(|_| corrections.is_none()).map(|(shares, _)| (shares, all_found));
+        for (value, [more, _]) in values.iter_mut().zip(corrections.into_iter().flatten()) {
+            *value = (*value + more).at_least(0.0);
+        }
+        let scale = self.scale(&values);
+        values.iter_mut().for_each(|value| *value *= scale);
+        Ok((Counted { values, shares, integral, uncertain, invalid, ..unchecked }, Some(check)))
+    }
+
+    /// The share of samples in a cell that the integrals miss.
+    fn missed(&self, tally: &Tally, cell: usize) -> f64 {
+        let some = tally.samples - if self.normalized { tally.none } else { 0 };
+        tally.missed[cell].sum() / some.max(1) as f64
     }
 
     /// What integrals are multiplied by to be probabilities.
@@ -155,8 +219,8 @@ impl Counting<'_> {
 
     /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it
     /// is not declared, has the errors of all.
-    fn is_uncertain(&self, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
-        let n = self.samples as f64;
+    fn is_uncertain(&self, samples: u64, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
+        let n = samples as f64;
         // Cells that expect less than this are pooled.
         let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).at_least(FEWEST);
         let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
@@ -189,6 +253,8 @@ pub struct Source<'a> {
 /// Counts of samples, and the findings of the checks.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
+    /// The number of samples, "no sample" included.
+    pub samples: u64,
     /// Counts of the grid's cells, then of the atoms.
     pub observed: Vec<u64>,
     /// Counts of finer parts.
@@ -212,7 +278,19 @@ pub struct Tally {
 }
 
 impl Tally {
+    fn empty(counters: &Counters) -> Self {
+        let cells = counters.subdivision.grid.len();
+        Self {
+            observed: vec![0; cells + counters.atoms.len()],
+            parts: Parts::new(counters.subdivision),
+            serial: SerialCounts::new(&counters.labels),
+            missed: vec![Share::default(); cells],
+            ..Self::default()
+        }
+    }
+
     fn plus(mut self, other: Self) -> Self {
+        self.samples += other.samples;
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
         self.parts.add(&other.parts);
         self.serial.add(other.serial);
@@ -275,18 +353,11 @@ impl Source<'_> {
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// Counts samples in cells, in their parts and at atoms, and what the integration misses at them.
-    pub fn tally(&self, stream: u64, count: u64, counters: &Counters) -> Result<Tally> {
-        let cells = counters.subdivision.grid.len();
-        let empty = || Tally {
-            observed: vec![0; cells + counters.atoms.len()],
-            parts: Parts::new(counters.subdivision),
-            serial: SerialCounts::new(&counters.labels),
-            missed: vec![Share::default(); cells],
-            ..Tally::default()
-        };
+    /// Counts a range of samples in cells, in their parts and at atoms, and what the integration misses at them. The range
+    /// begins with a batch.
+    pub fn tally(&self, stream: u64, range: Range<u64>, counters: &Counters) -> Result<Tally> {
         let add_batch = |mut tally: Tally, batch| {
-            let (u, samples) = self.batch(stream, batch, count)?;
+            let (u, samples) = self.batch(stream, batch, range.end)?;
             self.count(batch, &u, &samples, counters, &mut tally)?;
             if batch == 0 && tally.violation.is_none() {
                 tally.violation = self.inverse_violation(&u, &samples)?;
@@ -294,7 +365,8 @@ impl Source<'_> {
             Ok(tally)
         };
         // Add batches up as they come, so that memory does not grow with the number of samples.
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter();
+        let batches = (range.start / BATCH..range.end.div_ceil(BATCH)).into_par_iter();
+        let empty = || Tally::empty(counters);
         batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
     }
 
@@ -309,6 +381,7 @@ impl Source<'_> {
     ) -> Result<()> {
         let Counters { subdivision, labels, atoms, integration } = counters;
         let mut past = Past::default();
+        tally.samples += samples.len() as u64;
         tally.none += samples.iter().filter(|sample| sample.is_none()).count() as u64;
 
         // Samples that are at hand come from no random numbers.

@@ -8,10 +8,12 @@ use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
+use crate::looks::Looks;
+use crate::mass::Integral;
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
-use crate::power::{FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
-use crate::sampler::{Density, Mass, Sampler};
+use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
+use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
 use std::time::Instant;
@@ -85,7 +87,7 @@ impl Protocol {
             SampleCount::Detect(w) if !(w > 0.0 && w <= 1.0) => {
                 refuse("detect", format!("error {w}"), "use a relative error such as 0.01")
             }
-            SampleCount::Detect(w) if samples_for(self.cells - 1, self.level_of_cells(), w) > MOST => {
+            SampleCount::Detect(w) if self.samples_for(self.cells - 1) >= MOST => {
                 refuse("detect", format!("error {w} takes more than 2^34 samples"), "use a larger error")
             }
             _ => Ok(()),
@@ -98,18 +100,29 @@ impl Protocol {
         sidak(self.level, self.tests)
     }
 
-    /// The level of the counts of the cells in one test; structure in finer parts has the rest.
+    /// The level of the counts of the cells when all of `samples` samples have been drawn; looks before and structure in
+    /// finer parts have the rest.
     #[must_use]
-    pub fn level_of_cells(&self) -> f64 {
-        CELLS * self.own_level()
+    pub fn level_of_cells(&self, samples: u64) -> f64 {
+        Looks::at_doubling(samples).share(samples) * CELLS * self.own_level()
     }
 
     /// The number of samples for that many degrees of freedom.
-    fn count(&self, dof: usize) -> u64 {
+    #[must_use]
+    pub fn samples_for(&self, dof: usize) -> u64 {
         match self.samples {
             SampleCount::Fixed(n) => n,
-            SampleCount::Detect(w) => samples_for(dof, self.level_of_cells(), w).min(MOST),
+            SampleCount::Detect(w) => {
+                // The share of the last look is that of one look, or that of the last of several.
+                let one = samples_for(dof, CELLS * self.own_level(), w);
+                let several = samples_for(dof, self.level_of_cells(MOST), w);
+                if Looks::at_doubling(one) == Looks::one(one) { one } else { several }.min(MOST)
+            }
         }
+    }
+
+    fn looks(&self, dof: usize) -> Looks {
+        Looks::at_doubling(self.samples_for(dof))
     }
 
     /// The relative error that a test must be able to detect.
@@ -165,149 +178,237 @@ pub fn examine(
         return Ok(Outcome { violation: Some(violation), seconds, ..Outcome::open(pilots) });
     }
 
-    // Choose cells and the number of samples, integrate the density over the cells, count samples in them.
-    let count = |dof| finite.map_or_else(|| protocol.count(dof), |len| len - pilots);
+    // Choose cells, the number of samples and the looks at them. The first of samples at hand say nothing: they may be sorted.
     let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
-    let grid = cells(domain, &pilot, shape, count(shape[0] * shape[1] + atoms.len()));
-    let samples = count(grid.len() + atoms.len());
-    let at_atoms: f64 = atoms.iter().map(|atom| atom.probability).sum();
-    let whole = (density.mass() == Mass::AtMostOne).then_some(1.0 - at_atoms);
-    let normalized = density.mass() == Mass::Unknown;
-    let risk = RISK * protocol.own_level();
+    let looks_for = |dof| finite.map_or_else(|| protocol.looks(dof), |len| Looks::one(len - pilots));
+    let grid = cells(domain, &pilot, shape, looks_for(shape[0] * shape[1] + atoms.len()).samples());
+    let looks = looks_for(grid.len() + atoms.len());
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
-    let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, samples);
+    let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, looks.samples());
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
-    let labels = Labels::new(&subdivision, samples);
+    let labels = Labels::new(&subdivision, looks.samples());
+
+    // Integrate the density over the cells, and count samples in them until a look rejects.
+    let test = Test {
+        domain,
+        density,
+        protocol,
+        pilot: &pilot,
+        pilots,
+        corners: &corners,
+        subdivision: &subdivision,
+        labels,
+        atoms: &atoms,
+        looks,
+    };
     let counting = Counting {
         source: &source,
         subdivision: &subdivision,
         labels,
         atoms: &atoms,
-        samples,
-        whole,
-        normalized,
-        risk,
+        whole: (density.mass() == Mass::AtMostOne).then(|| 1.0 - test.at_atoms()),
+        normalized: test.is_normalized(),
+        risk: RISK * protocol.own_level() / looks.count(),
+        looks,
     };
-    let Counted { values, shares, integral, uncertain, invalid, tally } = counting.run(&pilot, round)?;
+    let rejects = |counted: &Counted| {
+        let Findings { p, violation, .. } = test.find(counted, false);
+        violation.is_some() || p.is_some_and(|p| p < protocol.own_level())
+    };
+    let counted = counting.run(&pilot, round, rejects)?;
+    Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..test.outcome(counted) })
+}
 
-    // Leave "no sample" out where its probability is not known.
-    let none = if normalized { 0 } else { tally.none };
-    let samples = samples - (tally.none - none);
-    let n = samples as f64;
+/// A test, prepared before samples are counted.
+struct Test<'a> {
+    domain: &'a dyn Domain,
+    density: &'a dyn Density,
+    protocol: &'a Protocol,
+    pilot: &'a [Probe],
+    /// Draws of the pilot, "no sample" and atoms included.
+    pilots: u64,
+    /// What was found at the corners of the random numbers.
+    corners: &'a Corners,
+    subdivision: &'a Subdivision<'a>,
+    labels: Labels,
+    atoms: &'a [Atom],
+    looks: Looks,
+}
 
-    // Compare the integral with the declared mass; derive the probability of "no sample".
-    let mass = integral.plus(at_atoms);
-    let tolerated = MASS + mass.error;
-    // Values that are finite, but too large for a finite integral.
-    let overflows = invalid.is_none() && !mass.value.is_finite();
-    let (none_expected, mass_is_wrong) = match density.mass() {
-        Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs().may_exceed(tolerated)),
-        Mass::AtMostOne => {
-            // Where the integral is not exact, "no sample" is never known to be impossible.
-            let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
-            ((1.0 - at_atoms - values.iter().sum::<f64>()).at_least(least), mass.value.may_exceed(1.0 + tolerated))
-        }
-        Mass::Unknown => (0.0, false),
-    };
-    let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
-        _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
-        Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
-        Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}, more than 1"),
-    });
-    let is_pdf = invalid.is_none() && !overflows;
-    let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
+/// What counts show.
+struct Findings {
+    counts: Counts,
+    /// Samples that count: without "no sample" where its probability is not known.
+    samples: u64,
+    mass: Option<Integral>,
+    /// The test of the cells.
+    test: Option<ChiSquare>,
+    /// Whether only one outcome can occur.
+    certain: bool,
+    structure: Structure,
+    /// The p-value of all looks; `None` where nothing could be tested.
+    p: Option<f64>,
+    violation: Option<String>,
+}
 
-    // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
-    let none_expected = n * none_expected.at_least(0.0);
-    let expected: Vec<f64> = values
-        .iter()
-        .copied()
-        .chain(atoms.iter().map(|atom| atom.probability))
-        .map(|share| (n * share).at_least(f64::MIN_POSITIVE))
-        .chain([none_expected.at_least(f64::MIN_POSITIVE)])
-        .collect();
-    let observed: Vec<u64> = tally.observed.iter().copied().chain([none]).collect();
-    // No sample where there must always be one is as impossible as a sample of pdf 0.
-    let impossible = tally.outside_support + if none_expected == 0.0 { none } else { 0 };
-
-    // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
-    let certain =
-        expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
-    let test = chi_square(&observed, &expected).filter(|_| !certain);
-    let level = protocol.own_level();
-    let counted = structure::Counted {
-        subdivision: &subdivision,
-        axes: domain.axes(),
-        labels,
-        tally: &tally,
-        shares: &shares,
-        samples,
-        level,
-    };
-    let structure = test.filter(|_| !uncertain).map(|test| counted.structure(test, SUSPECT));
-    let p_of_counts = if certain { Some(1.0) } else { structure.as_ref().map(|structure| structure.p) };
-    let p = p_of_counts
-        .filter(|_| !uncertain && pdf_violation.is_none())
-        .map(|p| with_impossible(p, impossible, n * ROUNDING));
-    let Structure { scales, words, mut remarks, .. } = structure.unwrap_or_default();
-    remarks.extend(
-        corners.infinite.map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
-    );
-    let detectable = match test {
-        _ if certain => Some(detectable_share(n)),
-        _ => test.map(|test| detectable(test.dof, protocol.level_of_cells(), samples)),
-    };
-    let inconclusive_reason = match detectable {
-        _ if uncertain => Some(
-            "the integrals of the pdf are too uncertain for that many samples; a pdf with steps can declare them (`table`)"
-                .to_owned(),
-        ),
-        None if !expected.iter().all(|e| e.is_finite()) => Some("expected counts are not finite".to_owned()),
-        None => Some("too few samples: all cells had to be pooled".to_owned()),
-        Some(w) if w > protocol.coarsest() => {
-            Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))
-        }
-        Some(_) => None,
-    };
-    // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
-    let infinite_violation = (with_impossible(1.0, tally.infinite, n * ROUNDING) < level)
-        .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
-    let violations = [pdf_violation, mass_violation, corners.violation, tally.violation.clone(), infinite_violation];
-    let violation = violations.into_iter().flatten().next();
-    // What the pdf is in units of, and how many draws the pilot has, where that is known.
-    let (unit, draws) = if normalized { (mass.value, None) } else { (1.0, Some(pilots)) };
-    let violation = violation
-        .or_else(|| exact::same_batches(domain, &tally.serial))
-        .or_else(|| exact::discrete(domain, &pilot, unit))
-        .or_else(|| exact::repeated_values(domain, &pilot, &tally.repeats, unit))
-        .or_else(|| exact::collisions(domain, &pilot, draws?));
-    let none = tally.none;
-    if normalized {
-        remarks.push(format!(
-            "only the shape of the pdf was tested: it integrates to {mass}, and its mass is not declared"
-        ));
+impl Test<'_> {
+    /// The probability of all atoms.
+    fn at_atoms(&self) -> f64 {
+        self.atoms.iter().map(|atom| atom.probability).sum()
     }
-    let counts = Counts { axes: domain.axes(), grid: grid.clone(), observed, expected, atoms: atoms.len() };
-    let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
-    Ok(Outcome {
-        statistic: test.map_or(0.0, |test| test.statistic),
-        dof: test.map_or(0, |test| test.dof),
-        p,
-        detectable,
-        seconds: start.elapsed().as_secs_f64(),
-        mass: is_pdf.then_some(mass),
-        cells: counts.observed.len(),
-        pooled: test.map_or(0, |test| test.dof + 1),
-        none,
-        violation,
-        inconclusive_reason,
-        diagnosis: if is_suspect { in_words(diagnose(domain, &counts), words) } else { None },
-        scales,
-        remarks,
-        counts: Some(counts),
-        ..Outcome::open(samples)
-    })
+
+    /// Whether the density has an unknown mass, so that it is tested up to a factor.
+    fn is_normalized(&self) -> bool {
+        self.density.mass() == Mass::Unknown
+    }
+
+    /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
+    fn find(&self, counted: &Counted, states_power: bool) -> Findings {
+        let Self { domain, density, protocol, pilot, pilots, corners, subdivision, labels, atoms, looks } = *self;
+        let Counted { values, shares, integral, uncertain, invalid, tally } = counted;
+        let level = protocol.own_level();
+        // Leave "no sample" out where its probability is not known.
+        let none = if self.is_normalized() { 0 } else { tally.none };
+        let samples = tally.samples - (tally.none - none);
+        let n = samples as f64;
+
+        // Compare the integral with the declared mass; derive the probability of "no sample".
+        let mass = integral.plus(self.at_atoms());
+        let tolerated = MASS + mass.error;
+        // Values that are finite, but too large for a finite integral.
+        let overflows = invalid.is_none() && !mass.value.is_finite();
+        let (none_expected, mass_is_wrong) = match density.mass() {
+            Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs().may_exceed(tolerated)),
+            Mass::AtMostOne => {
+                // Where the integral is not exact, "no sample" is never known to be impossible.
+                let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
+                let rest = 1.0 - self.at_atoms() - values.iter().sum::<f64>();
+                (rest.at_least(least), mass.value.may_exceed(1.0 + tolerated))
+            }
+            Mass::Unknown => (0.0, false),
+        };
+        let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
+            _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
+            Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
+            Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}, more than 1"),
+        });
+        let is_pdf = invalid.is_none() && !overflows;
+        let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
+
+        // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
+        let none_expected = n * none_expected.at_least(0.0);
+        let expected: Vec<f64> = values
+            .iter()
+            .copied()
+            .chain(atoms.iter().map(|atom| atom.probability))
+            .map(|share| (n * share).at_least(f64::MIN_POSITIVE))
+            .chain([none_expected.at_least(f64::MIN_POSITIVE)])
+            .collect();
+        let observed: Vec<u64> = tally.observed.iter().copied().chain([none]).collect();
+        // No sample where there must always be one is as impossible as a sample of pdf 0.
+        let impossible = tally.outside_support + if none_expected == 0.0 { none } else { 0 };
+
+        // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
+        let certain =
+            expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
+        let test = chi_square(&observed, &expected).filter(|_| !certain);
+        let parts = structure::Counted {
+            subdivision,
+            axes: domain.axes(),
+            labels,
+            tally,
+            shares,
+            samples,
+            level: looks.share(tally.samples) * level,
+            states_power,
+        };
+        let structure = test.filter(|_| !uncertain).map(|test| parts.structure(test, SUSPECT));
+        let p_of_counts = if certain { Some(1.0) } else { structure.as_ref().map(|structure| structure.p) };
+        let p = p_of_counts
+            .filter(|_| !uncertain && pdf_violation.is_none())
+            .map(|p| with_impossible(p, impossible, n * ROUNDING))
+            .map(|p| looks.overall(p, tally.samples, level));
+
+        // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
+        let infinite_violation = (with_impossible(1.0, tally.infinite, n * ROUNDING) < level)
+            .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
+        let violations =
+            [pdf_violation, mass_violation, corners.violation.clone(), tally.violation.clone(), infinite_violation];
+        // What the pdf is in units of, and how many draws the pilot has, where that is known.
+        let (unit, draws) = if self.is_normalized() { (mass.value, None) } else { (1.0, Some(pilots)) };
+        let violation = violations
+            .into_iter()
+            .flatten()
+            .next()
+            .or_else(|| exact::same_batches(domain, &tally.serial))
+            .or_else(|| exact::discrete(domain, pilot, unit))
+            .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
+            .or_else(|| exact::collisions(domain, pilot, draws?));
+        let grid = subdivision.grid.clone();
+        Findings {
+            counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() },
+            samples,
+            mass: is_pdf.then_some(mass),
+            test,
+            certain,
+            structure: structure.unwrap_or_default(),
+            p,
+            violation,
+        }
+    }
+
+    /// The outcome of the look at which the test ended, its verdict still open.
+    fn outcome(&self, counted: Counted) -> Outcome {
+        let Self { domain, protocol, corners, looks, .. } = *self;
+        let Findings { counts, samples, mass, test, certain, structure, p, violation } = self.find(&counted, true);
+        let Counted { uncertain, integral, tally, .. } = counted;
+        let Structure { scales, words, mut remarks, .. } = structure;
+        remarks.extend(
+            corners.infinite.as_ref().map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
+        );
+        if self.is_normalized() {
+            let mass = integral.plus(self.at_atoms());
+            remarks.push(format!(
+                "only the shape of the pdf was tested: it integrates to {mass}, and its mass is not declared"
+            ));
+        }
+        let level = looks.share(tally.samples) * CELLS * protocol.own_level();
+        let detectable = match test {
+            _ if certain => Some(detectable_share(samples as f64)),
+            _ => test.map(|test| detectable(test.dof, level, samples)),
+        };
+        let inconclusive_reason = match detectable {
+            _ if uncertain => Some(
+                "the integrals of the pdf are too uncertain for that many samples; a pdf with steps can declare them (`table`)"
+                    .to_owned(),
+            ),
+            None if !counts.expected.iter().all(|e| e.is_finite()) => Some("expected counts are not finite".to_owned()),
+            None => Some("too few samples: all cells had to be pooled".to_owned()),
+            Some(w) if w > protocol.coarsest() => {
+                Some(format!("too few samples: an error of the pdf below {:.0} % would remain undetected", 100.0 * w))
+            }
+            Some(_) => None,
+        };
+        let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
+        Outcome {
+            statistic: test.map_or(0.0, |test| test.statistic),
+            dof: test.map_or(0, |test| test.dof),
+            p,
+            detectable,
+            mass,
+            cells: counts.observed.len(),
+            pooled: test.map_or(0, |test| test.dof + 1),
+            none: tally.none,
+            violation,
+            inconclusive_reason,
+            diagnosis: if is_suspect { in_words(diagnose(domain, &counts), words) } else { None },
+            scales,
+            remarks,
+            counts: Some(counts),
+            ..Outcome::open(samples)
+        }
+    }
 }
 
 /// What cells and finer parts show; `None` if nothing.

@@ -23,6 +23,7 @@ mod exact;
 mod examine;
 mod extremes;
 mod grid;
+mod looks;
 mod mass;
 pub mod multiple;
 mod outcome;

@@ -3,7 +3,7 @@
 use crate::diagnosis::{count, p_value};
 use crate::grid::Grid;
 use crate::mass::Integral;
-use crate::multiple::{fisher, holm};
+use crate::multiple::{fisher, holm, sidak};
 use crate::scales::Scale;
 use std::fmt;
 
@@ -62,7 +62,8 @@ pub struct Outcome {
     pub samples: u64,
     /// The smallest relative error of the pdf (root mean square over the cells) that is detected with 90 % probability.
     pub detectable: Option<f64>,
-    /// Structure finer than the cells, scale by scale; the ends of the axes; the order of the samples. Of the first round.
+    /// Structure finer than the cells, scale by scale; the ends of the axes; the order of the samples. Of the round with more
+    /// samples, as are the counts.
     pub scales: Vec<Scale>,
     /// What users should know though it does not decide.
     pub remarks: Vec<String>,
@@ -154,16 +155,20 @@ impl Outcome {
         (!all.is_empty()).then(|| all.join("; "))
     }
 
-    /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is.
-    fn combine(&mut self, second: &Self) {
-        if let Some(second) = second.p {
-            self.p = self.p.map(|first| fisher(first, second));
-            self.repeated = true;
+    /// Takes the findings of a repetition into account; one that had nothing to test leaves the first as it is. The counts
+    /// are those of the round with more samples.
+    fn combine(&mut self, mut other: Self) {
+        let p = self.p.map(|first| other.p.map_or(first, |second| fisher(first, second)));
+        let repeated = other.p.is_some();
+        if repeated && other.samples > self.samples {
+            std::mem::swap(self, &mut other);
         }
-        self.samples += second.samples;
-        self.seconds += second.seconds;
-        self.violation = self.violation.take().or_else(|| second.violation.clone());
-        self.interrupted |= second.interrupted;
+        (self.p, self.repeated) = (p, repeated);
+        self.samples += other.samples;
+        self.seconds += other.seconds;
+        self.violation = self.violation.take().or(other.violation);
+        self.diagnosis = self.diagnosis.take().or(other.diagnosis);
+        self.interrupted |= other.interrupted;
     }
 }
 
@@ -188,7 +193,7 @@ impl fmt::Display for Outcome {
 ///
 /// Tests that Holm's step-down rejects are repeated once with fresh random numbers by `repeat` (given the test's index), the
 /// two p-values are combined by Fisher's method, and the step-down is done again. Nothing is selected: a repetition always
-/// counts, and a test that fails an exact check stays rejected. Cancelled tests are inconclusive, and so are those with a p-value or
+/// counts, and is left out only where no p-value of it could change the verdict. A test that fails an exact check stays rejected. Cancelled tests are inconclusive, and so are those with a p-value or
 /// a detectable error that is NaN.
 ///
 /// # Errors
@@ -202,15 +207,22 @@ pub fn decide<E>(
         let p: Vec<f64> = outcomes.iter().map(|o| o.p.unwrap_or(f64::NAN)).collect();
         holm(&p, level)
     };
+    let strictest = sidak(level, outcomes.len());
     for (i, suspect) in rejected(outcomes).into_iter().enumerate() {
         if suspect && outcomes[i].violation.is_none() {
-            let second = repeat(i)?;
-            outcomes[i].combine(&second);
+            let at_most = outcomes[i].p.map(|p| fisher(p, 1.0));
+            if at_most.is_some_and(|p| p < strictest) {
+                outcomes[i].p = at_most;
+            } else {
+                let second = repeat(i)?;
+                outcomes[i].combine(second);
+            }
         }
     }
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
-        outcome.inconclusive_reason = outcome.undecided();
+        // A test that rejects has taken enough samples.
+        outcome.inconclusive_reason = if rejected { None } else { outcome.undecided() };
         outcome.verdict = if outcome.violation.is_some() || rejected && !outcome.interrupted {
             Verdict::Reject
         } else if outcome.interrupted || outcome.inconclusive_reason.is_some() {
@@ -241,5 +253,22 @@ mod tests {
         use Verdict::{Accept, Inconclusive, Reject};
         assert_eq!(all.each_ref().map(|outcome| outcome.verdict), [Accept, Inconclusive, Inconclusive, Reject]);
         assert_eq!(all[1].remark(), Some("the p-value is not a number"));
+    }
+
+    #[test]
+    fn a_repetition_is_left_out_only_where_it_cannot_change_the_verdict() {
+        let with = |p: f64, samples: u64| Outcome { p: Some(p), detectable: Some(0.02), ..Outcome::open(samples) };
+        let mut repeated = Vec::new();
+        let mut all = [with(1e-5, 10), with(4e-3, 10), with(0.3, 10)];
+        let repeat = |i| {
+            repeated.push(i);
+            Ok::<_, ()>(with(1.0, 20))
+        };
+        decide(&mut all, 0.01, repeat).unwrap();
+        use Verdict::{Accept, Reject};
+        assert_eq!(all.each_ref().map(|outcome| outcome.verdict), [Reject, Accept, Accept]);
+        assert_eq!(repeated, [1], "1e-5 and the largest p-value of a repetition make 1.3e-4");
+        assert_eq!((all[0].p, all[0].repeated), (Some(fisher(1e-5, 1.0)), false));
+        assert_eq!((all[1].samples, all[1].repeated), (30, true));
     }
 }

@@ -105,12 +105,13 @@ impl ScaleTest {
         chi_square_below(dof, statistic)
     }
 
-    /// The result, with the error that is detected by a test at `level` of `samples` samples.
-    pub fn at_level(&self, level: f64, samples: u64) -> Scale {
+    /// The result; with the error that is detected by a test at `level` of `samples` samples, if there is one.
+    pub fn at_level(&self, level: Option<f64>, samples: u64) -> Scale {
         let [statistic, dof] = self.scaled();
         let n = samples as f64;
-        let detectable =
-            (self.counted >= MOST * n).then(|| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
+        let detectable = level
+            .filter(|_| self.counted >= MOST * n)
+            .map(|level| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
         let error = ((self.sum - self.mean).at_least(0.0) / self.counted).sqrt();
         let words = format!(
             "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS)",
@@ -269,7 +270,7 @@ mod tests {
             }
             let mut values: Vec<f64> = (0..64).map(|i| f64::from(2 * i + 1) / 4096.0).collect();
             let (test, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
-            test.at_level(0.01, 3840).p
+            test.at_level(None, 3840).p
         };
         let found = uniformity(&(0..400).map(run).collect::<Vec<_>>());
         assert!(found.p > 1e-3, "{found:?}");

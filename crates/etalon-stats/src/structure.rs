@@ -29,6 +29,8 @@ pub struct Counted<'a> {
     pub samples: u64,
     /// The level of the test.
     pub level: f64,
+    /// Whether scales say what they detect, which takes a while.
+    pub states_power: bool,
 }
 
 /// The findings.
@@ -64,7 +66,8 @@ impl Counted<'_> {
         let (ends, order) = (scales.ends(), dependence.map(dependent));
         let count = scales.tests.len() + usize::from(ends.is_some()) + usize::from(order.is_some());
         let own = (1.0 - CELLS) / count.max(1) as f64;
-        let tests = scales.tests.iter().map(|test| test.at_level(own * self.level, samples));
+        let level = self.states_power.then_some(own * self.level);
+        let tests = scales.tests.iter().map(|test| test.at_level(level, samples));
         let scales: Vec<Scale> = tests.chain(ends).chain(order.clone()).collect();
         // The order of stratified samples does not count; what is left has the whole level.
         let decide: Vec<&Scale> =

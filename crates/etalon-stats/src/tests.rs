@@ -47,7 +47,7 @@ fn small_mistakes_are_rejected() {
         let pdf = lobe_pdf(alpha);
         let outcome = tested(&sphere, &lobe(1.03 * alpha), &density(&pdf));
         assert_eq!((outcome.verdict, outcome.violation.is_none()), (Verdict::Reject, true), "{outcome}");
-        assert!(outcome.repeated);
+        assert!(outcome.samples < 100_000, "such an error needs a part of the samples: {outcome}");
         // A density 0.3 % too large fails the exact check, whatever the counts say.
         let outcome = tested(&sphere, &lobe(alpha), &density(|w| 1.003 * pdf(w)));
         assert!(outcome.verdict == Verdict::Reject && outcome.violation.is_some(), "{outcome}");

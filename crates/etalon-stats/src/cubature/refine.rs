@@ -16,6 +16,9 @@ const BUDGET: usize = 1 << 22;
 /// uncertain by 5·10⁻⁵ at most.
 const PRECISION: f64 = 2.5e-5;
 
+/// The probes of a cell are evenly distributed if each half of them fills at least this share of it along each axis.
+const EVEN: f64 = 0.35;
+
 /// A density's integrals over the cells of a grid, which become better with every probe that is learned.
 pub(crate) struct Refinement<'a> {
     pub(super) domain: &'a dyn Domain,
@@ -103,8 +106,9 @@ impl<'a> Refinement<'a> {
         share_within(top, probe.pdf)
     }
 
-    /// Where a rectangle is cut before any rule is applied: where its known probes are halved, and graded from there, so
-    /// that a density which fills only a corner does not fall between the nodes; in the middle where there are few.
+    /// Where a rectangle is cut before any rule is applied: nowhere if its known probes are halved near its middle, as those of
+    /// a smooth density are; else where they are halved, and graded from there, so that a density which fills only a corner
+    /// does not fall between the nodes; in the middle where there are few.
     fn first_cut(&mut self, part: Part) -> Vec<Part> {
         const FEWEST: usize = 4;
         let plane = self.domain.is_plane();
@@ -115,8 +119,13 @@ impl<'a> Refinement<'a> {
         }
         let probes: Vec<[f64; 2]> = part.probes.iter().map(|&probe| self.probes[probe as usize].at).collect();
         let shape = if plane { [2, 2] } else { [2, 1] };
-        let grid = Grid::adapted(&probes, shape, part.at, None).graded();
-        self.cut(part, grid)
+        let grid = Grid::adapted(&probes, shape, part.at, None);
+        let is_even = grid.cells().all(|cell| {
+            let of_part = |[from, to]: [f64; 2], whole: [f64; 2]| (to - from) / (whole[1] - whole[0]);
+            let shares = [of_part(cell.x, part.at.x), of_part(cell.y, part.at.y)];
+            shares[0] >= EVEN && (!plane || shares[1] >= EVEN)
+        });
+        if is_even { vec![part] } else { self.cut(part, grid.graded()) }
     }
 
     /// The parts of a rectangle between the lines of `grid`, with the probes in each.

@@ -170,11 +170,14 @@ pub fn run_pair(planted: PlantedFault, protocol: &Protocol) -> Result<Validation
     run_cases(&[faulty, sound], protocol, &|_| ())
 }
 
-/// Estimate of the error from the first round. The mean of its statistic is dof + λ with the noncentrality λ, which is
-/// proportional to the square of the error and known for the detectable error, by a test at the level of the cells.
+/// Estimate of the error from the counts of a round, or else from what is detectable. The mean of the statistic is dof + λ with
+/// the noncentrality λ = N w² of the error w, which is known for the detectable error.
 fn error(outcome: &Outcome, protocol: &Protocol) -> Option<f64> {
     let found = (outcome.statistic - outcome.dof as f64).max(0.0);
+    if let Some(counts) = &outcome.counts {
+        let samples: u64 = counts.observed.iter().sum();
+        return (outcome.dof > 0).then(|| (found / samples as f64).sqrt());
+    }
     let detectable = outcome.detectable.filter(|_| outcome.dof > 0)?;
-    let level = if outcome.scales.is_empty() { protocol.own_level() } else { protocol.level_of_cells() };
-    Some(detectable * (found / noncentrality(outcome.dof, level)).sqrt())
+    Some(detectable * (found / noncentrality(outcome.dof, protocol.own_level())).sqrt())
 }
