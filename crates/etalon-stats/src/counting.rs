@@ -5,7 +5,7 @@ use crate::cubature::{Check, Integrals, Integration, InvalidPdf, Probe, Shares};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
-use crate::exact::{Repeats, outside, pdf_violation};
+use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, outside};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
@@ -123,8 +123,7 @@ impl Counting<'_> {
             };
             // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf.
             let is_good = !counted.uncertain
-                && (corrections.is_some()
-                    || Share::total(tally.missed.iter().copied()) <= MISSED * all as f64);
+                && (corrections.is_some() || Share::total(tally.missed.iter().copied()) <= MISSED * all as f64);
             if is_good || attempt == attempts || counted.invalid.is_some() {
                 return Ok(counted);
             }
@@ -263,6 +262,8 @@ pub struct Tally {
     pub serial: SerialCounts,
     /// Values that several samples have.
     pub repeats: Repeats,
+    /// The pdfs that samples carry.
+    pub carried: Carried,
     /// Samples that were "no sample".
     pub none: u64,
     /// Samples where the pdf is 0.
@@ -295,6 +296,7 @@ impl Tally {
         self.parts.add(&other.parts);
         self.serial.add(other.serial);
         self.repeats.add(other.repeats);
+        self.carried.add(other.carried);
         self.none += other.none;
         self.outside_support += other.outside_support;
         self.infinite += other.infinite;
@@ -413,9 +415,11 @@ impl Source<'_> {
         // Check and count samples that have a density.
         let precision = self.density.precision();
         for ((i, sample, at), pdf) in spread.into_iter().zip(pdfs) {
-            if let Some(violation) = pdf_violation(sample, pdf, precision) {
+            if let Some(violation) = invalid_pdf(sample, pdf) {
                 note(i, violation);
             }
+            let words = || carries_another(sample, pdf) + &sampled_from(u, i, dimension);
+            tally.carried.count(sample, pdf, precision, words);
             tally.outside_support += u64::from(pdf == 0.0);
             tally.infinite += u64::from(pdf == f64::INFINITY);
             let (cell, probe) = (subdivision.grid.find(at), Probe { at, pdf });
@@ -443,9 +447,7 @@ impl Source<'_> {
 
         tally.serial.end(past);
         if let Some((i, violation)) = first {
-            let from = u.get(i * dimension..(i + 1) * dimension).filter(|_| dimension > 0);
-            let from = from.map_or(String::new(), |u| format!(" (sampled from u = {})", tuple(&u)));
-            tally.violation.get_or_insert(violation + &from);
+            tally.violation.get_or_insert(violation + &sampled_from(u, i, dimension));
         }
 
         // Match samples at atoms with the declared ones.
@@ -478,6 +480,12 @@ impl Source<'_> {
         }
         Ok(None)
     }
+}
+
+/// The random numbers of sample number `i`, for messages; nothing where there are none.
+fn sampled_from(u: &[f64], i: usize, dimension: usize) -> String {
+    let from = u.get(i * dimension..(i + 1) * dimension).filter(|_| dimension > 0);
+    from.map_or(String::new(), |u| format!(" (sampled from u = {})", tuple(&u)))
 }
 
 /// The seed of a batch for a sampler with a generator of its own: for each `seed` of a run this is a bijection of the

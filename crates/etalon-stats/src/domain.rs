@@ -2,6 +2,7 @@
 
 use crate::extremes::Extremes;
 use crate::grid::Cell;
+use crate::mistakes::Mistake;
 use etalon_random::turns;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -142,6 +143,11 @@ pub trait Domain: Sync {
     /// The quantities along the chart's axes, for figures.
     fn axes(&self) -> [&'static str; 2];
 
+    /// Usual mistakes of samplers of this domain.
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        Vec::new()
+    }
+
     /// A cell of the chart in the domain's own coordinates, for messages: `theta 10.0°..20.0°, phi 0.0°..36.0°`.
     fn region(&self, cell: &Cell) -> String {
         let [x, y] = self.axes();
@@ -195,6 +201,10 @@ impl Domain for Discrete {
 
     fn axes(&self) -> [&'static str; 2] {
         ["outcome", ""]
+    }
+
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        vec![Mistake::at("of the outcomes in reverse", |point| (self.outcomes - 1 - usize::from(point)).into())]
     }
 
     fn region(&self, cell: &Cell) -> String {
@@ -256,6 +266,13 @@ impl Domain for Line {
         ["x", ""]
     }
 
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        let reversed = |point| (self.from + self.to - f64::from(point)).into();
+        let mut all = vec![Mistake::at("with both ends exchanged", reversed)];
+        all.extend(Mistake::factor("the distance from the lower end", |point| f64::from(point) - self.from));
+        all
+    }
+
     fn region(&self, cell: &Cell) -> String {
         let [from, to] = cell.x.map(|x| self.from + x * (self.to - self.from));
         format!("x {from:.5}..{to:.5}")
@@ -291,6 +308,16 @@ impl Domain for Square {
 
     fn axes(&self) -> [&'static str; 2] {
         ["x", "y"]
+    }
+
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        let places: [(&str, fn([f64; 2]) -> [f64; 2]); 4] = [
+            ("with x and y exchanged", |[x, y]| [y, x]),
+            ("at 1 - x", |[x, y]| [1.0 - x, y]),
+            ("at 1 - y", |[x, y]| [x, 1.0 - y]),
+            ("at 1 - x and 1 - y", |[x, y]| [1.0 - x, 1.0 - y]),
+        ];
+        places.map(|(name, place)| Mistake::at(name, move |point| place(point.into()).into())).into()
     }
 }
 
@@ -403,6 +430,58 @@ impl Domain for Directions {
             true => ["1 - cos θ", "φ / 2π"],
             false => ["(1 - cos θ) / 2", "φ / 2π"],
         }
+    }
+
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        let cos = |point: Point| {
+            let [_, y, z] = point.into();
+            if self.pole == Pole::Z { z } else { y }
+        };
+        let sin = move |point| (1.0 - cos(point).powi(2)).at_least(0.0).sqrt();
+        let absolute = move |point| cos(point).abs();
+        let upper = move |point| cos(point).at_least(0.0);
+        let cube = |point: Point| <[f64; 3]>::from(point).map(f64::abs).into_iter().fold(0.0, f64::at_least).powi(-3);
+        let mut all = vec![
+            Mistake::density("cos θ/π", upper),
+            Mistake::density(
+                "a density in proportion to 1/sin θ (θ is uniform, without the factor sin θ)",
+                move |w| 1.0 / sin(w),
+            ),
+            Mistake::density(
+                "a density in proportion to cos θ/sin θ (the radius of a disk is u, not √u)",
+                move |w| upper(w) / sin(w),
+            ),
+            Mistake::density("the density of points of a cube, normalised", cube),
+        ];
+        if !self.half {
+            all.push(Mistake::density("a uniform density over the hemisphere", move |w| f64::from(cos(w) > 0.0)));
+        }
+        all.extend(Mistake::factor("cos θ", absolute));
+        all.extend(Mistake::factor("sin θ", sin));
+        let mut places: Vec<(&str, fn([f64; 3]) -> [f64; 3])> = Vec::new();
+        if !self.half {
+            places.push(("at the opposite direction", |w| w.map(|x| -x)));
+            places.push(match self.pole {
+                Pole::Z => ("at (x, y, -z)", |[x, y, z]| [x, y, -z]),
+                Pole::Y => ("at (x, -y, z)", |[x, y, z]| [x, -y, z]),
+            });
+        }
+        places.extend(match self.pole {
+            Pole::Z => [
+                ("with x and y exchanged", (|[x, y, z]| [y, x, z]) as fn([f64; 3]) -> [f64; 3]),
+                ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
+                ("at (x, -y, z)", |[x, y, z]| [x, -y, z]),
+                ("at (-x, -y, z)", |[x, y, z]| [-x, -y, z]),
+            ],
+            Pole::Y => [
+                ("with x and z exchanged", (|[x, y, z]| [z, y, x]) as fn([f64; 3]) -> [f64; 3]),
+                ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
+                ("at (x, y, -z)", |[x, y, z]| [x, y, -z]),
+                ("at (-x, y, -z)", |[x, y, z]| [-x, y, -z]),
+            ],
+        });
+        all.extend(places.into_iter().map(|(name, place)| Mistake::at(name, move |w| place(w.into()).into())));
+        all
     }
 
     fn region(&self, cell: &Cell) -> String {

@@ -8,30 +8,119 @@ use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::hash::GOLDEN;
+use crate::mistakes::Pair;
 use crate::power::chi_square_below;
 use crate::sampler::{Density, SINGLE_PRECISION, Sample, Sampler};
 use crate::serial::SerialCounts;
 use std::cmp::Reverse;
 
-/// What is wrong with a sample and `pdf`, the density's value at its point: a value that no pdf can have, or a sample that
-/// carries another one, by more than the declared precision. At single points a pdf may be infinite.
-pub fn pdf_violation(sample: &Sample, pdf: f64, precision: f64) -> Option<String> {
-    if pdf.is_nan() || pdf < 0.0 {
-        return Some(format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)));
-    }
-    let claimed = sample.pdf?;
-    let is_near = |precision: f64| {
-        claimed.is_finite() && pdf.is_finite() && (claimed - pdf).abs() <= precision * claimed.abs().at_least(pdf.abs())
-    };
-    if claimed.to_bits() == pdf.to_bits() || precision > 0.0 && is_near(precision) {
-        return None;
-    }
-    let hint = if is_near(SINGLE_PRECISION) { AS_SINGLE } else { "" };
-    Some(format!("the sample {} carries the pdf {claimed:e}, but the density says {pdf:e}{hint}", tuple(&sample.point)))
+/// What is wrong with `pdf`, the density's value at a sample, if no pdf can have it. At single points a pdf may be infinite.
+pub fn invalid_pdf(sample: &Sample, pdf: f64) -> Option<String> {
+    (pdf.is_nan() || pdf < 0.0).then(|| format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)))
+}
+
+/// The relative difference of the pdf that a sample carries from `pdf`, the density's value there, if it carries one; 0 where
+/// they are equal to the last bit, or up to the declared precision.
+fn difference(sample: &Sample, pdf: f64, precision: f64) -> Option<f64> {
+    let carried = sample.pdf?;
+    let relative = (carried - pdf).abs() / carried.abs().at_least(pdf.abs());
+    let relative = if relative.is_nan() { f64::INFINITY } else { relative };
+    Some(if carried.to_bits() == pdf.to_bits() || relative <= precision { 0.0 } else { relative })
+}
+
+/// The sentence on a sample that carries another pdf than the density's.
+pub fn carries_another(sample: &Sample, pdf: f64) -> String {
+    let carried = sample.pdf.unwrap_or(f64::NAN);
+    format!("the sample {} carries the pdf {carried:e}, but the density says {pdf:e}", tuple(&sample.point))
+}
+
+/// What is wrong with a single sample and `pdf`, the density's value there.
+fn pdf_violation(sample: &Sample, pdf: f64, precision: f64) -> Option<String> {
+    invalid_pdf(sample, pdf).or_else(|| {
+        let difference = difference(sample, pdf, precision).filter(|difference| *difference > 0.0)?;
+        let hint = if difference <= SINGLE_PRECISION { AS_SINGLE } else { "" };
+        Some(carries_another(sample, pdf) + hint)
+    })
 }
 
 /// The end of a message on two numbers that differ as roundings in single precision do.
 pub const AS_SINGLE: &str = ": as near as roundings in single precision (declare precision=single if it computes so)";
+
+/// Samples whose pdfs are kept, of which the median difference and the mistake are known.
+const PAIRS: usize = 1 << 10;
+
+/// The pdfs that samples carry, compared with the density.
+#[derive(Debug, Clone, Default)]
+pub struct Carried {
+    /// Samples that carry a pdf.
+    compared: u64,
+    /// Those of them that carry another one than the density has.
+    different: u64,
+    /// The largest relative difference, and the sentence on it.
+    largest: Option<(f64, String)>,
+    /// Some of the samples that carry a pdf.
+    pub pairs: Vec<Pair>,
+}
+
+impl Carried {
+    /// Compares the pdf of a sample with `pdf`, the density's value there; `words` says that the two differ.
+    #[inline]
+    pub fn count(&mut self, sample: &Sample, pdf: f64, precision: f64, words: impl FnOnce() -> String) {
+        let (Some(difference), Some(carried)) = (difference(sample, pdf, precision), sample.pdf) else { return };
+        self.compared += 1;
+        if self.pairs.len() < PAIRS {
+            self.pairs.push((sample.point, [carried, pdf]));
+        }
+        if difference > 0.0 {
+            self.different += 1;
+            if self.largest.as_ref().is_none_or(|(largest, _)| difference > *largest) {
+                self.largest = Some((difference, words()));
+            }
+        }
+    }
+
+    pub fn add(&mut self, other: Self) {
+        self.compared += other.compared;
+        self.different += other.different;
+        self.pairs.extend(other.pairs);
+        self.pairs.truncate(PAIRS);
+        self.largest = match (self.largest.take(), other.largest) {
+            (Some(a), Some(b)) => Some(if b.0 > a.0 { b } else { a }),
+            (a, b) => a.or(b),
+        };
+    }
+
+    /// Whether all differences are those of roundings in single precision.
+    pub fn is_rounding(&self) -> bool {
+        self.largest.as_ref().is_some_and(|(largest, _)| *largest <= SINGLE_PRECISION)
+    }
+
+    /// Samples that carry a pdf, and those of them that carry another one than the density has.
+    pub fn counts(&self) -> [u64; 2] {
+        [self.compared, self.different]
+    }
+
+    /// What is wrong: the largest difference, the share of samples that differ, and the median difference.
+    pub fn violation(&self) -> Option<String> {
+        let (largest, sentence) = self.largest.as_ref()?;
+        let relative = |[carried, pdf]: [f64; 2]| (carried - pdf).abs() / carried.abs().at_least(pdf.abs());
+        let mut all: Vec<f64> = self.pairs.iter().map(|(_, values)| relative(*values)).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        let share = 100.0 * self.different as f64 / self.compared as f64;
+        let share = if share < 0.1 { format!("{share:.1e}") } else { format!("{share:.1}").replace(".0", "") };
+        let median = all[all.len() / 2];
+        Some(format!(
+            "{sentence}: the largest difference, {}; {share} % of samples differ, the median by {}",
+            percent(*largest),
+            percent(median)
+        ))
+    }
+}
+
+/// A share in percent.
+fn percent(share: f64) -> String {
+    if share > 0.0 && share < 1e-4 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
+}
 
 /// What is wrong with a sample that has no chart coordinates.
 pub fn outside(sample: &Sample) -> String {

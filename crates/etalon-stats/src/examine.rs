@@ -10,6 +10,7 @@ use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::looks::Looks;
 use crate::mass::Integral;
+use crate::mistakes;
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
@@ -217,7 +218,8 @@ pub fn examine(
         violation.is_some() || p.is_some_and(|p| p < protocol.own_level())
     };
     let counted = counting.run(&pilot, round, rejects)?;
-    Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..test.outcome(counted) })
+    let outcome = test.outcome(counted)?;
+    Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
 /// A test, prepared before samples are counted.
@@ -290,11 +292,12 @@ impl Test<'_> {
         };
         let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
             _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
-            Mass::Exactly(m) => format!("the pdf integrates to {mass}, not to {m}"),
-            Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}, more than 1"),
+            Mass::Exactly(m) => format!("the pdf integrates to {mass}{}, not to {m}", times(mass, m)),
+            Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}{}, more than 1", times(mass, 1.0)),
         });
         let is_pdf = invalid.is_none() && !overflows;
-        let pdf_violation = invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
+        let pdf_violation =
+            invalid.map(|InvalidPdf { point, value }| format!("the pdf at {} is {value}", tuple(&point)));
 
         // Expected counts of the cells, the atoms and "no sample"; observed ones beside them.
         let none_expected = n * none_expected.at_least(0.0);
@@ -333,8 +336,9 @@ impl Test<'_> {
         // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
         let infinite_violation = (with_impossible(1.0, tally.infinite, n * ROUNDING) < level)
             .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
-        let violations =
-            [pdf_violation, mass_violation, corners.violation.clone(), tally.violation.clone(), infinite_violation];
+        let (of_samples, carried) = (tally.violation.clone(), tally.carried.violation());
+        let of_corners = corners.violation.clone();
+        let violations = [pdf_violation, mass_violation, of_samples, carried, of_corners, infinite_violation];
         // What the pdf is in units of, and how many draws the pilot has, where that is known.
         let (unit, draws) = if self.is_normalized() { (mass.value, None) } else { (1.0, Some(pilots)) };
         let violation = violations
@@ -359,13 +363,16 @@ impl Test<'_> {
     }
 
     /// The outcome of the look at which the test ended, its verdict still open.
-    fn outcome(&self, counted: Counted) -> Outcome {
-        let Self { domain, protocol, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, certain, structure, p, violation } = self.find(&counted, true);
+    fn outcome(&self, counted: Counted) -> Result<Outcome> {
+        let Self { domain, density, protocol, corners, looks, .. } = *self;
+        let Findings { counts, samples, mass, test, certain, structure, p, mut violation } = self.find(&counted, true);
         let Counted { uncertain, integral, tally, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
         remarks.extend(
-            corners.infinite.as_ref().map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
+            corners
+                .infinite
+                .as_ref()
+                .map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
         );
         if self.is_normalized() {
             let mass = integral.plus(self.at_atoms());
@@ -390,8 +397,19 @@ impl Test<'_> {
             }
             Some(_) => None,
         };
+        // Name the mistake: of the pdfs that samples carry, and of their places.
+        if violation.is_some() && violation == tally.carried.violation() {
+            let hint = if tally.carried.is_rounding() {
+                Some(exact::AS_SINGLE.to_owned())
+            } else {
+                mistakes::of_pairs(domain, density, &tally.carried.pairs)?.map(|mistake| format!("; {mistake}"))
+            };
+            violation = violation.map(|what| what + &hint.unwrap_or_default());
+        }
         let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
-        Outcome {
+        let mistake = if is_suspect && mass.is_some() { mistakes::of_counts(domain, density, &counts)? } else { None };
+        let words = mistake.into_iter().chain(is_suspect.then(|| diagnose(domain, &counts)).flatten()).chain(words);
+        Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),
             dof: test.map_or(0, |test| test.dof),
             p,
@@ -402,19 +420,19 @@ impl Test<'_> {
             none: tally.none,
             violation,
             inconclusive_reason,
-            diagnosis: if is_suspect { in_words(diagnose(domain, &counts), words) } else { None },
+            diagnosis: Some(words.collect::<Vec<_>>().join("; ")).filter(|words| is_suspect && !words.is_empty()),
             scales,
             remarks,
             counts: Some(counts),
             ..Outcome::open(samples)
-        }
+        })
     }
 }
 
-/// What cells and finer parts show; `None` if nothing.
-fn in_words(cells: Option<String>, parts: Vec<String>) -> Option<String> {
-    let words: Vec<String> = cells.into_iter().chain(parts).collect();
-    (!words.is_empty()).then(|| words.join("; "))
+/// " = π", where the integral is a known constant times the declared mass.
+fn times(mass: Integral, declared: f64) -> String {
+    let name = mistakes::constant(mass.value / declared, 1e-3.at_most(mass.error / mass.value.abs()).at_least(1e-5));
+    name.map_or(String::new(), |name| format!(" = {name}"))
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.

@@ -25,6 +25,7 @@ mod extremes;
 mod grid;
 mod looks;
 mod mass;
+mod mistakes;
 pub mod multiple;
 mod outcome;
 pub mod power;
@@ -44,6 +45,7 @@ pub use examine::{Protocol, SampleCount, examine, validate};
 pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
+pub use mistakes::{Follows, Mistake};
 pub use outcome::{Counts, Outcome, Verdict, decide};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,

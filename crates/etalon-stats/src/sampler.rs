@@ -2,6 +2,7 @@
 
 use crate::domain::Point;
 use crate::error::{Error, Result};
+use crate::mistakes::Mistake;
 
 /// A sample as its sampler returns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,6 +183,11 @@ pub trait Density: Sync {
     /// between 0 and 1, for each axis. Its integrals are then exact sums.
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
         None
+    }
+
+    /// Usual mistakes of samplers of such a pdf, which are tried where samples do not follow it.
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        Vec::new()
     }
 }
 

@@ -3,18 +3,19 @@
 //! the lobe.
 
 use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKind};
-use super::subject::{Comparison, Subject, cross, directions, length, sphere};
+use super::subject::{Comparison, Subject, cross, directions, dot, length, sphere};
 use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
+use crate::mistakes::{Follows, Mistake};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
 use std::iter::repeat_n;
 
 /// The samples and the pdf of a BSDF.
-struct Scattering<'a>(&'a Subject<'a>);
+pub struct Scattering<'a>(pub &'a Subject<'a>);
 
 impl Sampler for Scattering<'_> {
     fn dimension(&self) -> usize {
@@ -45,6 +46,26 @@ impl Density for Scattering<'_> {
 
     fn atoms(&self) -> Vec<Atom> {
         self.0.deltas.iter().map(|lobe| Atom::new(lobe.wi, lobe.probability)).collect()
+    }
+
+    /// Those of reflection by microfacets with the normal wm, and of `wo` and `wi` exchanged.
+    fn mistakes(&self) -> Vec<Mistake<'_>> {
+        let Subject { bsdf, wo, .. } = *self.0;
+        let normal = move |wi: Point| {
+            let sum = [0, 1, 2].map(|axis| wo[axis] + Direction::from(wi)[axis]);
+            sum.map(|x| x / length(sum))
+        };
+        let jacobian = move |wi: Point| 4.0 * dot(wo, normal(wi)).abs();
+        let visible = move |wi: Point| normal(wi)[2].abs() / dot(wo, normal(wi)).abs();
+        let exchanged = move |wis: &[Point]| {
+            let pairs: Vec<Pair> = directions(wis).into_iter().map(|wi| [wi, wo]).collect();
+            bsdf.pdf(&pairs)
+        };
+        let mut all: Vec<Mistake> = Mistake::factor("4 (wo · wm)", jacobian).into();
+        all.extend(Mistake::factor("cos θm/(wo · wm), as all normals and visible ones differ", visible));
+        let name = "the pdf with wo and wi exchanged".to_owned();
+        all.push(Mistake { name, follows: Follows::Asked(Box::new(exchanged)) });
+        all
     }
 }
 

@@ -236,6 +236,15 @@ impl Comparison {
         self.equal(numbers, quick, |far| Ok(vec![0.0; far.len()]), message)
     }
 
+    /// States something that must hold for all of `compared` cases, and does not for `failed` of them.
+    pub fn all_hold(&mut self, [compared, failed]: [u64; 2], message: impl FnOnce() -> String) {
+        self.compared += compared;
+        if failed > 0 {
+            self.fail(f64::INFINITY, message);
+            self.failed += failed - 1;
+        }
+    }
+
     /// States something that must hold.
     pub fn holds(&mut self, holds: bool, message: impl FnOnce() -> String) {
         self.compared += 1;

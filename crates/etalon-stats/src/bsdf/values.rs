@@ -3,10 +3,14 @@
 //! lobes sum to 1, that is the pdfs of the lobes sum to the pdf.
 
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind};
+use super::sampling::Scattering;
 use super::subject::{Comparison, Subject, length, sphere};
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::exact::Carried;
+use crate::mistakes;
 use crate::outcome::Outcome;
+use crate::sampler::Sample;
 use rand::RngExt;
 
 /// Looks at values, pdfs and weights at samples, at random numbers on the edges of the unit cube, and in many directions: along
@@ -92,11 +96,19 @@ fn pairs(subject: &Subject, spread: &[Drawn]) -> Vec<Pair> {
 }
 
 fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
+    let mut carried = Carried::default();
     for (sample, asked) in spread.iter().zip(subject.bsdf.pdf(&pairs(subject, spread))?) {
-        let (at, pdf) = (|| at(subject, sample), sample.2);
-        let equal = asked.to_bits() == pdf.to_bits();
-        found.holds(equal, || format!("{}: the sample's pdf {pdf:e} is not pdf(wo, wi) = {asked:e}", at()));
-        found.holds(pdf > 0.0, || format!("{}: the pdf of a sample is {pdf}", at()));
+        let (_, BsdfSample { wi, .. }, pdf) = *sample;
+        let words = || format!("{}: the sample's pdf {pdf:e} is not pdf(wo, wi) = {asked:e}", at(subject, sample));
+        carried.count(&Sample::with_pdf(*wi, pdf), asked, 0.0, words);
+        found.holds(pdf > 0.0, || format!("{}: the pdf of a sample is {pdf}", at(subject, sample)));
+    }
+    if let Some(violation) = carried.violation() {
+        let mistake = mistakes::of_pairs(&sphere(), &Scattering(subject), &carried.pairs)?;
+        let mistake = mistake.map_or(String::new(), |mistake| format!("; {mistake}"));
+        found.all_hold(carried.counts(), || violation + &mistake);
+    } else {
+        found.all_hold(carried.counts(), String::new);
     }
     Ok(())
 }

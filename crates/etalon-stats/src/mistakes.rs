@@ -1,0 +1,376 @@
+//! Usual mistakes of samplers and pdfs, recognised by the density that they lead to.
+//!
+//! Where samples do not follow the pdf, each mistake is tried: it is named if the counts follow its density as well as chance
+//! lets them. Where samples carry another pdf than the density has, the two are compared value by value in the same way.
+
+use crate::domain::{Domain, Point};
+use crate::error::Result;
+use crate::extremes::Extremes;
+use crate::grid::Cell;
+use crate::outcome::Counts;
+use crate::power::chi_square;
+use crate::sampler::Density;
+use std::f64::consts::PI;
+
+/// What samples follow because of a mistake, up to a factor.
+pub enum Follows<'a> {
+    /// This density, whatever the pdf is.
+    Density(Box<dyn Fn(Point) -> f64 + 'a>),
+    /// The pdf times this factor.
+    Times(Box<dyn Fn(Point) -> f64 + 'a>),
+    /// The pdf at this point.
+    At(Box<dyn Fn(Point) -> Point + 'a>),
+    /// This function of the pdf's value.
+    Of(fn(f64) -> f64),
+    /// The values that are asked for at these points.
+    Asked(Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>),
+}
+
+/// A usual mistake.
+pub struct Mistake<'a> {
+    /// The density that samples follow, as the end of "samples follow ...".
+    pub name: String,
+    /// The density.
+    pub follows: Follows<'a>,
+}
+
+impl<'a> Mistake<'a> {
+    /// Samples of this density.
+    pub fn density(name: &str, density: impl Fn(Point) -> f64 + 'a) -> Self {
+        Self { name: name.to_owned(), follows: Follows::Density(Box::new(density)) }
+    }
+
+    /// A factor that the samples have and the pdf has not, and the reverse.
+    pub fn factor(name: &str, factor: impl Fn(Point) -> f64 + Copy + 'a) -> [Self; 2] {
+        let times = Follows::Times(Box::new(factor));
+        let divided = Follows::Times(Box::new(move |point| 1.0 / factor(point)));
+        [
+            Self { name: format!("the pdf times {name}"), follows: times },
+            Self { name: format!("the pdf divided by {name}"), follows: divided },
+        ]
+    }
+
+    /// Samples that follow the pdf at another place.
+    pub fn at(name: &str, place: impl Fn(Point) -> Point + 'a) -> Self {
+        Self { name: format!("the pdf {name}"), follows: Follows::At(Box::new(place)) }
+    }
+
+    /// Whether the pdf's values at the points themselves are enough.
+    fn is_known(&self) -> bool {
+        !matches!(self.follows, Follows::At(_) | Follows::Asked(_))
+    }
+
+    /// The densities at `points`, where the pdf has the values `pdfs`.
+    fn values(&self, density: &dyn Density, points: &[Point], pdfs: &[f64]) -> Result<Vec<f64>> {
+        Ok(match &self.follows {
+            Follows::Density(of) => points.iter().map(|&point| of(point)).collect(),
+            Follows::Times(factor) => points.iter().zip(pdfs).map(|(&point, pdf)| pdf * factor(point)).collect(),
+            Follows::At(place) => {
+                let points: Vec<Point> = points.iter().map(|&point| place(point)).collect();
+                let mut values = Vec::with_capacity(points.len());
+                density.pdf(&points, &mut values)?;
+                values
+            }
+            Follows::Of(function) => pdfs.iter().map(|&pdf| function(pdf)).collect(),
+            Follows::Asked(values) => values(points)?,
+        })
+    }
+}
+
+/// All mistakes that are tried: those of any pdf, of the domain, of this density and of its table.
+fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>> {
+    let mut all = vec![Mistake::density("a uniform density", |_| 1.0)];
+    all.extend(domain.mistakes());
+    all.extend(density.mistakes());
+    let of = |name: &str, function| Mistake { name: name.to_owned(), follows: Follows::Of(function) };
+    all.extend([of("the square of the pdf", |pdf| pdf * pdf), of("the root of the pdf", f64::sqrt)]);
+    // A table, or a set, that is shifted by one entry
+    let entries = density.steps().map(|steps| steps.map(|lines| lines.len() + 1));
+    let entries = domain.outcomes().map(|n| [n, 1]).or(entries).unwrap_or([1; 2]);
+    for (axis, n) in entries.into_iter().enumerate().filter(|(_, n)| *n > 1) {
+        for (sign, towards) in [(1.0, "next"), (-1.0, "previous")] {
+            let shifted = move |point: Point| {
+                let Some(mut at) = domain.to_chart(point) else { return point };
+                at[axis] = (at[axis] + sign / n as f64).rem_euclid(1.0);
+                domain.point_at(at)
+            };
+            let name = match domain.outcomes() {
+                Some(_) => format!("of the {towards} outcome"),
+                None => format!("of the {towards} entry along {}", domain.axes()[axis]),
+            };
+            all.push(Mistake::at(&name, shifted));
+        }
+    }
+    all
+}
+
+/// Points of each cell at which densities are compared, along the two axes.
+const POINTS: [usize; 2] = [8, 4];
+/// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
+/// 100 %): midpoints are not exact, and samples may have small errors besides.
+const LEFT: f64 = 0.002;
+/// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
+const CHANCE: f64 = 4.0;
+const CLEAR: f64 = 10.0;
+/// Fewer degrees of freedom are explained by too many densities.
+const FEWEST: usize = 5;
+
+/// The mistake that explains the counts of the cells, if the pdf does not and one does.
+pub fn of_counts(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Result<Option<String>> {
+    let cells: Vec<Cell> = counts.grid.cells().collect();
+    let (observed, expected) = (&counts.observed[..cells.len()], &counts.expected[..cells.len()]);
+    let total = observed.iter().sum::<u64>() as f64;
+    // Statistic minus degrees of freedom of counts against shares, and the standard deviation of that
+    let excess = |shares: &[f64]| {
+        let sum: f64 = shares.iter().sum();
+        let expected: Vec<f64> = shares.iter().map(|share| (share / sum * total).at_least(f64::MIN_POSITIVE)).collect();
+        let test = chi_square(observed, &expected).filter(|test| test.dof >= FEWEST)?;
+        Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
+    };
+    let Some([of_pdf, spread]) = excess(expected) else { return Ok(None) };
+    if of_pdf.is_nan() || of_pdf < CLEAR * spread {
+        return Ok(None);
+    }
+    let per_cell = if domain.is_plane() { POINTS } else { [POINTS[0] * POINTS[1], 1] };
+    let points: Vec<Point> =
+        cells.iter().flat_map(|cell| midpoints(cell, per_cell)).map(|at| domain.point_at(at)).collect();
+    let mut pdfs = Vec::with_capacity(points.len());
+    density.pdf(&points, &mut pdfs)?;
+
+    // Integrals by the midpoints; where the mistake changes the pdf, in proportion to the pdf's known integrals
+    let n = per_cell[0] * per_cell[1];
+    let left_by = |mistake: &Mistake| -> Result<Option<[f64; 2]>> {
+        let values = mistake.values(density, &points, &pdfs)?;
+        let is_local = matches!(mistake.follows, Follows::Times(_) | Follows::Of(_));
+        let share = |(i, cell): (usize, &Cell)| {
+            let [of_pdf, sum] = [&pdfs, &values].map(|values| values[i * n..(i + 1) * n].iter().sum::<f64>());
+            if is_local && of_pdf > 0.0 { expected[i] * sum / of_pdf } else { cell.area() * sum }
+        };
+        let shares: Vec<f64> = cells.iter().enumerate().map(share).collect();
+        let is_valid =
+            shares.iter().all(|share| share.is_finite() && *share >= 0.0) && shares.iter().sum::<f64>() > 0.0;
+        let left = excess(&shares).filter(|_| is_valid);
+        Ok(left.filter(|[left, spread]| *left <= (CHANCE * spread).at_least(LEFT * of_pdf.at_most(total))))
+    };
+    // Mistakes that need no other values of the pdf come first. Of those that explain the counts equally well, the first counts.
+    let (known, asked): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
+    for group in [known, asked] {
+        let mut found = Vec::new();
+        for mistake in group {
+            found.extend(left_by(&mistake)?.map(|left| (left, mistake.name)));
+        }
+        let best = found.iter().map(|([left, _], _)| *left).fold(f64::INFINITY, f64::at_most);
+        if let Some((_, name)) = found.into_iter().find(|([left, spread], _)| *left <= best + CHANCE * spread) {
+            return Ok(Some(format!("samples follow {name}, not the pdf")));
+        }
+    }
+    Ok(None)
+}
+
+/// The midpoints of the parts of a cell.
+fn midpoints(cell: &Cell, parts: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let (Cell { x, y }, [columns, rows]) = (*cell, parts);
+    let at = |[from, to]: [f64; 2], i: usize, n: usize| from + (to - from) * (i as f64 + 0.5) / n as f64;
+    (0..columns * rows).map(move |i| [at(x, i / rows, columns), at(y, i % rows, rows)])
+}
+
+/// A sample whose pdf differs: its point, the pdf that it carries, and the density's.
+pub type Pair = (Point, [f64; 2]);
+
+/// Relative differences of ratios that count as equal.
+const EQUAL: f64 = 1e-4;
+/// Fewer samples say nothing, nor do those of which less than this share has a ratio.
+const FEWEST_PAIRS: usize = 32;
+const MOST_PAIRS: f64 = 0.9;
+
+/// The mistake that makes samples carry other pdfs than the density has, if one explains all of `pairs`.
+pub fn of_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> Result<Option<String>> {
+    let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
+    let pdfs: Vec<f64> = values.iter().map(|[_, pdf]| *pdf).collect();
+    let factor_of = |values_of: &[f64]| {
+        let ratios = values.iter().zip(values_of).map(|([carried, _], value)| carried / value);
+        let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
+        let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * pairs.len() as f64;
+        let [least, most] =
+            [f64::at_most, f64::at_least].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
+        (enough && most <= least * (1.0 + EQUAL)).then_some(least)
+    };
+    if let Some(factor) = factor_of(&pdfs) {
+        let is_other = (factor - 1.0).abs() > EQUAL;
+        return Ok(is_other.then(|| format!("each is {} times the density", number(factor))));
+    }
+    for mistake in all(domain, density) {
+        if let Some(factor) = factor_of(&mistake.values(density, &points, &pdfs)?) {
+            let is_equal = matches!(mistake.follows, Follows::Density(_)) || (factor - 1.0).abs() < EQUAL;
+            let times = if is_equal { String::new() } else { format!("{} times ", number(factor)) };
+            return Ok(Some(format!("what samples carry is {times}{}", mistake.name)));
+        }
+    }
+    Ok(None)
+}
+
+/// A number with its meaning, if it is one of those that are forgotten: "6.28319 = 2π".
+pub fn number(value: f64) -> String {
+    let text = format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    let text = if (1e-3..1e5).contains(&value.abs()) { text } else { format!("{value:.4e}") };
+    constant(value, EQUAL)
+        .map_or(text.clone(), |name| if name == text { name.to_owned() } else { format!("{text} = {name}") })
+}
+
+/// The name of the constant that `value` is, up to a relative error of `error`.
+pub fn constant(value: f64, error: f64) -> Option<&'static str> {
+    const ALL: [(f64, &str); 17] = [
+        (PI, "π"),
+        (2.0 * PI, "2π"),
+        (4.0 * PI, "4π"),
+        (0.5 * PI, "π/2"),
+        (0.25 * PI, "π/4"),
+        (1.0 / PI, "1/π"),
+        (0.5 / PI, "1/(2π)"),
+        (0.25 / PI, "1/(4π)"),
+        (2.0 / PI, "2/π"),
+        (4.0 / PI, "4/π"),
+        (PI * PI, "π²"),
+        (2.0 * PI * PI, "2π²"),
+        (16.0 * PI * PI, "(4π)²"),
+        (1.0 / (PI * PI), "1/π²"),
+        (0.5 / (PI * PI), "1/(2π²)"),
+        (0.5, "1/2"),
+        (0.25, "1/4"),
+    ];
+    ALL.into_iter().find(|(known, _)| (value / known - 1.0).abs() <= error).map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{beckmann, beckmann_pdf, normalize, uniform_hemisphere};
+    use crate::{Directions, Discrete, Line, Pole, Protocol, Sample, Sampler, Square, Verdict, sampler, validate};
+    use std::f64::consts::TAU;
+
+    /// The reason and the diagnosis of a rejection.
+    fn told(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
+        let outcome = validate(domain, sampler, density, &Protocol::default()).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
+        format!("{}; {}", outcome.violation.unwrap_or_default(), outcome.diagnosis.unwrap_or_default())
+    }
+
+    fn direction(z: f64, u: f64) -> [f64; 3] {
+        let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * u);
+        [r * phi.cos(), r * phi.sin(), z]
+    }
+
+    #[test]
+    fn usual_mistakes_of_directions_are_named() {
+        let half = Directions::hemisphere(Pole::Z);
+        let cosine = |w: [f64; 3]| w[2] / PI;
+        let uniform = |_: [f64; 3]| 1.0 / TAU;
+        type Draw = fn(&[f64]) -> [f64; 3];
+        let draws: [(Draw, bool, &str); 7] = [
+            (|u| direction(u[0], u[1]), true, "samples follow a uniform density, not the pdf"),
+            (|u| direction((1.0 - u[0]).sqrt(), u[1]), false, "samples follow cos θ/π, not the pdf"),
+            (|u| direction((0.5 * PI * u[0]).cos(), u[1]), false, "without the factor sin θ"),
+            (|u| direction((1.0 - u[0] * u[0]).sqrt(), u[1]), true, "the radius of a disk is u, not √u"),
+            (|u| direction((1.0 - u[0]).cbrt(), u[1]), true, "samples follow the pdf times cos θ, not"),
+            // The product of two cosines and a triangle in cos θ have no name.
+            (|u| direction((1.0 - u[0]).powf(0.2), u[1]), false, ""),
+            (|u| direction(1.0 - (1.0 - u[0]).sqrt(), u[1]), false, ""),
+        ];
+        for (draw, is_cosine, name) in draws {
+            let drawn = sampler(2, move |u: &[f64]| Some(Sample::new(draw(u))));
+            let pdf = crate::density(move |w| if is_cosine { cosine(w) } else { uniform(w) });
+            let text = told(&half, &drawn, &pdf);
+            assert!(text.contains(name) && text.contains("samples follow") != name.is_empty(), "{name}: {text}");
+        }
+        // A lobe around another axis, seen in a mirror
+        let lobe = |u: &[f64]| {
+            let [x, y, z] = beckmann(0.3, u);
+            normalize([x + 0.7 * z, y + 0.2 * z, z - 0.7 * x - 0.2 * y])
+        };
+        let sphere = Directions::sphere(Pole::Z);
+        let count = |u: &[f64]| Some(Sample::new(lobe(u).map(|x| -x)));
+        let around = normalize([0.7, 0.2, 1.0]);
+        let vmf = |w: [f64; 3]| (8.0 * ((0..3).map(|i| w[i] * around[i]).sum::<f64>() - 1.0)).exp() * 8.0 / TAU;
+        let opposite = told(&sphere, &sampler(2, count), &crate::density(vmf));
+        assert!(
+            !opposite.contains("samples follow"),
+            "another lobe at the opposite side is no mistake of the list: {opposite}"
+        );
+    }
+
+    #[test]
+    fn a_density_of_another_place_is_named() {
+        let sphere = Directions::sphere(Pole::Z);
+        let pdf = crate::density(|[x, y, z]: [f64; 3]| (1.0 + 0.5 * x + 0.3 * y + 0.4 * z) / (4.0 * PI));
+        let changes: [(fn([f64; 3]) -> [f64; 3], &str); 3] = [
+            (|w| w.map(|x| -x), "the pdf at the opposite direction"),
+            (|[x, y, z]| [y, x, z], "the pdf with x and y exchanged"),
+            (|[x, y, z]| [x, y, -z], "the pdf at (x, y, -z)"),
+        ];
+        for (change, name) in changes {
+            // By rejection, from eight candidates
+            let draw = move |u: &[f64]| {
+                let candidates = u.chunks_exact(3).map(|u| (direction(2.0 * u[0] - 1.0, u[1]), u[2]));
+                let mut accepted = candidates.filter(|([x, y, z], v)| 2.2 * v < 1.0 + 0.5 * x + 0.3 * y + 0.4 * z);
+                accepted.next().map(|(w, _)| Sample::new(change(w)))
+            };
+            let text = told(&sphere, &sampler(60, draw), &pdf);
+            assert!(text.contains(name), "{name}: {text}");
+        }
+    }
+
+    #[test]
+    fn tables_lines_and_sets_are_named() {
+        let line = sampler(1, |u: &[f64]| Some(Sample::new(u[0].sqrt())));
+        let reversed = told(&Line::UNIT, &line, &crate::density(|x: f64| 2.0 - 2.0 * x));
+        assert!(reversed.contains("samples follow the pdf with both ends exchanged"), "{reversed}");
+        let square = sampler(2, |u: &[f64]| Some(Sample::new([u[0].sqrt(), u[1]])));
+        let exchanged = told(&Square, &square, &crate::density(|[_, y]: [f64; 2]| 2.0 * y));
+        assert!(exchanged.contains("the pdf with x and y exchanged"), "{exchanged}");
+        let weights: Vec<f64> = (0..16).map(|i| f64::from(1 + (i * i * i + 3 * i) % 11)).collect();
+        let total: f64 = weights.iter().sum();
+        let ends: Vec<f64> = weights
+            .iter()
+            .scan(0.0, |sum, w| {
+                *sum += w / total;
+                Some(*sum)
+            })
+            .collect();
+        let drawn = sampler(1, |u: &[f64]| Some(Sample::new((ends.partition_point(|end| *end <= u[0]) + 1) % 16)));
+        let shifted = told(&Discrete { outcomes: 16 }, &drawn, &crate::density(|i: usize| weights[i] / total));
+        assert!(shifted.contains("samples follow the pdf of the previous outcome"), "{shifted}");
+    }
+
+    #[test]
+    fn integrals_and_carried_pdfs_say_by_what_they_are_wrong() {
+        let half = Directions::hemisphere(Pole::Z);
+        let uniform = sampler(2, |u: &[f64]| Some(Sample::new(uniform_hemisphere(u))));
+        let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 1.0 / PI));
+        assert!(text.contains("integrates to 2.000000") && !text.contains("samples follow"), "{text}");
+        let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 0.5));
+        assert!(text.contains(" = π, not to 1"), "{text}");
+        let pdf = |w: [f64; 3]| beckmann_pdf(0.5, w);
+        let changes: [(fn([f64; 3]) -> f64, &str); 4] = [
+            (|w| beckmann_pdf(0.5, w) * PI, "each is 3.141593 = π times the density"),
+            (|w| beckmann_pdf(0.5, w) / w[2], "what samples carry is the pdf divided by cos θ"),
+            (|w| 2.0 * w[2] / PI, "what samples carry is cos θ/π"),
+            (|w| beckmann_pdf(0.49, w), ""),
+        ];
+        for (carried, name) in changes {
+            let drawn = sampler(2, move |u: &[f64]| {
+                let w = beckmann(0.5, u);
+                Some(Sample::with_pdf(w, carried(w)))
+            });
+            let text = told(&half, &drawn, &crate::density(pdf));
+            assert!(text.contains(name) && text.contains("the largest difference"), "{name}: {text}");
+            assert_eq!(text.contains("what samples carry") || text.contains("each is"), !name.is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_names() {
+        assert_eq!(number(2.0), "2");
+        assert_eq!(number(TAU), "6.283185 = 2π");
+        assert_eq!(number(1.5e-7), "1.5000e-7");
+    }
+}
