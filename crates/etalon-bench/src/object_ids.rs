@@ -2,7 +2,7 @@
 //! of an image over some of its pixels, with its standard error.
 
 use etalon_core::scene::{FirstHit, Material, Object, Request, Scene};
-use etalon_render::film::{Film, PixelEstimate};
+use etalon_render::film::PixelEstimate;
 use rayon::prelude::*;
 
 /// The kinds of objects in the second report's scenes.
@@ -122,9 +122,9 @@ pub fn inside<T>(values: impl IntoIterator<Item = T>, mask: &[bool]) -> impl Ite
 
 impl PixelMean {
     /// The mean over the pixels of `mask`, and the root of the sum of their squared standard errors over their number.
-    pub fn of(film: &Film, mask: &[bool]) -> Self {
+    pub fn of(estimates: impl IntoIterator<Item = PixelEstimate>, mask: &[bool]) -> Self {
         let (mut sum, mut square, mut pixels) = ([0.0; 3], [0.0; 3], 0);
-        for PixelEstimate { mean, error } in inside(film.estimates(), mask) {
+        for PixelEstimate { mean, error } in inside(estimates, mask) {
             for c in 0..3 {
                 sum[c] += f64::from(mean[c]);
                 square[c] += f64::from(error[c]).powi(2);

@@ -3,8 +3,10 @@
 use crate::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
+use etalon_core::raster::Image;
 use etalon_core::scene::{Conductor, Material, Request, Scene};
-use etalon_render::{Rendered, Settings, Silent, render};
+use etalon_render::film::PixelEstimate;
+use etalon_render::{Dropped, Settings, Silent, render};
 use serde::Serialize;
 
 /// One image of a statue. Field names are the CSV columns; radiance of the pixels whose centre shows the statue, with
@@ -47,7 +49,19 @@ pub struct StatueRender {
     pub mask: Vec<bool>,
     /// The kind of object at each pixel.
     pub objects: ObjectIdBuffer,
-    pub rendered: Rendered,
+    pub image: Image,
+    /// Of every pixel of the image.
+    pub standard_error: Image,
+    /// Samples that were dropped.
+    pub dropped: Dropped,
+}
+
+impl StatueRender {
+    /// The mean and its standard error of every pixel, row by row from the top.
+    pub fn estimates(&self) -> impl Iterator<Item = PixelEstimate> {
+        let pixels = self.image.pixels().iter().zip(self.standard_error.pixels());
+        pixels.map(|(&mean, &error)| PixelEstimate { mean, error })
+    }
 }
 
 /// Renders a statue.
@@ -55,7 +69,7 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);
     let mask = objects.mask(Kind::Metal);
-    let statue = PixelMean::of(&rendered.part.film, &mask);
+    let statue = PixelMean::of(rendered.part.film.estimates(), &mask);
     let [statue_r, statue_g, statue_b] = statue.value;
     let [statue_error_r, statue_error_g, statue_error_b] = statue.error;
     let squares =
@@ -77,7 +91,8 @@ pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> R
         noise,
         brightest_percent: brightest_percent(light.collect()),
     };
-    Ok(StatueRender { row, statue, mask, objects, rendered })
+    let standard_error = rendered.part.film.standard_error();
+    Ok(StatueRender { row, statue, mask, objects, image: rendered.image, standard_error, dropped: rendered.dropped })
 }
 
 /// The statue's mean radiance with normals sampled from the full distribution, with a sixteenth of the samples and other random
@@ -86,7 +101,7 @@ pub fn mean_by_all_normals(scene: &Scene, request: &Request, settings: &Settings
     let request = Request { spp: (request.spp / 16).max(2), ..*request };
     let mut settings = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     settings.model.normals = NormalSampling::Ndf;
-    Ok(PixelMean::of(&render(scene, &request, &settings, &Silent)?.part.film, mask))
+    Ok(PixelMean::of(render(scene, &request, &settings, &Silent)?.part.film.estimates(), mask))
 }
 
 /// The first metal of a scene.

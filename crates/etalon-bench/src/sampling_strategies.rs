@@ -158,7 +158,7 @@ struct Pair<'a> {
 
 impl<'a> Pair<'a> {
     fn new(shot: &'a StatueRender, other: &StatueRender) -> Self {
-        Self { shot, brightness: [shot, other].map(|shot| brightness(&shot.rendered.image)) }
+        Self { shot, brightness: [shot, other].map(|shot| brightness(&shot.image)) }
     }
 }
 
@@ -197,11 +197,10 @@ impl ZoneImage {
     }
 
     fn of(pair: &Pair, mask: &[bool]) -> Self {
-        let film = &pair.shot.rendered.part.film;
-        let mean = PixelMean::of(film, mask);
+        let mean = PixelMean::of(pair.shot.estimates(), mask);
         let n = mean.pixels as f64;
         let (mut light, mut variance, mut squares) = (Vec::with_capacity(mean.pixels), 0.0, 0.0);
-        for estimate in inside(film.estimates(), mask) {
+        for estimate in inside(pair.shot.estimates(), mask) {
             light.push(f64::from(estimate.mean.element_sum()) / 3.0);
             let square = (f64::from(estimate.error.element_sum()) / 3.0).powi(2);
             variance += square;

@@ -5,8 +5,9 @@ use crate::fit;
 use etalon_core::envmap::irradiance::IrradianceTree;
 use etalon_core::envmap::{EnvMap, NamedMap};
 use etalon_core::error::Result;
+use etalon_core::raster::Image;
 use etalon_core::scene::{Environment, Request, Scene, builtin};
-use etalon_render::{Rendered, Settings, Silent, render};
+use etalon_render::{Dropped, Settings, Silent, render};
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -78,7 +79,9 @@ impl SphereRow {
 /// A render with its errors.
 pub struct SphereRender {
     pub row: SphereRow,
-    pub rendered: Rendered,
+    pub image: Image,
+    /// Samples that were dropped.
+    pub dropped: Dropped,
     /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
     pub relative_error: Vec<f64>,
     /// Σ (I − I*)² over disjoint sets of pixels, whose random numbers are independent.
@@ -124,7 +127,7 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
         rmse_of_ratio: (ratio2 / count).sqrt(),
         rel_bias: sum / truth,
     };
-    Ok(SphereRender { row, rendered, relative_error, group_errors })
+    Ok(SphereRender { row, image: rendered.image, dropped: rendered.dropped, relative_error, group_errors })
 }
 
 /// A strategy by its label, and the column of that name in the table.

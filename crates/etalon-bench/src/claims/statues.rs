@@ -86,7 +86,7 @@ pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
 /// The share of the statue's light in the brightest hundredth of its pixels, with a standard error from those of the pixels.
 fn brightest(statue: &StatueRender) -> [f64; 2] {
     let share = statue.row.brightest_percent;
-    let estimates = inside(statue.rendered.part.film.estimates(), &statue.mask);
+    let estimates = inside(statue.estimates(), &statue.mask);
     let mut pixels: Vec<[f64; 2]> = estimates.map(|e| [mean_rgb(e.mean), mean_rgb(e.error)]).collect();
     pixels.sort_unstable_by(|a, b| b[0].total_cmp(&a[0]));
     let count = pixels.len().div_ceil(100);
@@ -141,7 +141,7 @@ fn chosen(statue: &StatueRender, is_chosen: &dyn Fn(DVec3, f64) -> bool) -> (Vec
     // Pixels that two standard errors would change; a choice by chance has a variance of ¼ at most
     let changes = [DVec3::ONE, DVec3::NEG_ONE, DVec3::new(1.0, 0.0, -1.0), DVec3::new(-1.0, 0.0, 1.0)];
     let (mut pixels, mut undecided) = (Vec::new(), 0.0);
-    for (estimate, inside) in statue.rendered.part.film.estimates().zip(&statue.mask) {
+    for (estimate, inside) in statue.estimates().zip(&statue.mask) {
         let (colour, error) = (estimate.mean.as_dvec3(), estimate.error.as_dvec3());
         let holds = is_chosen(colour, mean);
         let may_change = changes.iter().any(|change| is_chosen(colour + 2.0 * *change * error, mean) != holds);
@@ -156,7 +156,7 @@ fn from_gold(statue: &StatueRender) -> [f64; 2] {
     let share = |c: DVec3| c / c.element_sum();
     let gold = [0, 1, 2].map(|c| conductor::normal_reflectance(GOLD.eta[c], GOLD.k[c]));
     let gold = share(DVec3::from_array(gold));
-    let lit = inside(statue.rendered.image.pixels(), &statue.mask).filter(|p| mean_rgb(**p) > 0.0);
+    let lit = inside(statue.image.pixels(), &statue.mask).filter(|p| mean_rgb(**p) > 0.0);
     let distances: Vec<f64> = lit.map(|p| (share(p.as_dvec3()) - gold).length()).collect();
     let n = distances.len() as f64;
     let mean = distances.iter().sum::<f64>() / n;

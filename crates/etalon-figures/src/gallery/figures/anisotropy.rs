@@ -99,12 +99,12 @@ fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha: [f3
     }
     let rendered = render(&scene, request, settings, &Silent)?;
     let disc = pixels(&scene, request, |shape| matches!(shape, Shape::Mesh(_)));
-    let mean = PixelMean::of(&rendered.part.film, &disc);
+    let mean = PixelMean::of(rendered.part.film.estimates(), &disc);
     // Other random numbers: independent means.
     let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
     let other = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     let z = |scene: &Scene, settings: &Settings| {
-        Result::Ok(mean.z(&PixelMean::of(&render(scene, &fewer, settings, &Silent)?.part.film, &disc)))
+        Result::Ok(mean.z(&PixelMean::of(render(scene, &fewer, settings, &Silent)?.part.film.estimates(), &disc)))
     };
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, ..other };
     let row = PairRow {

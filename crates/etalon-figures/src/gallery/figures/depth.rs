@@ -112,7 +112,7 @@ pub fn furnace(spp: u32, settings: &Settings) -> Result<[FurnaceSphere; 3]> {
     let spheres = [(Kind::Diffuse, "diffuse"), (Kind::Mirror, "mirror"), (Kind::Glass, "glass")];
     Ok(spheres.map(|(kind, material)| FurnaceSphere {
         material,
-        radiance: PixelMean::of(&rendered.part.film, &objects.mask(kind)),
+        radiance: PixelMean::of(rendered.part.film.estimates(), &objects.mask(kind)),
     }))
 }
 

@@ -134,7 +134,7 @@ fn measure(
                 mse: Estimate::mean(&all(0)),
                 cpu_seconds: Estimate::mean(&all(1)),
                 efficiency: efficiency(measured),
-                light: PixelMean::of(&part.film, &mask),
+                light: PixelMean::of(part.film.estimates(), &mask),
             });
         }
     }

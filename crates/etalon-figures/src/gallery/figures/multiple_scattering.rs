@@ -178,7 +178,8 @@ fn spheres(spp: u32, size: [usize; 2], settings: &Settings) -> Result<Vec<Sphere
             }
             let (scene, request) = scene.resized(Request { spp, ..request }, size);
             let rendered = render(&scene, &request, settings, &Silent)?;
-            let radiance = std::array::from_fn(|i| PixelMean::of(&rendered.part.film, &shows(&scene, &request, i)));
+            let radiance =
+                std::array::from_fn(|i| PixelMean::of(rendered.part.film.estimates(), &shows(&scene, &request, i)));
             let dropped = rendered.dropped.total();
             results.push(Spheres { metal, multiple: multiple_scattering, radiance, dropped, image: rendered.image });
         }

@@ -137,11 +137,11 @@ fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha: f3
     let rendered = render(&scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(&scene, request);
     let mask = objects.mask(Kind::Glass);
-    let glass = PixelMean::of(&rendered.part.film, &mask);
+    let glass = PixelMean::of(rendered.part.film.estimates(), &mask);
     let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
     let seed = settings.seed.wrapping_add(1);
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
-    let reference = PixelMean::of(&render(&scene, &fewer, &by_reference, &Silent)?.part.film, &mask);
+    let reference = PixelMean::of(render(&scene, &fewer, &by_reference, &Silent)?.part.film.estimates(), &mask);
     let square = glass.error.iter().map(|error| error * error).sum::<f64>() / 3.0;
     let walls = objects.mask(Kind::Diffuse);
     let light = inside(rendered.image.pixels(), &walls).map(|p| f64::from(p.element_sum())).collect();

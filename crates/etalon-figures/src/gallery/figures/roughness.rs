@@ -76,11 +76,11 @@ fn content(inputs: &Inputs, studies: &mut Studies, symbol: &str, alpha: f32) -> 
     let other = roughness::mean_by_all_normals(&scene, &request, &inputs.settings(), &shot.mask)?;
     let z = shot.statue.z(&other);
     let checks = vec![
-        Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
+        Check::equal("dropped samples", 0.0, shot.dropped.total() as f64),
         Check::within("mean of the statue, visible minus all normals (standard errors)", 0.0, z, SIGMAS),
     ];
-    let content = Content::new(view::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::SecondReport))
+    let content = Content::new(view::image(&shot.image), std::slice::from_ref(&shot.row), checks)?;
+    Ok(content.with_image(&shot.image, ToneMap::SecondReport))
 }
 
 /// Rougher metal has dimmer highlights.

@@ -29,12 +29,12 @@ fn render(inputs: &Inputs, studies: &mut Studies, importance: bool) -> Result<Co
     let shot = if importance { &result.importance } else { &result.hemisphere };
     let name = |what: &str| format!("{what} by importance sampling minus by hemisphere sampling (standard errors)");
     let checks = vec![
-        Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
+        Check::equal("dropped samples", 0.0, shot.dropped.total() as f64),
         Check::within(name("image"), 0.0, result.picture.z, SIGMAS),
         Check::within(name("statue"), 0.0, result.statue.z, SIGMAS),
     ];
-    let content = Content::new(depth::image(&shot.rendered.image), std::slice::from_ref(&shot.row), checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::SecondReport))
+    let content = Content::new(depth::image(&shot.image), std::slice::from_ref(&shot.row), checks)?;
+    Ok(content.with_image(&shot.image, ToneMap::SecondReport))
 }
 
 fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
@@ -64,7 +64,7 @@ const SCALE: (f64, f64) = (0.003, 3.0);
 
 fn maps(result: &StrategyComparison) -> Drawing {
     let panel = |shot: &StatueRender, title: &str| {
-        let error = shot.rendered.part.film.standard_error();
+        let error = &shot.standard_error;
         let (width, height) = (error.width() as f64, error.height() as f64);
         let values = error.pixels().iter().map(|p| f64::from(p.element_sum()) / 3.0).collect();
         let map =

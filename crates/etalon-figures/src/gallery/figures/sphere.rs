@@ -35,7 +35,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
     let shot = shot(inputs, studies, spp)?;
     let mut checks = vec![
         Check::within("relative bias", 0.0, shot.row.rel_bias, 2e-3),
-        Check::equal("dropped samples", 0.0, shot.rendered.dropped.total() as f64),
+        Check::equal("dropped samples", 0.0, shot.dropped.total() as f64),
     ];
     if spp > SPP[0] {
         let name =
@@ -49,7 +49,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         checks.push(check.unless(inputs.other_map()));
     }
     let content = Content::new(image_and_error(&shot, &noisiest), &[shot.row], checks)?;
-    Ok(content.with_image(&shot.rendered.image, ToneMap::LinearMax))
+    Ok(content.with_image(&shot.image, ToneMap::LinearMax))
 }
 
 /// The exact image with a ninth of the pixels, which are enough to measure errors.
@@ -88,7 +88,7 @@ fn radiance(at: &AtNormal) -> [Check; 3] {
 
 /// The render and its relative error, side by side; the scale is that of the `noisiest` of a series.
 fn image_and_error(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
-    let image = &shot.rendered.image;
+    let image = &shot.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let row = &shot.row;
     let limit = 100.0 * round(largest_of_most(&noisiest.relative_error));
