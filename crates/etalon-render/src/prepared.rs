@@ -70,7 +70,7 @@ impl<'a> PreparedScene<'a> {
         }
         let geometry = Arc::new(Geometry::new(scene, needs.tree));
         let (objects, lights) = (scene.objects.len(), Sampled::most(scene));
-        memory::request(objects * size_of::<SurfaceShader>() + lights * Lights::BYTES, || {
+        memory::request(objects * SurfaceShader::BYTES + lights * Lights::BYTES, || {
             format!("the materials of {objects} objects, and {lights} lights")
         })?;
         let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);

@@ -6,21 +6,22 @@
 //! Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, section 5.3.
 
 use super::geometry::Surface;
-use super::lanes::NOTHING;
 use super::lights::Sampled;
 use super::settings::Settings;
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::math::{Frame, Rgb};
-use etalon_core::scene::{Emission, Material, Object, Scene, VaryingBsdf};
+use etalon_core::scene::{Emission, Material, Scene, VaryingBsdf};
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The BSDF and the emission of an object's surface.
+#[derive(Clone)]
 pub struct SurfaceShader {
     /// How the surface scatters; with textures, a BSDF of the same lobes: see [`bsdf_at`](Self::bsdf_at).
-    pub bsdf: Bsdf,
+    pub bsdf: Arc<Bsdf>,
     /// The BSDF at each point, if the material has textures.
-    pub varying: Option<VaryingBsdf>,
+    pub varying: Option<Arc<VaryingBsdf>>,
     pub kind: Kind,
     /// Whether the material is the same on both sides: its normal is then turned towards the viewer.
     pub two_sided: bool,
@@ -62,35 +63,49 @@ impl Kind {
 }
 
 impl SurfaceShader {
+    /// The memory that it takes, with a BSDF of its own.
+    pub const BYTES: usize = size_of::<Self>() + size_of::<Bsdf>();
+
     /// The records of all objects; `lights` are those that are sampled.
     pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
-        let kind = |material: &Material, bsdf: &Bsdf| match *plain(material) {
+        let mut shaders: Vec<Self> = Vec::with_capacity(scene.objects.len());
+        for (i, object) in scene.objects.iter().enumerate() {
+            // Neighbours of one material share its BSDF. Textures are not compared: they may be large.
+            let before = i.checked_sub(1).map(|before| &scene.objects[before].material);
+            let is_same = !object.material.is_textured() && before == Some(&object.material);
+            let shader = match shaders.last() {
+                Some(last) if is_same => last.clone(),
+                _ => Self::new(&object.material, settings),
+            };
+            shaders.push(Self { emission: object.emission, light: None, ..shader });
+        }
+        for (number, light) in (0..).zip(lights) {
+            if let Some(shader) = shaders.get_mut(light.object as usize) {
+                shader.light.get_or_insert(number);
+            }
+        }
+        shaders
+    }
+
+    /// The record of a surface that emits nothing.
+    fn new(material: &Material, settings: &Settings) -> Self {
+        let bsdf = Arc::new(material.bsdf(settings.model));
+        let kind = match *plain(material) {
             Material::Diffuse { albedo: Rgb::ZERO } if !material.is_textured() => Kind::Black,
             Material::Diffuse { .. } => Kind::Diffuse,
             _ if bsdf.is_delta() => Kind::Delta,
             _ if bsdf.lobes().iter().any(|lobe| lobe.is_transmission()) => Kind::Transmitting,
             _ => Kind::Reflecting,
         };
-        let mut first = vec![None; scene.objects.len()];
-        for (number, light) in lights.iter().enumerate().rev() {
-            if light.object != NOTHING {
-                first[light.object as usize] = Some(number as u32);
-            }
+        Self {
+            bsdf,
+            varying: material.is_textured().then(|| Arc::new(VaryingBsdf::new(material, settings.model))),
+            kind,
+            two_sided: material.is_two_sided(),
+            is_anisotropic: material.is_anisotropic(),
+            emission: None,
+            light: None,
         }
-        let shader = |(i, object): (usize, &Object)| {
-            let material = &object.material;
-            let bsdf = material.bsdf(settings.model);
-            Self {
-                kind: kind(material, &bsdf),
-                bsdf,
-                varying: material.is_textured().then(|| VaryingBsdf::new(material, settings.model)),
-                two_sided: material.is_two_sided(),
-                is_anisotropic: material.is_anisotropic(),
-                emission: object.emission,
-                light: first[i],
-            }
-        };
-        scene.objects.iter().enumerate().map(shader).collect()
     }
 
     /// The BSDF where the texture coordinates are `uv`, which only a material with textures asks for.
@@ -153,4 +168,26 @@ fn ratio([n, ns]: [Vec3; 2], w: Vec3) -> f32 {
 #[inline]
 pub fn is_sound(normals: [Vec3; 2], w: Vec3) -> bool {
     normals[0] == normals[1] || (0.5..=2.0).contains(&ratio(normals, w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::scene::{Object, builtin};
+
+    #[test]
+    fn neighbours_of_one_material_share_its_bsdf_alone() {
+        let (mut scene, _) = builtin::cornell_lambert();
+        let count = scene.objects.len();
+        let lit = scene.objects.iter().position(|object| object.emission.is_some()).unwrap();
+        scene.objects.push(scene.objects[lit].clone());
+        scene.objects.push(Object { emission: None, ..scene.objects[lit].clone() });
+        let settings = Settings::default();
+        let shaders = SurfaceShader::all(&scene, &settings, &Sampled::all(&scene, &settings, &[]));
+        let [.., one, other] = &shaders[..] else { panic!() };
+        assert!(Arc::ptr_eq(&one.bsdf, &other.bsdf) && one.emission.is_some() && other.emission.is_none());
+        assert_eq!((shaders[lit].light, one.light, other.light), (Some(0), Some(1), None));
+        let same = |i: usize| scene.objects[i].material == scene.objects[i - 1].material;
+        assert!((1..count).all(|i| Arc::ptr_eq(&shaders[i].bsdf, &shaders[i - 1].bsdf) == same(i)));
+    }
 }

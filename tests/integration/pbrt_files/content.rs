@@ -241,7 +241,7 @@ fn rough_surfaces_may_be_anisotropic() {
 
 #[test]
 fn coats_and_mixtures() {
-    let coated = |albedo, eta| Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)));
+    let coated = |albedo, eta| Material::from(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)));
     let coat = |text: &str| {
         let imported = read(&in_world(&format!("Material \"coateddiffuse\" {text} Shape \"sphere\""))).unwrap();
         (imported.scene.objects[0].material.clone(), imported.warnings)

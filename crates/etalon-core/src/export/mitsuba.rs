@@ -135,10 +135,12 @@ fn material(scene: &Scene, material: &Material, aside: &mut Aside) -> Result<Str
             if both { two_sided(bsdf) } else { bsdf }
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
-        Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
-            format!("<bsdf type=\"thindielectric\">{}{}</bsdf>\n", float("int_ior", slab.eta), float("ext_ior", 1))
-        }
-        Material::Bsdf(bsdf) => return refuse(&format!("the material {}", bsdf.name())),
+        Material::Bsdf(bsdf) => match &**bsdf {
+            Bsdf::ThinDielectric(slab) => {
+                format!("<bsdf type=\"thindielectric\">{}{}</bsdf>\n", float("int_ior", slab.eta), float("ext_ior", 1))
+            }
+            other => return refuse(&format!("the material {}", other.name())),
+        },
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

@@ -112,10 +112,12 @@ fn material(scene: &Scene, object: &Object, aside: &mut Aside) -> Result<String>
             )
         }
         Material::Refraction { .. } => return refuse("a surface that refracts without reflecting"),
-        Material::Bsdf(Bsdf::ThinDielectric(slab)) => {
-            format!("Material \"thindielectric\" \"float eta\" {}\n", slab.eta)
-        }
-        Material::Bsdf(bsdf) => return refuse(&format!("the material {}", bsdf.name())),
+        Material::Bsdf(bsdf) => match &**bsdf {
+            Bsdf::ThinDielectric(slab) => {
+                format!("Material \"thindielectric\" \"float eta\" {}\n", slab.eta)
+            }
+            other => return refuse(&format!("the material {}", other.name())),
+        },
         Material::Mixture(_) => return refuse("a mixture of materials"),
         Material::Textured(_) => return refuse("a textured material"),
     })

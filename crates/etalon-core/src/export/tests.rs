@@ -63,7 +63,7 @@ fn a_pbrt_file_holds_the_scene() {
 #[test]
 fn thin_slabs_come_back() {
     let (mut scene, request) = made("cornell-lambert");
-    let slab = Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta: 1.3 }));
+    let slab = Material::from(Bsdf::ThinDielectric(ThinDielectric { eta: 1.3 }));
     let number = scene.objects.iter().position(|object| matches!(object.shape, Shape::Sphere(_))).unwrap();
     scene.objects[number].material = slab.clone();
     assert_eq!(reread(&scene, &request).0.objects[number].material, slab);

@@ -31,12 +31,18 @@ pub enum Material {
     Dielectric(Dielectric),
     /// A conductor, rough or smooth.
     Conductor(Conductor),
-    /// Any isotropic BSDF, the same for every [`ScatterModel`](super::ScatterModel).
-    Bsdf(Bsdf),
+    /// Any isotropic BSDF, the same for every [`ScatterModel`](super::ScatterModel). Shared, because it is larger than most materials.
+    Bsdf(Arc<Bsdf>),
     /// A weighted sum of materials: each with its weight, at most 1 together.
     Mixture(Arc<[(f32, Material)]>),
     /// One that varies over the surface.
     Textured(Arc<Textured>),
+}
+
+impl From<Bsdf> for Material {
+    fn from(bsdf: Bsdf) -> Self {
+        Self::Bsdf(Arc::new(bsdf))
+    }
 }
 
 impl Material {
@@ -191,7 +197,7 @@ impl Textured {
             }
             Material::Bsdf(bsdf) => {
                 if let Some(texture) = &self.reflectance {
-                    *bsdf = bsdf.with_albedo(texture.at(uv));
+                    *bsdf = Arc::new(bsdf.with_albedo(texture.at(uv)));
                 }
             }
             Material::Refraction { transmittance, .. } => look_up(&self.transmittance, uv, transmittance),

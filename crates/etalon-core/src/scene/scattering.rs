@@ -47,7 +47,7 @@ impl Material {
             &Self::Refraction { transmittance, eta } => Bsdf::Refraction(Refraction { transmittance, eta }),
             Self::Dielectric(dielectric) => dielectric.bsdf(model),
             Self::Conductor(conductor) => conductor.bsdf(model),
-            Self::Bsdf(bsdf) => bsdf.clone(),
+            Self::Bsdf(bsdf) => Bsdf::clone(bsdf),
             Self::Mixture(parts) => {
                 Bsdf::Mixture(Mixture::new(parts.iter().map(|(weight, part)| (*weight, part.bsdf(model)))))
             }
@@ -176,7 +176,7 @@ mod tests {
     fn a_constant_texture_is_the_plain_material() {
         let albedo = Rgb::new(0.2, 0.5, 0.9);
         let reflectance = Some(Texture::Constant(albedo));
-        let coat = |albedo| Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, 1.4)));
+        let coat = |albedo| Material::from(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, 1.4)));
         for (base, plain) in [
             (Material::Diffuse { albedo: Rgb::ONE }, Material::Diffuse { albedo }),
             (Material::Mirror { reflectance: Rgb::ONE }, Material::Mirror { reflectance: albedo }),

@@ -48,7 +48,7 @@ fn many_materials() -> Scene {
 
 /// Scenes of many lights with every BSDF of the list.
 fn every_bsdf() -> Vec<Scene> {
-    let materials: Vec<Material> = families().map(|f| Material::Bsdf(f.with(&f.defaults()))).collect();
+    let materials: Vec<Material> = families().map(|f| Material::from(f.with(&f.defaults()))).collect();
     let scene = |(i, materials): (usize, &[Material])| {
         let mut scene = many_lights();
         scene.name = format!("every BSDF, part {i}");

@@ -58,7 +58,7 @@ pub fn materials() -> Vec<Material> {
     vec![
         painted,
         with_reflectance(Material::Mirror { reflectance: Rgb::ONE }, image()),
-        with_reflectance(Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(Rgb::ONE, 1.5))), image()),
+        with_reflectance(Material::from(Bsdf::CoatedDiffuse(CoatedDiffuse::new(Rgb::ONE, 1.5))), image()),
         material(Textured { alpha: roughness(), ..textured(Material::Conductor(metal)) }),
         material(Textured {
             transmittance: Some(checkerboard(8.0, [constant(1.0), image()])),

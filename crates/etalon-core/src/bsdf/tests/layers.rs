@@ -10,7 +10,7 @@ pub fn compensated(alpha: [f32; 2], distribution: Distribution) -> ConductorMate
 }
 
 fn coated(albedo: Rgb, eta: f32) -> Material {
-    Material::Bsdf(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)))
+    Material::from(Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta)))
 }
 
 pub fn mixtures() -> Vec<Material> {

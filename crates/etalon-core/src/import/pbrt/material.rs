@@ -36,7 +36,7 @@ impl Reader<'_> {
             }
             "thindielectric" => {
                 let eta = p.float("eta", &DIELECTRIC_INDEX)?.unwrap_or(1.5) as f32;
-                Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta }))
+                Material::from(Bsdf::ThinDielectric(ThinDielectric { eta }))
             }
             "metal" if self.setup.v2 => {
                 return Err(p
@@ -91,7 +91,7 @@ impl Reader<'_> {
         }
         let (albedo, texture) = self.colour(p, "Kd", GREY)?;
         let bsdf = Bsdf::OrenNayar(OrenNayar::new(albedo, sigma.to_radians()));
-        Ok(with_textures(Material::Bsdf(bsdf), [texture, None], None))
+        Ok(with_textures(Material::from(bsdf), [texture, None], None))
     }
 
     /// A Lambertian surface under a smooth coat, whose light between coat and base is summed exactly. pbrt follows it at random,
@@ -121,7 +121,7 @@ impl Reader<'_> {
         p.integer("maxdepth", 0..=u32::MAX)?;
         p.integer("nsamples", 0..=u32::MAX)?;
         let coated = Bsdf::CoatedDiffuse(CoatedDiffuse::new(albedo, eta));
-        Ok(with_textures(Material::Bsdf(coated), [texture, None], None))
+        Ok(with_textures(Material::from(coated), [texture, None], None))
     }
 
     /// pbrt's `dielectric` and pbrt-v3's `glass`, whose index may have another name; `colours` are those of reflection and
@@ -267,13 +267,13 @@ mod tests {
         let albedo = Rgb::new(0.2, 0.5, 0.8);
         let matte = |sigma: &str| imported(&format!("\"matte\" \"rgb Kd\" [.2 .5 .8] {sigma}"));
         let rough = Bsdf::OrenNayar(OrenNayar::new(albedo, 20f32.to_radians()));
-        assert_eq!(matte("\"float sigma\" 20"), Material::Bsdf(rough));
+        assert_eq!(matte("\"float sigma\" 20"), Material::from(rough));
         assert_eq!([matte(""), matte("\"float sigma\" 0")], [(); 2].map(|()| Material::Diffuse { albedo }));
     }
 
     #[test]
     fn a_thin_dielectric_has_an_index() {
-        let thin = |eta| Material::Bsdf(Bsdf::ThinDielectric(ThinDielectric { eta }));
+        let thin = |eta| Material::from(Bsdf::ThinDielectric(ThinDielectric { eta }));
         let found = ["", "\"float eta\" 1.3"].map(|eta| imported(&format!("\"thindielectric\" {eta}")));
         assert_eq!(found, [thin(1.5), thin(1.3)]);
     }
