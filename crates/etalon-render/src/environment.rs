@@ -1,6 +1,6 @@
 //! Sampling of the environment, and of directions without regard to light.
 
-use super::lanes::{LANES, Lane3, NOTHING, at};
+use super::lanes::{LANES, Lane3, NONE, at};
 use super::light_sample::{LightSample, LightSampleLanes};
 use super::needs::Needs;
 use super::settings::{Sampling, Settings};
@@ -88,7 +88,7 @@ impl<'a> EnvironmentSampling<'a> {
                 let (wi, radiance, pdf) =
                     in_world.map_or((Vec3::Y, Rgb::ZERO, 1.0), |s| (s.wi.as_vec3(), s.radiance, s.pdf as f32));
                 let sample = LightSample { wi, distance: f32::INFINITY, weight: radiance / pdf, pdf };
-                out.set(start + i, NOTHING, sample, f32::INFINITY);
+                out.set(start + i, NONE, sample, f32::INFINITY);
             }
         }
     }
@@ -140,20 +140,20 @@ fn choose_side(u: [f64; 2], normal: Vec3) -> ([f64; 2], Vec3) {
 
 /// A strategy that chooses directions by the surface alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BsdfOnly {
+pub enum SurfaceSampling {
     /// By the diffuse BSDF: cosine-weighted.
-    Bsdf,
+    Cosine,
     /// Uniformly over the hemisphere.
     Hemisphere,
     /// Uniformly over the sphere, at a surface that scatters light to both sides.
     Sphere,
 }
 
-impl BsdfOnly {
+impl SurfaceSampling {
     /// The strategy that gathers direct light at surfaces of a kind that is not a delta distribution.
     pub fn of(sampling: Sampling, surface: Kind) -> Option<Self> {
         match (sampling, surface) {
-            (Sampling::Bsdf, Kind::Diffuse) => Some(Self::Bsdf),
+            (Sampling::Bsdf, Kind::Diffuse) => Some(Self::Cosine),
             (Sampling::Hemisphere, Kind::Transmitting) => Some(Self::Sphere),
             (Sampling::Hemisphere, _) => Some(Self::Hemisphere),
             (Sampling::Bsdf | Sampling::Light | Sampling::Mis | Sampling::MisLt, _) => None,
@@ -164,9 +164,9 @@ impl BsdfOnly {
     #[inline]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
-            BsdfOnly::Bsdf => warp::cosine_hemisphere(u),
-            BsdfOnly::Hemisphere => warp::uniform_hemisphere(u),
-            BsdfOnly::Sphere => warp::uniform_sphere(u),
+            Self::Cosine => warp::cosine_hemisphere(u),
+            Self::Hemisphere => warp::uniform_hemisphere(u),
+            Self::Sphere => warp::uniform_sphere(u),
         }
     }
 
@@ -174,9 +174,9 @@ impl BsdfOnly {
     #[inline]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            BsdfOnly::Bsdf => warp::cosine_hemisphere_pdf(cos),
-            BsdfOnly::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
-            BsdfOnly::Sphere => warp::UNIFORM_SPHERE_PDF,
+            Self::Cosine => warp::cosine_hemisphere_pdf(cos),
+            Self::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
+            Self::Sphere => warp::UNIFORM_SPHERE_PDF,
         }
     }
 }

@@ -11,10 +11,13 @@ pub type Lane = [f32; LANES];
 /// A vector or colour per path, component by component.
 pub type Lane3 = [Lane; 3];
 
+/// Numbers in single precision that the widest vectors hold.
+const VECTOR: usize = 16;
+
 /// Lanes that a loop with many intermediate values processes at a time, in local arrays: the compiler then knows that
 /// nothing overlaps and vectorizes, and few paths cost little. Of the last block, results beyond the last path are
 /// undefined.
-pub const BLOCK: usize = 32;
+pub const BLOCK: usize = 2 * VECTOR;
 
 /// One number per path of a block.
 pub type Block = [f32; BLOCK];
@@ -47,8 +50,8 @@ pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[Block;
     }
 }
 
-/// No object: the ray left the scene.
-pub const NOTHING: u32 = u32::MAX;
+/// In place of the number of an object or a light: there is none.
+pub const NONE: u32 = u32::MAX;
 
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
 
@@ -229,7 +232,7 @@ impl Rays {
 pub struct Hits {
     /// Distance along the ray.
     pub t: Lane,
-    /// Number of the object in [`super::geometry::Geometry`], or [`NOTHING`].
+    /// Number of the object in [`super::geometry::Geometry`], or [`NONE`].
     pub object: [u32; LANES],
     /// For meshes: index of the triangle in the tree. Like `u` and `v`, stale where anything else was hit.
     pub place: [u32; LANES],
@@ -241,7 +244,7 @@ pub struct Hits {
 
 impl Default for Hits {
     fn default() -> Self {
-        Self { t: [0.0; LANES], object: [NOTHING; LANES], place: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
+        Self { t: [0.0; LANES], object: [NONE; LANES], place: [0; LANES], u: [0.0; LANES], v: [0.0; LANES] }
     }
 }
 
@@ -269,11 +272,8 @@ pub fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
     arch.dispatch(Compiled(work))
 }
 
-/// Numbers in single precision that the widest vectors hold.
-const WIDEST: usize = 16;
-
-/// Sets the first `count` values of N lanes to those that `each` finds, in code for wide vectors, as many at a time as the widest
-/// hold; a few beyond the last are undefined. `each` must be `#[inline(always)]` and move what it reads.
+/// Sets the first `count` values of N lanes to those that `each` finds, in code for wide vectors, [`VECTOR`] at a time;
+/// a few beyond the last are undefined. `each` must be `#[inline(always)]` and move what it reads.
 #[inline]
 pub fn fill<T: Copy + Default, const N: usize>(
     arch: Arch,
@@ -285,10 +285,10 @@ pub fn fill<T: Copy + Default, const N: usize>(
         arch,
         #[inline(always)]
         move || {
-            for number in 0..count.min(LANES).div_ceil(WIDEST) {
-                let mut found = [[T::default(); WIDEST]; N];
-                for k in 0..WIDEST {
-                    let values = each(number * WIDEST + k);
+            for number in 0..count.min(LANES).div_ceil(VECTOR) {
+                let mut found = [[T::default(); VECTOR]; N];
+                for k in 0..VECTOR {
+                    let values = each(number * VECTOR + k);
                     for axis in 0..N {
                         found[axis][k] = values[axis];
                     }

@@ -1,10 +1,10 @@
 //! Light samples for many shading points at once: of one light for all points, or of one chosen light for each.
 
 use super::lanes::{
-    BLOCK, Block, Block3, LANES, Lane, Lane3, NOTHING, Ray, ZERO_BLOCK3, at, block, blocks, put, set, wide,
+    BLOCK, Block, Block3, LANES, Lane, Lane3, NONE, Ray, ZERO_BLOCK3, at, block, blocks, put, set, wide,
 };
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
-use super::lights::{Kind, RectangleLight, Sampled, SphereLight};
+use super::lights::{LightKind, RectangleLight, Sampled, SphereLight};
 use super::triangle_light::TriangleLight;
 use pulp::Arch;
 use std::array::from_mut;
@@ -20,10 +20,10 @@ pub fn sample_many(
 ) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        Kind::Rectangle(panel) => sample_one(arch, panel, positions, count, u, out),
-        Kind::Triangle(triangle) => sample_one(arch, triangle, positions, count, u, out),
-        Kind::Sphere(sphere) => sample_one(arch, sphere, positions, count, u, out),
-        Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => {
+        LightKind::Rectangle(panel) => sample_one(arch, panel, positions, count, u, out),
+        LightKind::Triangle(triangle) => sample_one(arch, triangle, positions, count, u, out),
+        LightKind::Sphere(sphere) => sample_one(arch, sphere, positions, count, u, out),
+        LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {
             sample_one(arch, light, positions, count, u, out);
         }
     }
@@ -46,7 +46,7 @@ fn sample_one(
                 put(&mut out.wi, number, &samples.wi);
                 put(&mut out.weight, number, &samples.weight);
                 put(from_mut(&mut out.distance), number, &[samples.distance]);
-                put(from_mut(&mut out.limit), number, &[samples.limit]);
+                put(from_mut(&mut out.t_max), number, &[samples.t_max]);
                 put(from_mut(&mut out.pdf), number, &[samples.pdf]);
             }
         },
@@ -58,7 +58,7 @@ struct SampleBlock {
     wi: Block3,
     weight: Block3,
     distance: Block,
-    limit: Block,
+    t_max: Block,
     pdf: Block,
 }
 
@@ -66,11 +66,11 @@ impl SampleBlock {
     #[inline(always)]
     fn of<L: SampleLight>(light: impl Fn(usize) -> L, positions: &Block3, u: &[Block; 2]) -> Self {
         let zeros = [0.0; BLOCK];
-        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, limit: zeros, pdf: zeros };
+        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, t_max: zeros, pdf: zeros };
         for k in 0..BLOCK {
             let (light, point) = (light(k), at(positions, k));
             let sample = light.sample(point, [u[0][k], u[1][k]]);
-            out.limit[k] = light.shadow_length(Ray { origin: point, direction: sample.wi }, sample.distance);
+            out.t_max[k] = light.t_max(Ray { origin: point, direction: sample.wi }, sample.distance);
             set(&mut out.wi, k, sample.wi);
             set(&mut out.weight, k, sample.weight);
             (out.distance[k], out.pdf[k]) = (sample.distance, sample.pdf);
@@ -86,7 +86,7 @@ impl SampleBlock {
 }
 
 /// A direction towards a light of its own, by its number in `all`, from each of some positions; none where the number is
-/// [`NOTHING`].
+/// [`NONE`].
 pub fn sample_each(
     arch: Arch,
     all: &[Sampled],
@@ -97,18 +97,13 @@ pub fn sample_each(
 ) {
     for (i, &number) in light.iter().enumerate().take(LANES) {
         match all.get(number as usize) {
-            Some(Sampled { kind: Kind::Rectangle(_) | Kind::Triangle(_) | Kind::Sphere(_), .. }) => {}
+            Some(Sampled { kind: LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_), .. }) => {}
             Some(other) => {
                 let point = at(positions, i);
                 let sample = other.sample(point, [u[0][i], u[1][i]]);
-                out.set(
-                    i,
-                    number,
-                    sample,
-                    other.shadow_length(Ray { origin: point, direction: sample.wi }, sample.distance),
-                );
+                out.set(i, number, sample, other.t_max(Ray { origin: point, direction: sample.wi }, sample.distance));
             }
-            None => out.set(i, NOTHING, LightSample::BLACK, f32::INFINITY),
+            None => out.set(i, NONE, LightSample::BLACK, f32::INFINITY),
         }
     }
     // Loops over one shape, which vectorize.
@@ -120,7 +115,7 @@ pub fn sample_each(
 /// The lights of one shape among those that can be sampled.
 trait OfShape: SampleLight + Copy {
     /// The light, if it has the shape.
-    fn of(kind: &Kind) -> Option<&Self>;
+    fn of(kind: &LightKind) -> Option<&Self>;
 }
 
 /// The loop of [`sample_each`] over the lights of one shape. It gathers them a block at a time.
@@ -156,28 +151,28 @@ fn sample_each_of<L: OfShape>(
             move || SampleBlock::of(|k| lights[k], points, numbers),
         );
         for (k, &i) in block.iter().enumerate() {
-            out.set(i, light[i], samples.at(k), samples.limit[k]);
+            out.set(i, light[i], samples.at(k), samples.t_max[k]);
         }
     }
 }
 
 impl OfShape for RectangleLight {
     #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Rectangle(light) = kind { Some(light) } else { None }
+    fn of(kind: &LightKind) -> Option<&Self> {
+        if let LightKind::Rectangle(light) = kind { Some(light) } else { None }
     }
 }
 
 impl OfShape for TriangleLight {
     #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Triangle(light) = kind { Some(light) } else { None }
+    fn of(kind: &LightKind) -> Option<&Self> {
+        if let LightKind::Triangle(light) = kind { Some(light) } else { None }
     }
 }
 
 impl OfShape for SphereLight {
     #[inline(always)]
-    fn of(kind: &Kind) -> Option<&Self> {
-        if let Kind::Sphere(light) = kind { Some(light) } else { None }
+    fn of(kind: &LightKind) -> Option<&Self> {
+        if let LightKind::Sphere(light) = kind { Some(light) } else { None }
     }
 }

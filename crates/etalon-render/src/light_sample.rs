@@ -1,7 +1,7 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
 //! importance sampling.
 
-use super::lanes::{LANES, Lane, Lane3, NOTHING, Ray, ZERO3, set};
+use super::lanes::{LANES, Lane, Lane3, NONE, Ray, ZERO3, set};
 use etalon_core::math::Rgb;
 use glam::Vec3;
 
@@ -28,7 +28,7 @@ pub trait SampleLight {
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample;
 
     /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
-    fn shadow_length(&self, ray: Ray, distance: f32) -> f32;
+    fn t_max(&self, ray: Ray, distance: f32) -> f32;
 
     /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
     fn pdf(&self, point: Vec3) -> f32;
@@ -40,19 +40,19 @@ pub struct LightSampleLanes {
     pub distance: Lane,
     pub weight: Lane3,
     /// Length of the shadow ray, which ends in front of the light.
-    pub limit: Lane,
+    pub t_max: Lane,
     pub pdf: Lane,
-    /// Numbers of the lights, or [`super::lanes::NOTHING`].
+    /// Numbers of the lights, or [`super::lanes::NONE`].
     pub light: [u32; LANES],
 }
 
 impl LightSampleLanes {
     /// Sets lane `i` to a sample of that light, or of none in the scene, and the length of its shadow ray.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, light: u32, sample: LightSample, limit: f32) {
+    pub fn set(&mut self, i: usize, light: u32, sample: LightSample, t_max: f32) {
         set(&mut self.wi, i, sample.wi);
         set(&mut self.weight, i, sample.weight);
-        (self.distance[i], self.limit[i]) = (sample.distance, limit);
+        (self.distance[i], self.t_max[i]) = (sample.distance, t_max);
         (self.pdf[i], self.light[i]) = (sample.pdf, light);
     }
 }
@@ -60,7 +60,7 @@ impl LightSampleLanes {
 impl Default for LightSampleLanes {
     fn default() -> Self {
         let zeros = [0.0; LANES];
-        Self { wi: ZERO3, distance: zeros, weight: ZERO3, limit: zeros, pdf: zeros, light: [NOTHING; LANES] }
+        Self { wi: ZERO3, distance: zeros, weight: ZERO3, t_max: zeros, pdf: zeros, light: [NONE; LANES] }
     }
 }
 

@@ -3,7 +3,7 @@
 //! Up to [`MOST_EACH`] lights at finite distance are each sampled at every hit. Of more, a light tree chooses one for each sample by the
 //! place and the normal of the hit, so that a hit costs no more. Lights at infinity always have samples of their own.
 
-use super::lanes::{BLOCK, NOTHING};
+use super::lanes::{BLOCK, NONE};
 use super::light_sample::{LightSample, SampleLight};
 use super::light_tree::{Descent, Found, LightBounds, LightTree, LightTreeAt};
 use super::lights::Sampled;
@@ -25,7 +25,7 @@ pub struct Lights {
 struct Tree {
     tree: LightTree,
     lights: Vec<u32>,
-    /// By light, its number in the tree; [`NOTHING`] for lights that are not in it.
+    /// By light, its number in the tree; [`NONE`] for lights that are not in it.
     number: Vec<u32>,
 }
 
@@ -50,7 +50,7 @@ impl Lights {
         let numbers = || 0..all.len() as u32;
         let finite: Vec<u32> = numbers().filter(is_finite).collect();
         let tree = (finite.len() > MOST_EACH).then(|| {
-            let mut number = vec![NOTHING; all.len()];
+            let mut number = vec![NONE; all.len()];
             for (i, &light) in finite.iter().enumerate() {
                 number[light as usize] = i as u32;
             }
@@ -71,7 +71,7 @@ impl Lights {
     /// Whether rays can find a light, and not light samples alone.
     #[inline(always)]
     pub fn is_found_by_rays(&self, light: u32) -> bool {
-        self.all.get(light as usize).is_some_and(|light| light.object != NOTHING)
+        self.all.get(light as usize).is_some_and(|light| light.object != NONE)
     }
 
     /// The selection among the lights of the tree for a place, if there is a tree. Without a normal light may come from both
@@ -94,7 +94,7 @@ impl Lights {
     #[inline]
     pub fn density(&self, light: u32, point: Vec3, normal: Option<Vec3>) -> f32 {
         let probability = match &self.tree {
-            Some(Tree { tree, number, .. }) if number[light as usize] != NOTHING => {
+            Some(Tree { tree, number, .. }) if number[light as usize] != NONE => {
                 tree.pmf(point, normal, number[light as usize] as usize)
             }
             _ => 1.0,
@@ -119,7 +119,7 @@ impl Selection<'_> {
     }
 
     /// [`sample`](Self::sample) for a block of shading points. On entry `probability` holds their random numbers, on return the
-    /// probability of the chosen light; `light` is [`NOTHING`] where no light can contribute. All points descend the light tree
+    /// probability of the chosen light; `light` is [`NONE`] where no light can contribute. All points descend the light tree
     /// together.
     #[inline(always)]
     pub fn sample_each(places: &[Self; BLOCK], light: &mut [u32], probability: &mut [f32]) {
@@ -135,7 +135,7 @@ impl Selection<'_> {
                 left[still] = i;
                 match places[i].at.descend(descents[i]) {
                     Found::Light(number, p) => (light[i], probability[i]) = (places[i].lights[number], p),
-                    Found::Nothing => (light[i], probability[i]) = (NOTHING, 1.0),
+                    Found::Nothing => (light[i], probability[i]) = (NONE, 1.0),
                     Found::Node(descent) => {
                         descents[i] = descent;
                         still += 1;

@@ -1,7 +1,7 @@
 //! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the directional
 //! lights that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
-use super::lanes::{NOTHING, Ray};
+use super::lanes::{NONE, Ray};
 use super::light_sample::{LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::{Sampling, Settings};
@@ -22,14 +22,14 @@ pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 /// A light that can be sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
-    pub kind: Kind,
-    /// The object that emits, or [`super::lanes::NOTHING`].
+    pub kind: LightKind,
+    /// The object that emits, or [`super::lanes::NONE`].
     pub object: u32,
 }
 
 /// A light by its shape.
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub enum LightKind {
     Rectangle(RectangleLight),
     Triangle(TriangleLight),
     Sphere(SphereLight),
@@ -102,7 +102,7 @@ impl SampleLight for RectangleLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
+    fn t_max(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         let (offset, size) = (self.plane.offset(origin + distance * wi), self.half[0] + self.half[1]);
         solids::short_of(&self.plane, [offset, size], origin, wi, distance)
     }
@@ -137,7 +137,7 @@ impl SampleLight for SphereLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
+    fn t_max(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         solids::short_of(&self.sphere, [solids::offset_of_sphere(&self.sphere), 0.0], origin, wi, distance)
     }
 
@@ -152,7 +152,7 @@ impl Sampled {
     /// `fixed`, which no ray can hit.
     pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
         let panel = |rectangle: &Rectangle, radiance, two_sided| {
-            Kind::Rectangle(RectangleLight::new(rectangle, radiance, two_sided))
+            LightKind::Rectangle(RectangleLight::new(rectangle, radiance, two_sided))
         };
         let of_object = |(i, object): (usize, &Object)| {
             let emission =
@@ -160,12 +160,12 @@ impl Sampled {
             let Emission { radiance, two_sided, .. } = emission;
             let kinds = match &object.shape {
                 Shape::Rectangle(r) => vec![panel(r, radiance, two_sided)],
-                Shape::Sphere(sphere) => vec![Kind::Sphere(SphereLight { sphere: *sphere, radiance, two_sided })],
+                Shape::Sphere(sphere) => vec![LightKind::Sphere(SphereLight { sphere: *sphere, radiance, two_sided })],
                 Shape::Mesh(mesh) => {
                     // A triangle without an area keeps its number and is never sampled.
                     let triangle = |i| {
                         let (corners, normal) = mesh.facet(i).unwrap_or_default();
-                        Kind::Triangle(TriangleLight::new(corners, normal, radiance, two_sided))
+                        LightKind::Triangle(TriangleLight::new(corners, normal, radiance, two_sided))
                     };
                     (0..mesh.triangles.len() as u32).map(triangle).collect()
                 }
@@ -177,11 +177,13 @@ impl Sampled {
         let others = scene.lights.iter().chain(fixed).map(|light| {
             let kind = match *light {
                 Light::Rectangle { ref rectangle, radiance } => panel(rectangle, radiance, false),
-                Light::Point { position, intensity, falloff } => Kind::Point { position, intensity, falloff },
-                Light::Directional { direction, irradiance } => Kind::Directional { towards: -direction, irradiance },
-                Light::Hemisphere { radiance } => Kind::Hemisphere { radiance },
+                Light::Point { position, intensity, falloff } => LightKind::Point { position, intensity, falloff },
+                Light::Directional { direction, irradiance } => {
+                    LightKind::Directional { towards: -direction, irradiance }
+                }
+                Light::Hemisphere { radiance } => LightKind::Hemisphere { radiance },
             };
-            Self { kind, object: NOTHING }
+            Self { kind, object: NONE }
         });
         emitters.chain(others).collect()
     }
@@ -199,10 +201,10 @@ impl Sampled {
     /// The radiance and the area of an emissive object, if paths can start there.
     pub fn emitted(&self) -> Option<(Rgb, f32)> {
         match &self.kind {
-            _ if self.object == NOTHING => None,
-            Kind::Rectangle(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
-            Kind::Triangle(triangle) => Some(triangle.emitted()),
-            Kind::Sphere(light) => Some((light.radiance, 4.0 * PI * light.sphere.radius * light.sphere.radius)),
+            _ if self.object == NONE => None,
+            LightKind::Rectangle(panel) => Some((panel.radiance, 4.0 * panel.half[0] * panel.half[1])),
+            LightKind::Triangle(triangle) => Some(triangle.emitted()),
+            LightKind::Sphere(light) => Some((light.radiance, 4.0 * PI * light.sphere.radius * light.sphere.radius)),
             _ => None,
         }
     }
@@ -210,13 +212,13 @@ impl Sampled {
     /// A point of an emissive object, sampled uniformly by area.
     pub fn point(&self, u: [f32; 2]) -> Option<LightPoint> {
         match &self.kind {
-            Kind::Rectangle(panel) => Some(LightPoint {
+            LightKind::Rectangle(panel) => Some(LightPoint {
                 position: panel.place(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0),
                 normal: panel.axes[2],
                 two_sided: panel.two_sided,
             }),
-            Kind::Triangle(triangle) => Some(triangle.point(u)),
-            Kind::Sphere(light) => {
+            LightKind::Triangle(triangle) => Some(triangle.point(u)),
+            LightKind::Sphere(light) => {
                 let (z, (sin_phi, cos_phi)) = (1.0 - 2.0 * u[0], f32::sin_cos_turns(u[1]));
                 let sin = (1.0 - z * z).max(0.0).sqrt();
                 let normal = Vec3::new(sin * cos_phi, sin * sin_phi, z);
@@ -231,10 +233,10 @@ impl Sampled {
     #[inline]
     pub fn cos_at(&self, point: Vec3, w: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) => panel.axes[2].dot(w).abs(),
-            Kind::Triangle(triangle) => triangle.plane.normal.dot(w).abs(),
-            Kind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+            LightKind::Rectangle(panel) => panel.axes[2].dot(w).abs(),
+            LightKind::Triangle(triangle) => triangle.plane.normal.dot(w).abs(),
+            LightKind::Sphere(light) => ((point - light.sphere.centre) / light.sphere.radius).dot(w).abs(),
+            LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => 0.0,
         }
     }
 
@@ -242,10 +244,10 @@ impl Sampled {
     #[inline(always)]
     pub fn offset(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) => panel.plane.offset(point),
-            Kind::Triangle(triangle) => triangle.plane.offset(point),
-            Kind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+            LightKind::Rectangle(panel) => panel.plane.offset(point),
+            LightKind::Triangle(triangle) => triangle.plane.offset(point),
+            LightKind::Sphere(light) => solids::offset_of_sphere(&light.sphere),
+            LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => 0.0,
         }
     }
 
@@ -254,15 +256,17 @@ impl Sampled {
     #[inline]
     pub fn ahead(&self, Ray { origin, direction: wi }: Ray, sampled: f32) -> Option<f32> {
         let (distance, is_front, two_sided) = match &self.kind {
-            Kind::Rectangle(RectangleLight { plane, two_sided, .. })
-            | Kind::Triangle(TriangleLight { plane, two_sided, .. }) => {
+            LightKind::Rectangle(RectangleLight { plane, two_sided, .. })
+            | LightKind::Triangle(TriangleLight { plane, two_sided, .. }) => {
                 (plane.distance(origin, wi), plane.normal.dot(wi) < 0.0, *two_sided)
             }
-            Kind::Sphere(SphereLight { sphere, two_sided, .. }) => {
+            LightKind::Sphere(SphereLight { sphere, two_sided, .. }) => {
                 let from_centre = (origin - sphere.centre).length_squared();
                 (sphere.distance(origin, wi), from_centre > sphere.radius * sphere.radius, *two_sided)
             }
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => return Some(sampled),
+            LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {
+                return Some(sampled);
+            }
         };
         (distance > 0.0 && distance.is_finite() && (two_sided || is_front)).then_some(distance)
     }
@@ -270,26 +274,30 @@ impl Sampled {
     /// Where it is and how it emits, for selecting one of many lights; `None` of lights at infinity.
     pub fn bounds(&self) -> Option<LightBounds> {
         Some(match &self.kind {
-            Kind::Rectangle(panel) => {
+            LightKind::Rectangle(panel) => {
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| panel.place(x, y));
                 let intensity = mean_rgb(panel.radiance) as f32 * 4.0 * panel.half[0] * panel.half[1];
                 LightBounds::plane(corners, panel.axes[2], intensity, panel.two_sided)
             }
-            Kind::Triangle(triangle) => triangle.bounds(),
-            Kind::Sphere(SphereLight { sphere, radiance, .. }) => {
+            LightKind::Triangle(triangle) => triangle.bounds(),
+            LightKind::Sphere(SphereLight { sphere, radiance, .. }) => {
                 let intensity = mean_rgb(*radiance) as f32 * PI * sphere.radius * sphere.radius;
                 LightBounds::sphere(sphere.centre, sphere.radius, intensity)
             }
-            Kind::Point { position, intensity, .. } => LightBounds::sphere(*position, 0.0, mean_rgb(*intensity) as f32),
-            Kind::Directional { .. } | Kind::Hemisphere { .. } => return None,
+            LightKind::Point { position, intensity, .. } => {
+                LightBounds::sphere(*position, 0.0, mean_rgb(*intensity) as f32)
+            }
+            LightKind::Directional { .. } | LightKind::Hemisphere { .. } => return None,
         })
     }
 
     /// Whether its light comes from more than one direction.
     pub fn has_extent(&self) -> bool {
         match self.kind {
-            Kind::Rectangle(_) | Kind::Triangle(_) | Kind::Sphere(_) | Kind::Hemisphere { .. } => true,
-            Kind::Point { .. } | Kind::Directional { .. } => false,
+            LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_) | LightKind::Hemisphere { .. } => {
+                true
+            }
+            LightKind::Point { .. } | LightKind::Directional { .. } => false,
         }
     }
 }
@@ -298,10 +306,10 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
-            Kind::Rectangle(panel) => panel.sample(point, u),
-            Kind::Triangle(triangle) => triangle.sample(point, u),
-            Kind::Sphere(light) => light.sample(point, u),
-            Kind::Point { position, intensity, falloff } => {
+            LightKind::Rectangle(panel) => panel.sample(point, u),
+            LightKind::Triangle(triangle) => triangle.sample(point, u),
+            LightKind::Sphere(light) => light.sample(point, u),
+            LightKind::Point { position, intensity, falloff } => {
                 let to = *position - point;
                 let distance = to.length();
                 let scale = match falloff {
@@ -310,10 +318,10 @@ impl SampleLight for Sampled {
                 };
                 LightSample { wi: to / distance, distance, weight: *intensity * scale, pdf: f32::INFINITY }
             }
-            Kind::Directional { towards, irradiance } => {
+            LightKind::Directional { towards, irradiance } => {
                 LightSample { wi: *towards, distance: f32::INFINITY, weight: *irradiance, pdf: f32::INFINITY }
             }
-            Kind::Hemisphere { radiance } => {
+            LightKind::Hemisphere { radiance } => {
                 let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1]);
                 let sin = (u[0] * (2.0 - u[0])).sqrt();
                 let wi = Vec3::new(sin * cos_phi, 1.0 - u[0], sin * sin_phi);
@@ -324,22 +332,22 @@ impl SampleLight for Sampled {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, ray: Ray, distance: f32) -> f32 {
+    fn t_max(&self, ray: Ray, distance: f32) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) => panel.shadow_length(ray, distance),
-            Kind::Triangle(triangle) => triangle.shadow_length(ray, distance),
-            Kind::Sphere(light) => light.shadow_length(ray, distance),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => distance * SHORT,
+            LightKind::Rectangle(panel) => panel.t_max(ray, distance),
+            LightKind::Triangle(triangle) => triangle.t_max(ray, distance),
+            LightKind::Sphere(light) => light.t_max(ray, distance),
+            LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => distance * SHORT,
         }
     }
 
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            Kind::Rectangle(panel) => panel.pdf(point),
-            Kind::Sphere(light) => light.pdf(point),
-            Kind::Triangle(triangle) => triangle.pdf(point),
-            Kind::Point { .. } | Kind::Directional { .. } | Kind::Hemisphere { .. } => 0.0,
+            LightKind::Rectangle(panel) => panel.pdf(point),
+            LightKind::Sphere(light) => light.pdf(point),
+            LightKind::Triangle(triangle) => triangle.pdf(point),
+            LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => 0.0,
         }
     }
 }

@@ -134,8 +134,8 @@ impl<'a> PreparedScene<'a> {
 
     /// How far a shadow ray towards a light may go, so that rounding does not let the light occlude itself.
     #[inline(always)]
-    pub fn shadow_limit(&self, light: u32, ray: Ray, distance: f32) -> f32 {
-        self.lights.all.get(light as usize).map_or(distance, |light| light.shadow_length(ray, distance))
+    pub fn t_max(&self, light: u32, ray: Ray, distance: f32) -> f32 {
+        self.lights.all.get(light as usize).map_or(distance, |light| light.t_max(ray, distance))
     }
 
     /// The environment's radiance from a direction.

@@ -3,7 +3,7 @@
 pub use crate::camera::PreparedCamera;
 pub use crate::geometry::Surface;
 pub use crate::kernel::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
-pub use crate::lanes::{BLOCK, LANES, Lane, NOTHING, Ray, Rays, at, set};
+pub use crate::lanes::{BLOCK, LANES, Lane, NONE, Ray, Rays, at, set};
 pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
 pub use crate::light_selection::{Lights, Selection};
 pub use crate::light_tracing::{SAMPLES_PER_LIGHT_PATH, Start};

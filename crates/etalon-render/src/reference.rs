@@ -11,7 +11,7 @@
 use super::camera::PreparedCamera;
 use super::film::PathClass;
 use super::geometry::Surface;
-use super::lanes::{Hits, LANES, NOTHING, Ray, Rays};
+use super::lanes::{Hits, LANES, NONE, Ray, Rays};
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::ray_samples::{RaySamples, Streams, SubSample};
 use super::settings::Sampling;
@@ -198,7 +198,7 @@ impl<'a> Reference<'a> {
                 let ray = vertex.ray(sample.wi);
                 let sampled = &scene.lights.all[light as usize];
                 let Some(distance) = sampled.ahead(ray, sample.distance) else { continue };
-                let is_weighted = by_mis && sampled.object != NOTHING;
+                let is_weighted = by_mis && sampled.object != NONE;
                 let density = || scene.lights.density(light, ray.origin, kind.one_sided(normal));
                 let share = if is_weighted { balance_heuristic(density(), pdf) } else { 1.0 };
                 let value = f * sample.weight * (share / round.count as f32);
@@ -215,7 +215,7 @@ impl<'a> Reference<'a> {
                 let (f, pdf) = vertex.eval(wi);
                 let share = if by_mis { balance_heuristic(density, pdf) } else { 1.0 };
                 let value = f * sample.radiance * (share / density);
-                sum += self.unoccluded(NOTHING, vertex.ray(wi), f32::INFINITY, value);
+                sum += self.unoccluded(NONE, vertex.ray(wi), f32::INFINITY, value);
             }
             // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
             let u = samples.direct.get_2d_f64(slot, sub);
@@ -243,9 +243,9 @@ impl<'a> Reference<'a> {
     /// The value of a shadow ray that is not occluded.
     fn unoccluded(&mut self, light: u32, ray: Ray, distance: f32, value: Rgb) -> Rgb {
         self.rays.set(0, ray);
-        let limit = [self.scene.shadow_limit(light, ray, distance); LANES];
+        let t_max = [self.scene.t_max(light, ray, distance); LANES];
         let mut blocked = [0; LANES];
-        self.scene.geometry.occluded(&self.rays, 1, &limit, &mut blocked);
+        self.scene.geometry.occluded(&self.rays, 1, &t_max, &mut blocked);
         if blocked[0] == 0 { value } else { Rgb::ZERO }
     }
 
@@ -260,7 +260,7 @@ impl<'a> Reference<'a> {
         self.rays.set(0, ray);
         let geometry = &self.scene.geometry;
         geometry.nearest(&self.rays, 1, &mut self.hits);
-        if self.hits.object[0] == NOTHING {
+        if self.hits.object[0] == NONE {
             return None;
         }
         let shader = &self.scene.shaders[self.hits.object[0] as usize];

@@ -75,7 +75,7 @@ impl SampleLight for TriangleLight {
     }
 
     #[inline(always)]
-    fn shadow_length(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
+    fn t_max(&self, Ray { origin, direction: wi }: Ray, distance: f32) -> f32 {
         solids::short_of(&self.plane, [self.plane.offset(origin + distance * wi), self.size], origin, wi, distance)
     }
 

@@ -22,22 +22,22 @@ pub fn nearest(arch: Arch, solid: &impl Solid, object: u32, rays: &Rays, count: 
     );
 }
 
-/// Looks for any hit of each ray that is nearer than its limit.
-pub fn blocked(arch: Arch, solid: &impl Solid, rays: &Rays, count: usize, limit: &Lane, blocked: &mut [u32; LANES]) {
+/// Looks for any hit of each ray that is nearer than its `t_max`.
+pub fn blocked(arch: Arch, solid: &impl Solid, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
     wide(
         arch,
         #[inline(always)]
         move || {
             for i in 0..count.min(LANES) {
                 let found = solid.distance(at(&rays.origin, i), at(&rays.direction, i));
-                blocked[i] |= u32::from((found >= 0.0) & (found < limit[i]));
+                blocked[i] |= u32::from((found >= 0.0) & (found < t_max[i]));
             }
         },
     );
 }
 
-/// For each ray the distance up to which a tree in a box is to be searched: its limit, or 0 if it does not reach the box.
-pub fn reach(arch: Arch, [low, high]: [Vec3; 2], rays: &Rays, count: usize, limit: &Lane) -> Lane {
+/// For each ray the distance up to which a tree in a box is to be searched: its `t_max`, or 0 if it does not reach the box.
+pub fn reach(arch: Arch, [low, high]: [Vec3; 2], rays: &Rays, count: usize, t_max: &Lane) -> Lane {
     let mut reach = [0.0; LANES];
     fill(
         arch,
@@ -49,8 +49,8 @@ pub fn reach(arch: Arch, [low, high]: [Vec3; 2], rays: &Rays, count: usize, limi
             let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
             // 0 · ∞ on the face of a slab is NaN, which max and min pass over.
             let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
-            let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(limit[i]);
-            [if near <= far { limit[i] } else { 0.0 }]
+            let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(t_max[i]);
+            [if near <= far { t_max[i] } else { 0.0 }]
         },
     );
     reach

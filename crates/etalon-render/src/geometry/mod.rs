@@ -8,7 +8,7 @@ mod loops;
 #[cfg(test)]
 mod tests;
 
-use super::lanes::{Hits, LANES, Lane, NOTHING, Rays, at};
+use super::lanes::{Hits, LANES, Lane, NONE, Rays, at};
 use super::solids::{Panel, Wall, offset_of_sphere};
 use etalon_core::math::Frame;
 use etalon_core::scene::bvh::{self, Bvh};
@@ -155,7 +155,7 @@ impl<'a> Geometry<'a> {
     /// The nearest object of the first `count` rays.
     pub fn nearest(&self, rays: &Rays, count: usize, hits: &mut Hits) {
         hits.t[..count].fill(f32::INFINITY);
-        hits.object[..count].fill(NOTHING);
+        hits.object[..count].fill(NONE);
         for wall in &self.walls {
             let object = wall.object;
             match &wall.panel {
@@ -188,23 +188,23 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    /// Sets `blocked[i]` to nonzero where an object is nearer than `limit[i]` along ray i. A ray towards a light must
+    /// Sets `blocked[i]` to nonzero where an object is nearer than `t_max[i]` along ray i. A ray towards a light must
     /// end in front of it: see [`short_of`](super::solids::short_of).
-    pub fn occluded(&self, rays: &Rays, count: usize, limit: &Lane, blocked: &mut [u32; LANES]) {
+    pub fn occluded(&self, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
         for wall in &self.walls {
             match &wall.panel {
-                Panel::X(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
-                Panel::Y(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
-                Panel::Z(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
-                Panel::Tilted(solid) => loops::blocked(self.arch, solid, rays, count, limit, blocked),
+                Panel::X(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
+                Panel::Y(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
+                Panel::Z(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
+                Panel::Tilted(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
             }
         }
         for (sphere, _) in &self.spheres {
-            loops::blocked(self.arch, sphere, rays, count, limit, blocked);
+            loops::blocked(self.arch, sphere, rays, count, t_max, blocked);
         }
         if let Some(tree) = &self.tree {
-            let mut reach = loops::reach(self.arch, tree.bounds, rays, count, limit);
+            let mut reach = loops::reach(self.arch, tree.bounds, rays, count, t_max);
             for (reach, &blocked) in reach[..count].iter_mut().zip(blocked.iter()) {
                 // A ray that is stopped already needs no tree.
                 *reach = if blocked == 0 { *reach } else { 0.0 };

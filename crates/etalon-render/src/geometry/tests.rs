@@ -57,7 +57,7 @@ fn lights_do_not_occlude_their_own_samples() {
         };
         let scene = scene([shape]);
         let light = Sampled::all(&scene, &Settings::default(), &[])[0];
-        let (mut rays, mut limit) = (Rays::default(), [0.0; LANES]);
+        let (mut rays, mut distance) = (Rays::default(), [0.0; LANES]);
         for k in 0..LANES {
             let j = 10 + 10 * k as u64;
             // From all around it at distances over eight powers of ten, every other one from close to the plane of the
@@ -72,19 +72,19 @@ fn lights_do_not_occlude_their_own_samples() {
             let origin = point + offset * random_vec(i, j + 3).normalize();
             set(&mut rays.origin, k, origin);
             set(&mut rays.direction, k, sample.wi);
-            limit[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance };
+            distance[k] = if sample.weight == Rgb::ZERO { 0.0 } else { sample.distance };
         }
         for geometry in both(&scene) {
-            let mut short = limit;
+            let mut t_max = distance;
             for k in 0..LANES {
-                short[k] = light.shadow_length(rays.at(k), limit[k]);
+                t_max[k] = light.t_max(rays.at(k), distance[k]);
             }
             let mut blocked = [0; LANES];
-            geometry.occluded(&rays, LANES, &short, &mut blocked);
+            geometry.occluded(&rays, LANES, &t_max, &mut blocked);
             for k in 0..LANES {
-                let ray = (at(&rays.origin, k), at(&rays.direction, k), limit[k], short[k]);
+                let ray = (at(&rays.origin, k), at(&rays.direction, k), distance[k], t_max[k]);
                 assert_eq!(blocked[k], 0, "{i} {k} {ray:?} {:?}", scene.objects[0].shape);
-                traced += u32::from(short[k] > 0.99 * limit[k]);
+                traced += u32::from(t_max[k] > 0.99 * distance[k]);
             }
         }
     }
@@ -127,15 +127,15 @@ fn the_tree_finds_what_one_by_one_is_found() {
         let (mut a, mut b) = (Hits::default(), Hits::default());
         few.nearest(&rays, LANES, &mut a);
         many.nearest(&rays, LANES, &mut b);
-        let limit = [1.0; LANES];
+        let t_max = [1.0; LANES];
         let mut blocked = [[0; LANES]; 2];
-        few.occluded(&rays, LANES, &limit, &mut blocked[0]);
-        many.occluded(&rays, LANES, &limit, &mut blocked[1]);
+        few.occluded(&rays, LANES, &t_max, &mut blocked[0]);
+        many.occluded(&rays, LANES, &t_max, &mut blocked[1]);
         for k in 0..LANES {
             // At an edge rounding decides.
             if a.object[k] != b.object[k] || blocked[0][k] != blocked[1][k] {
                 differing += 1;
-            } else if a.object[k] != NOTHING {
+            } else if a.object[k] != NONE {
                 let (one, other) = (few.surface(&rays, &a, k), many.surface(&rays, &b, k));
                 assert!(one.position.distance(other.position) < 1e-5, "{one:?} {other:?}");
                 assert!(one.normal.distance(other.normal) < 1e-4);

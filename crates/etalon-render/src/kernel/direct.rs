@@ -3,9 +3,9 @@
 use super::bsdf::{Scattered, eval_many, reverse_pdf_many};
 use super::scatter::next_q;
 use super::state::{Interactions, Radiance, ShadowRay, ShadowRays, Step, Vertices};
-use super::surfaces::Material;
-use crate::environment::BsdfOnly;
-use crate::lanes::{BLOCK, Hits, LANES, Lane, Lane3, NOTHING, Ray, Rows, at, fill, set, wide};
+use super::surfaces::GroupMaterial;
+use crate::environment::SurfaceSampling;
+use crate::lanes::{BLOCK, Hits, LANES, Lane, Lane3, NONE, Ray, Rows, at, fill, set, wide};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
 use crate::light_selection::{Round, Selection};
@@ -34,7 +34,7 @@ enum Source {
     /// Light samples of the environment.
     Environment,
     /// A strategy that ignores the lights: its rays find emitters.
-    BsdfOnly(BsdfOnly),
+    Surface(SurfaceSampling),
 }
 
 /// The sources for surfaces of a kind, each with its number of samples.
@@ -42,14 +42,14 @@ fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Item = 
     let count = scene.request.light_samples;
     let rounds = scene.lights.rounds().iter().enumerate().map(|(i, &round)| (Source::Lights(i, round), round.count));
     let environment = scene.environment.iter().map(move |_| (Source::Environment, count));
-    let bsdf_only = BsdfOnly::of(scene.sampling, surface).into_iter();
-    rounds.chain(environment).chain(bsdf_only.map(move |strategy| (Source::BsdfOnly(strategy), count)))
+    let by_surface = SurfaceSampling::of(scene.sampling, surface).into_iter();
+    rounds.chain(environment).chain(by_surface.map(move |strategy| (Source::Surface(strategy), count)))
 }
 
 /// Adds the direct light at interactions with one material.
 pub fn sample_direct_light(
     step: Step,
-    material: Material,
+    material: GroupMaterial,
     vertices: &Vertices,
     scattered: &mut Scattered,
     buffers: &mut DirectLight,
@@ -80,7 +80,7 @@ pub fn sample_direct_light(
             }
             match source {
                 Source::Lights(..) | Source::Environment => trace_shadow_rays(step.scene, shadow_rays, radiance),
-                Source::BsdfOnly(_) => trace_to_emitters(step.scene, shadow_rays, hits, radiance),
+                Source::Surface(_) => trace_to_emitters(step.scene, shadow_rays, hits, radiance),
             }
         }
     }
@@ -141,13 +141,13 @@ fn sample_light(
                 out.pdf[..count].fill(f32::INFINITY);
             }
         }
-        Source::BsdfOnly(strategy) => {
+        Source::Surface(strategy) => {
             for i in 0..count {
                 let local = strategy.sample(samples.direct.get_2d_f64(slots[i], sub));
                 let wi = Frame::from_normal(at(&interactions.ns, i)).to_world(local.as_vec3());
                 let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
                 let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };
-                out.set(i, NOTHING, sample, f32::INFINITY);
+                out.set(i, NONE, sample, f32::INFINITY);
             }
         }
     }
@@ -166,7 +166,7 @@ fn choose_lights(step: Step, n: u32, interactions: &Interactions, kind: Kind, ch
     choices.extend((0..n).map(|index| {
         let sub = SubSample { index, count: n };
         let [probability, _] = step.samples.light_choice.get_2d_lanes(&interactions.slot[..count], sub);
-        Choice { light: [NOTHING; LANES], probability }
+        Choice { light: [NONE; LANES], probability }
     }));
     wide(
         scene.arch,
@@ -228,7 +228,7 @@ fn diffuse_shadow_rays(
             let by_bsdf = cos * FRAC_1_PI;
             let mis_weight = balance_heuristic(n * samples.pdf[i], [by_bsdf, 0.0]);
             let value = at(&interactions.beta, i) * at(&samples.weight, i) * (by_bsdf * mis_weight / n);
-            let t_max = if value == Rgb::ZERO { 0.0 } else { samples.limit[i] };
+            let t_max = if value == Rgb::ZERO { 0.0 } else { samples.t_max[i] };
             [value.x, value.y, value.z, t_max]
         },
     );
@@ -237,7 +237,7 @@ fn diffuse_shadow_rays(
 /// Rays from any other surface towards light samples, `n` for each, except black ones.
 fn general_shadow_rays(
     step: Step,
-    material: Material,
+    material: GroupMaterial,
     vertices: &Vertices,
     samples: &LightSampleLanes,
     n: u32,
@@ -275,12 +275,12 @@ fn general_shadow_rays(
         };
         let ray = Ray { origin: surface.ray_origin(wi), direction: wi };
         let light = samples.light[i];
-        let (mut t_max, mut density) = (samples.limit[i], n * samples.pdf[i]);
-        if light != NOTHING && local.z * frames.local_wo[2][i] < 0.0 {
+        let (mut t_max, mut density) = (samples.t_max[i], n * samples.pdf[i]);
+        if light != NONE && local.z * frames.local_wo[2][i] < 0.0 {
             // The light was sampled from the viewer's side, and is seen by the ray that leaves the other side. A BSDF sample on that
             // ray is weighted by the same density.
             let Some(distance) = scene.lights.all[light as usize].ahead(ray, samples.distance[i]) else { continue };
-            t_max = scene.shadow_limit(light, ray, distance);
+            t_max = scene.t_max(light, ray, distance);
             if density.is_finite() {
                 density = scene.lights.density(light, ray.origin, None);
             }
@@ -296,7 +296,7 @@ fn emission_density(scene: &PreparedScene, position: Vec3, samples: &LightSample
     let Some(tracing) = &scene.light_tracing else { return 0.0 };
     let wi = at(&samples.wi, i);
     match samples.light[i] {
-        NOTHING => scene.density_of_light_paths(position, wi),
+        NONE => scene.density_of_light_paths(position, wi),
         light => {
             let place = position + wi * samples.distance[i];
             let cos = scene.lights.all[light as usize].cos_at(place, wi);

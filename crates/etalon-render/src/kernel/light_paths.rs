@@ -4,7 +4,7 @@
 
 use super::bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 use super::state::{Interaction, Vertices};
-use super::surfaces::{ByMaterial, Material, shading_frame};
+use super::surfaces::{ByMaterial, GroupMaterial, shading_frame};
 use crate::camera::{PreparedCamera, View};
 use crate::film::{PathClass, Splat};
 use crate::lanes::{Hits, LANES, Lane, Lane3, Ray, Rays, Rows, ZERO3, at, lanes, plain_items, set};
@@ -73,7 +73,7 @@ struct Contribution {
 struct Connections {
     contributions: Vec<Contribution>,
     rays: Box<Rays>,
-    limits: Lane,
+    t_max: Lane,
     /// The vertices on one object that the camera may see, by number, and the BSDFs there if it has textures.
     views: Vec<(usize, View)>,
     varying: Vec<Bsdf>,
@@ -84,7 +84,7 @@ impl Default for Connections {
         Self {
             contributions: Vec::new(),
             rays: Box::default(),
-            limits: [0.0; LANES],
+            t_max: [0.0; LANES],
             views: Vec::new(),
             varying: Vec::new(),
         }
@@ -125,7 +125,7 @@ pub fn trace_light_paths(
             }
             if scatterings + 1 < scene.request.max_depth {
                 let bsdfs = Bsdfs::of(shader, &vertices.frames.uv[..vertices.frames.count], varying);
-                scatter(scene, samples, Material { shader, bsdfs }, paths, vertices, scattered, next);
+                scatter(scene, samples, GroupMaterial { shader, bsdfs }, paths, vertices, scattered, next);
             }
         }
         traced += connections.contributions.len();
@@ -224,7 +224,7 @@ impl Vertices {
 fn scatter(
     scene: &PreparedScene,
     samples: RaySamples,
-    material: Material,
+    material: GroupMaterial,
     paths: &LightPaths,
     vertices: &Vertices,
     scattered: &mut Scattered,
@@ -293,7 +293,7 @@ impl Connections {
         scattered: &mut Scattered,
     ) {
         // Evaluate the BSDF and its pdf with the roles of both directions exchanged: wo to the camera, as in a camera path.
-        let Self { contributions, rays, limits, views, varying } = self;
+        let Self { contributions, rays, t_max, views, varying } = self;
         let Vertices { interactions, frames } = vertices;
         let (mut wo, mut uv): (Lane3, _) = (ZERO3, Vec::new());
         for i in 0..interactions.count {
@@ -320,7 +320,7 @@ impl Connections {
             let factor = adjoint_factor(surface, at(&frames.wo, i), wi) * at(&wo, k).z.abs() / area;
             let path_class = interactions.path_class[i].reversed();
             rays.set(contributions.len(), Ray { origin: surface.ray_origin(wi), direction: wi });
-            limits[contributions.len()] = view.distance * SHORT;
+            t_max[contributions.len()] = view.distance * SHORT;
             contributions.push(Contribution {
                 slot: interactions.slot[i],
                 film: view.film,
@@ -334,7 +334,7 @@ impl Connections {
     /// Moves what is not occluded to `splats`, weighted by the filters of the pixels around it.
     fn splat(&mut self, scene: &PreparedScene, camera: &PreparedCamera, splats: &mut Vec<Splat>) {
         let mut blocked = [0; LANES];
-        scene.geometry.occluded(&self.rays, self.contributions.len(), &self.limits, &mut blocked);
+        scene.geometry.occluded(&self.rays, self.contributions.len(), &self.t_max, &mut blocked);
         for (Contribution { slot, film, class, value, others }, blocked) in self.contributions.drain(..).zip(blocked) {
             if blocked == 0 {
                 // Camera samples of a pixel come with the density of its filter. With the densities c of camera paths and l of light paths, and

@@ -23,7 +23,7 @@ pub use state::{Radiance, Work};
 
 use super::camera::PreparedCamera;
 use super::film::PathClass;
-use super::lanes::{Hits, LANES, NOTHING, Rows, at, set};
+use super::lanes::{Hits, LANES, NONE, Rows, at, set};
 use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::previous::{EmitterHit, PreviousVertex};
@@ -129,7 +129,7 @@ fn add_escaped_rays(scene: &PreparedScene, rays: &PathRays, hits: &Hits, radianc
     if scene.scene.environment.is_none() {
         return;
     }
-    for i in (0..rays.count).filter(|&i| hits.object[i] == NOTHING) {
+    for i in (0..rays.count).filter(|&i| hits.object[i] == NONE) {
         let ray = rays.ray.at(i);
         let found = scene.environment_light(&rays.previous[i], ray.origin, ray.direction);
         radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * found);
@@ -158,7 +158,7 @@ fn add_emissive_intersections(scene: &PreparedScene, rays: &PathRays, hits: &Hit
 
 /// Sets the density of light tracing over that of camera paths at the first hits.
 fn set_camera_q(scene: &PreparedScene, camera: &PreparedCamera, hits: &Hits, rays: &mut PathRays) {
-    for i in (0..rays.count).filter(|&i| hits.object[i] != NOTHING) {
+    for i in (0..rays.count).filter(|&i| hits.object[i] != NONE) {
         let ray = rays.ray.at(i);
         rays.previous[i].q = match scene.shaders[hits.object[i] as usize].kind {
             Kind::Delta => 0.0,

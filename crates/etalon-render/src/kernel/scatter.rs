@@ -2,7 +2,7 @@
 
 use super::bsdf::{Scattered, reverse_pdf_many, sample_many};
 use super::state::{Interactions, PathRay, PathRays, Step, Vertices};
-use super::surfaces::Material;
+use super::surfaces::GroupMaterial;
 use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, at, fill};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
@@ -18,7 +18,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Appends to `next` the paths that continue at interactions with one material.
 pub fn sample_bsdf(
     step: Step,
-    material: Material,
+    material: GroupMaterial,
     rays: &PathRays,
     vertices: &Vertices,
     scattered: &mut Scattered,
@@ -87,7 +87,7 @@ static NO_NUMBERS: [Lane; 2] = [[0.0; LANES]; 2];
 /// Any other surface.
 fn sample_general(
     step: Step,
-    material: Material,
+    material: GroupMaterial,
     rays: &PathRays,
     vertices: &Vertices,
     scattered: &mut Scattered,

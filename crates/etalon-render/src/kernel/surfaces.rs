@@ -12,14 +12,14 @@ use std::f32::consts::FRAC_1_PI;
 
 /// The material of interactions: that of one object, or diffuse ones of any.
 #[derive(Clone, Copy)]
-pub struct Material<'a> {
+pub struct GroupMaterial<'a> {
     /// That of the first interaction; others that are diffuse may have another albedo.
     pub shader: &'a SurfaceShader,
     /// In the order of the interactions; of diffuse ones their throughput has the albedo.
     pub bsdfs: Bsdfs<'a>,
 }
 
-impl Material<'_> {
+impl GroupMaterial<'_> {
     pub fn kind(&self) -> Kind {
         self.shader.kind
     }
@@ -82,13 +82,13 @@ pub fn evaluate<'a>(
     group: &[u32],
     vertices: &mut Vertices,
     varying: &'a mut Vec<Bsdf>,
-) -> Material<'a> {
+) -> GroupMaterial<'a> {
     let Vertices { interactions, frames } = vertices;
     let shader = &step.scene.shaders[hits.object[group[0] as usize] as usize];
     (interactions.count, frames.count) = (0, 0);
     if shader.kind.is_diffuse() {
         group.iter().for_each(|&i| diffuse(step, rays, hits, i as usize, interactions));
-        return Material { shader, bsdfs: Bsdfs::Same(&shader.bsdf) };
+        return GroupMaterial { shader, bsdfs: Bsdfs::Same(&shader.bsdf) };
     }
     let is_traced = step.scene.light_tracing.is_some() && shader.bsdf.is_reciprocal();
     for &ray in group {
@@ -106,7 +106,7 @@ pub fn evaluate<'a>(
         interactions.push(Interaction { ray, slot, n, ns: normal, origin, beta, path_class, q });
         frames.push(frame);
     }
-    Material { shader, bsdfs: Bsdfs::of(shader, &frames.uv[..frames.count], varying) }
+    GroupMaterial { shader, bsdfs: Bsdfs::of(shader, &frames.uv[..frames.count], varying) }
 }
 
 /// Adds the diffuse surface that a ray has hit.

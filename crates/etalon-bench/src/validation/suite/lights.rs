@@ -13,7 +13,7 @@ use etalon_core::scene::{
 use etalon_render::Settings;
 use etalon_render::probe::light_lanes::{sample_each, sample_many};
 use etalon_render::probe::{
-    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NOTHING, SampleLight, Sampled, Selection, at,
+    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection, at,
 };
 use etalon_stats::{Directions, Discrete, Domain, Mass, Pole, Sample, Sampler, Square, density, sampler};
 use glam::{DVec3, Vec3};
@@ -270,7 +270,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
         let lights = Lights::new(lights(count), 1);
         let tree = LightTree::new(&lights.all.iter().filter_map(Sampled::bounds).collect::<Vec<_>>());
         let choose = move |[u]: &[[Lane; 2]; 1], count: usize| {
-            let mut chosen = [NOTHING; LANES];
+            let mut chosen = [NONE; LANES];
             let mut probability = u[0];
             if let Some(selection) = lights.selection(point, normal) {
                 for start in (0..count).step_by(BLOCK) {
@@ -281,7 +281,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
             }
             let of_lane = |i: usize| {
                 let sample = Sample::with_pdf(chosen[i] as usize, f64::from(probability[i]));
-                (chosen[i] != NOTHING).then_some(sample)
+                (chosen[i] != NONE).then_some(sample)
             };
             (0..count).map(of_lane).collect()
         };
