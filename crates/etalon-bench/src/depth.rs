@@ -114,7 +114,7 @@ pub const ALL: &str = "all";
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
     let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
-    let Layers { layers, standard_error, dropped } = layers(scene, &request, &by_class)?;
+    let layers = layers(scene, &request, &by_class)?;
     // The pixels of the whole image and of each kind of object that it shows.
     let objects = ObjectIdBuffer::new(scene, &request);
     let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
@@ -150,26 +150,26 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
         }
     }
 
-    let all_light = light(&images[images.len() - 1], &regions[0].1);
+    let all_light = light(images[images.len() - 1].pixels(), &regions[0].1);
     let rows = DEPTHS.iter().zip(&images).flat_map(|(&depth, image)| {
         regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
     });
     let rows = rows.collect();
     // Each layer's share of the light, pixels that are not black, and centroid, by kind of object.
     let mut classes = Vec::new();
-    for (name, layer) in &layers {
+    for (name, layer) in layers.iter() {
         let depth = appears_at(name);
         let place = DEPTHS.iter().position(|d| *d == depth).unwrap_or(0);
         let added = if place == 0 { &images[0] } else { &differences[place - 1] };
-        let difference = light(added, &regions[0].1);
+        let difference = light(added.pixels(), &regions[0].1);
         for (seen_on, mask) in &regions {
             let here = light(layer, mask);
             if here > 0.0 {
-                let [x, y] = centroid(layer, mask, here);
-                let lit = inside(layer.pixels(), mask).filter(|p| **p != Rgb::ZERO).count();
+                let [x, y] = centroid(layer, request.width, mask, here);
+                let lit = inside(layer, mask).filter(|p| **p != Rgb::ZERO).count();
                 classes.push(ClassRow {
                     depth,
-                    class: name.clone(),
+                    class: name.to_owned(),
                     seen_on,
                     share_of_difference: here / difference,
                     share_of_light: here / all_light,
@@ -180,14 +180,26 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
+    let Layers { standard_error, dropped, .. } = layers;
     Ok(Depths { images, differences, rows, classes, request, sharp, standard_error, dropped })
 }
 
 /// The light of every path class.
 struct Layers {
-    layers: Vec<(String, Image)>,
+    /// Their names.
+    classes: Vec<String>,
+    /// The pixels of all classes, one after the other: many buffers as large as an image would leave gaps between the images that
+    /// are kept.
+    pixels: Vec<Rgb>,
     standard_error: Image,
     dropped: Dropped,
+}
+
+impl Layers {
+    fn iter(&self) -> impl Iterator<Item = (&str, &[Rgb])> {
+        let pixels = self.pixels.chunks_exact(self.standard_error.pixels().len());
+        self.classes.iter().map(String::as_str).zip(pixels)
+    }
 }
 
 /// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
@@ -195,7 +207,7 @@ struct Layers {
 fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
     let Request { width, height, spp, .. } = *request;
     let job = Job::new(scene, request, settings)?;
-    let (mut layers, mut dropped) = (Vec::<(String, Vec<Rgb>)>::new(), Dropped::default());
+    let (mut classes, mut pixels, mut dropped) = (Vec::new(), Vec::new(), Dropped::default());
     let mut errors = Vec::with_capacity(width * height);
     let rows = if settings.sampling == Sampling::MisLt { height } else { ROWS.min(height) };
     for top in (0..height).step_by(rows) {
@@ -211,12 +223,14 @@ fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layer
         errors.extend(part.film.standard_error().pixels());
         let strips = part.film.path_layers();
         if top == 0 {
-            layers = strips.iter().map(|(name, _)| (name.clone(), Vec::with_capacity(width * height))).collect();
+            pixels = vec![Rgb::ZERO; strips.len() * width * height];
+            classes = strips.iter().map(|(name, _)| name.clone()).collect();
         }
-        layers.iter_mut().zip(&strips).for_each(|((_, pixels), (_, strip))| pixels.extend(strip.pixels()));
+        for ((_, strip), layer) in strips.iter().zip(pixels.chunks_exact_mut(width * height)) {
+            layer[top * width..][..strip.pixels().len()].copy_from_slice(strip.pixels());
+        }
     }
-    let images = layers.into_iter().map(|(name, pixels)| (name, Image::from_pixels(width, height, pixels)));
-    Ok(Layers { layers: images.collect(), standard_error: Image::from_pixels(width, height, errors), dropped })
+    Ok(Layers { classes, pixels, standard_error: Image::from_pixels(width, height, errors), dropped })
 }
 
 /// The smallest depth with this path class: the number of its scatterings.
@@ -239,20 +253,20 @@ fn row(depth: u32, seen_on: &'static str, mask: &[bool], image: &Image, all_ligh
     }
 }
 
-fn add(sum: &mut [DVec3], image: &Image) {
-    sum.iter_mut().zip(image.pixels()).for_each(|(sum, p)| *sum += p.as_dvec3());
+fn add(sum: &mut [DVec3], pixels: &[Rgb]) {
+    sum.iter_mut().zip(pixels).for_each(|(sum, p)| *sum += p.as_dvec3());
 }
 
 /// The sum of (R + G + B) / 3 over the pixels of `mask`.
-fn light(image: &Image, mask: &[bool]) -> f64 {
-    inside(image.pixels(), mask).map(|p| mean_rgb(*p)).sum()
+fn light(pixels: &[Rgb], mask: &[bool]) -> f64 {
+    inside(pixels, mask).map(|p| mean_rgb(*p)).sum()
 }
 
-fn centroid(image: &Image, mask: &[bool], light: f64) -> [f64; 2] {
+fn centroid(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> [f64; 2] {
     let mut sum = [0.0; 2];
-    for (i, p) in inside(image.pixels().iter().enumerate(), mask) {
+    for (i, p) in inside(pixels.iter().enumerate(), mask) {
         let weight = mean_rgb(*p);
-        let at = [i % image.width(), i / image.width()];
+        let at = [i % width, i / width];
         (0..2).for_each(|c| sum[c] += weight * (at[c] as f64 + 0.5));
     }
     sum.map(|s| s / light)
@@ -278,10 +292,11 @@ pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32)
     let (layers, image) = to(m)?;
     let everything = vec![true; image.pixels().len()];
     let within = |name: &str| name != "rest" && appears_at(name) <= m;
-    let beyond = layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer, &everything)).sum();
+    let beyond =
+        layers.iter().filter(|(name, _)| !within(name)).map(|(_, layer)| light(layer.pixels(), &everything)).sum();
     let mut sum = vec![DVec3::ZERO; image.pixels().len()];
     for (_, layer) in deep.iter().filter(|(name, _)| within(name)) {
-        add(&mut sum, layer);
+        add(&mut sum, layer.pixels());
     }
     let differences = sum.iter().zip(image.pixels()).map(|(s, p)| (*s - p.as_dvec3()).abs().max_element());
     Ok(Truncation { beyond, largest_difference: differences.fold(0.0, f64::max) })
@@ -359,7 +374,7 @@ mod tests {
         let (scene, request) = small();
         let request = Request { spp: 64, max_depth: 0, ..request };
         let image = render(&scene, &request, &Settings::default(), &Silent).unwrap().image;
-        let mean = light(&image, &vec![true; image.pixels().len()]) / image.pixels().len() as f64;
+        let mean = light(image.pixels(), &vec![true; image.pixels().len()]) / image.pixels().len() as f64;
         assert!((mean / visible_area_lights(&scene) - 1.0).abs() < 5e-3, "{mean} {}", visible_area_lights(&scene));
     }
 }
