@@ -2,7 +2,7 @@
 
 use super::geometry::Geometry;
 use super::settings::Settings;
-use etalon_core::scene::{Material, Projection, Request, Scene, Shape};
+use etalon_core::scene::{Material, Request, Scene, Shape};
 
 /// The parts of the renderer that a scene needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,13 +48,7 @@ impl Needs {
 pub fn lone_convex_from_outside(scene: &Scene) -> bool {
     let [object] = scene.objects.as_slice() else { return scene.objects.is_empty() };
     let (Shape::Sphere(sphere), Material::Diffuse { .. }) = (&object.shape, &object.material) else { return false };
-    let (centre, radius) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
-    let offset = scene.camera.position - centre;
-    match scene.camera.projection {
-        Projection::Perspective { .. } => offset.length() >= radius,
-        // Rays start on a plane, which must not cut the sphere.
-        Projection::Orthographic { .. } => offset.dot(scene.camera.forward).abs() >= radius,
-    }
+    scene.camera.is_outside(sphere)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Cameras: a film position in, a ray out; and the filter of the film's pixels.
 
+use super::Sphere;
 use crate::sampling::filter::PixelFilter;
 use glam::{DVec3, Vec3};
 
@@ -83,6 +84,17 @@ impl Camera {
             }
         };
         Self { projection, ..*self }
+    }
+
+    /// Whether all rays start outside of a sphere or on it.
+    #[must_use]
+    pub fn is_outside(&self, sphere: &Sphere) -> bool {
+        let (offset, radius) = (self.position - sphere.centre.as_dvec3(), f64::from(sphere.radius));
+        match self.projection {
+            Projection::Perspective { .. } => offset.length() >= radius,
+            // Rays start on a plane, which must not cut the sphere.
+            Projection::Orthographic { .. } => offset.dot(self.forward).abs() >= radius,
+        }
     }
 
     /// The ray through film position (x, y): (0, 0) is the top left corner of the image, (1, 1) the bottom right.
