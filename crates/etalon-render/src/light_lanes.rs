@@ -31,7 +31,7 @@ pub fn sample_many(
 
 fn sample_one(
     arch: Arch,
-    light: &(impl SampleLight + Copy),
+    light: &impl SampleLight,
     positions: &Lane3,
     count: usize,
     u: &[Lane; 2],
@@ -42,7 +42,7 @@ fn sample_one(
         #[inline(always)]
         move || {
             for number in 0..blocks(count) {
-                let samples = SampleBlock::of(|_| *light, &block(positions, number), &block(u, number));
+                let samples = SampleBlock::of(|_| light, &block(positions, number), &block(u, number));
                 put(&mut out.wi, number, &samples.wi);
                 put(&mut out.weight, number, &samples.weight);
                 put(from_mut(&mut out.distance), number, &[samples.distance]);
@@ -64,7 +64,7 @@ struct SampleBlock {
 
 impl SampleBlock {
     #[inline(always)]
-    fn of<L: SampleLight>(light: impl Fn(usize) -> L, positions: &Block3, u: &[Block; 2]) -> Self {
+    fn of<'l, L: SampleLight + 'l>(light: impl Fn(usize) -> &'l L, positions: &Block3, u: &[Block; 2]) -> Self {
         let zeros = [0.0; BLOCK];
         let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, t_max: zeros, pdf: zeros };
         for k in 0..BLOCK {
@@ -148,7 +148,7 @@ fn sample_each_of<L: OfShape>(
         let samples = wide(
             arch,
             #[inline(always)]
-            move || SampleBlock::of(|k| lights[k], points, numbers),
+            move || SampleBlock::of(|k| &lights[k], points, numbers),
         );
         for (k, &i) in block.iter().enumerate() {
             out.set(i, light[i], samples.at(k), samples.t_max[k]);

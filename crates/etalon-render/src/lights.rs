@@ -20,7 +20,7 @@ use std::f32::consts::PI;
 pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 
 /// A light that can be sampled.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Sampled {
     pub kind: LightKind,
     /// The object that emits, or [`super::lanes::NONE`].
@@ -28,7 +28,7 @@ pub struct Sampled {
 }
 
 /// A light by its shape.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum LightKind {
     Rectangle(RectangleLight),
     Triangle(TriangleLight),

@@ -182,10 +182,10 @@ fn with_light(technique: &str, transforms: &str) -> String {
 fn lights_of_every_kind() {
     let lights =
         |technique: &str, transforms: &str| read_text(&with_light(technique, transforms)).unwrap().scene.lights;
-    let point =
-        Light::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity: Rgb::new(5.0, 4.0, 3.0), falloff: Falloff::None };
+    let (position, intensity) = (Vec3::new(1.0, 2.0, 3.0), Rgb::new(5.0, 4.0, 3.0));
+    let point = [Light::Point { position, intensity, falloff: Falloff::None }];
     let place = "<translate>1 2 3</translate>";
-    assert_eq!(lights(&common("point", "5 4 3"), place), [point]);
+    assert_eq!(lights(&common("point", "5 4 3"), place), point);
     let sun = Light::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::splat(2.0) };
     assert_eq!(lights(&common("directional", "2 2 2"), &format!("{place}<rotate>1 0 0 -90</rotate>")), [sun]);
     assert_eq!(lights(&common("ambient", "1 1 1"), ""), [Light::Hemisphere { radiance: Rgb::ONE }]);
@@ -199,7 +199,7 @@ fn lights_of_every_kind() {
         format!("{}<extra><technique profile=\"{profile}\">{area}</technique></extra>", common("point", "5 4 3"))
     };
     assert_eq!(lights(&extra("CGL"), place), [Light::Hemisphere { radiance: Rgb::splat(7.0) }]);
-    assert_eq!(lights(&extra("blender"), place), [point]);
+    assert_eq!(lights(&extra("blender"), place), point);
     for (technique, transforms, message) in [
         (common("tube", "1 1 1"), "", "s.dae:3:36: a light of kind <tube> is not supported"),
         (common("point", "1 1"), "", "<color> needs 3 numbers, not 2"),

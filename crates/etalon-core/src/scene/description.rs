@@ -60,13 +60,7 @@ impl Scene {
                 }
             }
         }
-        for light in &mut self.lights {
-            match light {
-                Light::Rectangle { rectangle, .. } => *rectangle = rectangle.centred_at(rectangle.centre() - by),
-                Light::Point { position, .. } => *position -= by,
-                Light::Directional { .. } | Light::Hemisphere { .. } => {}
-            }
-        }
+        self.lights.iter_mut().for_each(|light| light.translate(-by));
         self.camera.position -= by.as_dvec3();
         self
     }

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 use std::sync::Arc;
 
 /// A light that nothing can hit: rays pass through it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Light {
     /// Radiance from the front of a rectangle.
     Rectangle {
@@ -45,6 +45,15 @@ impl Light {
             Self::Rectangle { rectangle, .. } => Some(rectangle.centre()),
             Self::Point { position, .. } => Some(*position),
             Self::Directional { .. } | Self::Hemisphere { .. } => None,
+        }
+    }
+
+    /// Moves the light by a vector, if it is in a place.
+    pub(super) fn translate(&mut self, by: Vec3) {
+        match self {
+            Self::Rectangle { rectangle, .. } => *rectangle = rectangle.centred_at(rectangle.centre() + by),
+            Self::Point { position, .. } => *position += by,
+            Self::Directional { .. } | Self::Hemisphere { .. } => {}
         }
     }
 }

@@ -56,7 +56,7 @@ fn lights_do_not_occlude_their_own_samples() {
             }
         };
         let scene = scene([shape]);
-        let light = Sampled::all(&scene, &Settings::default(), &[])[0];
+        let light = &Sampled::all(&scene, &Settings::default(), &[])[0];
         let (mut rays, mut distance) = (Rays::default(), [0.0; LANES]);
         for k in 0..LANES {
             let j = 10 + 10 * k as u64;

@@ -256,7 +256,7 @@ fn delta_lights_and_the_hemisphere_have_their_closed_forms() {
         (point(Falloff::None), cos),
         (Light::Directional { direction: slanted, irradiance: Rgb::ONE }, f64::from(-slanted.y)),
     ] {
-        let (found, _) = rendered_mean(&floor(Vec::new(), vec![light]), &Settings::default());
+        let (found, _) = rendered_mean(&floor(Vec::new(), vec![light.clone()]), &Settings::default());
         let expected = expected * 0.5 / std::f64::consts::PI;
         assert!((found / expected - 1.0).abs() < 2e-3, "{light:?}: {found} {expected}");
     }

@@ -154,7 +154,7 @@ fn a_cover_close_to_a_light_hides_it() {
             for (objects, lights) in [
                 (vec![emitter(Shape::Rectangle(panel)), cover.clone()], Vec::new()),
                 (vec![emitter(triangles(&panel)), cover.clone()], Vec::new()),
-                (vec![cover.clone()], vec![point]),
+                (vec![cover.clone()], vec![point.clone()]),
                 (vec![cover.clone()], vec![Light::Rectangle { rectangle: panel, radiance: Rgb::ONE }]),
             ] {
                 let mut scene = floor(objects, Vec::new());

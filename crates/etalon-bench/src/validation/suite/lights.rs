@@ -19,6 +19,7 @@ use etalon_stats::{Directions, Discrete, Domain, Mass, Pole, Sample, Sampler, Sq
 use glam::{DVec3, Vec3};
 use pulp::Arch;
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 use std::sync::Arc;
 
 const POINT: Vec3 = Vec3::new(0.3, -0.2, 0.5);
@@ -127,7 +128,7 @@ fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample
         let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
         if let Some(light) = &light {
             sample_many(Arch::new(), light, &positions, count, u, &mut out);
-            sample_each(Arch::new(), &[*light], &[0; LANES][..count], &positions, u, &mut each);
+            sample_each(Arch::new(), from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
         }
         let of_lane = |i| {
             let of = |lanes: &LightSampleLanes| {
