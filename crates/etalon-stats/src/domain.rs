@@ -161,6 +161,9 @@ pub trait Domain: Sync {
     }
 }
 
+/// A place where a mistake asks for the pdf, and its name.
+type Place<const N: usize> = (&'static str, fn([f64; N]) -> [f64; N]);
+
 /// The points 0 to `outcomes` − 1; μ counts points, so that a pdf is a probability.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Discrete {
@@ -311,7 +314,7 @@ impl Domain for Square {
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        let places: [(&str, fn([f64; 2]) -> [f64; 2]); 4] = [
+        let places: [Place<2>; 4] = [
             ("with x and y exchanged", |[x, y]| [y, x]),
             ("at 1 - x", |[x, y]| [1.0 - x, y]),
             ("at 1 - y", |[x, y]| [x, 1.0 - y]),
@@ -458,7 +461,7 @@ impl Domain for Directions {
         }
         all.extend(Mistake::factor("cos θ", absolute));
         all.extend(Mistake::factor("sin θ", sin));
-        let mut places: Vec<(&str, fn([f64; 3]) -> [f64; 3])> = Vec::new();
+        let mut places: Vec<Place<3>> = Vec::new();
         if !self.half {
             places.push(("at the opposite direction", |w| w.map(|x| -x)));
             places.push(match self.pole {

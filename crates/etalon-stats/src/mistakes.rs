@@ -12,6 +12,9 @@ use crate::power::chi_square;
 use crate::sampler::Density;
 use std::f64::consts::PI;
 
+/// Values of a density, in batches that may fail.
+type Asked<'a> = Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>;
+
 /// What samples follow because of a mistake, up to a factor.
 pub enum Follows<'a> {
     /// This density, whatever the pdf is.
@@ -23,7 +26,7 @@ pub enum Follows<'a> {
     /// This function of the pdf's value.
     Of(fn(f64) -> f64),
     /// The values that are asked for at these points.
-    Asked(Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>),
+    Asked(Asked<'a>),
 }
 
 /// A usual mistake.
@@ -302,7 +305,8 @@ mod tests {
     fn a_density_of_another_place_is_named() {
         let sphere = Directions::sphere(Pole::Z);
         let pdf = crate::density(|[x, y, z]: [f64; 3]| (1.0 + 0.5 * x + 0.3 * y + 0.4 * z) / (4.0 * PI));
-        let changes: [(fn([f64; 3]) -> [f64; 3], &str); 3] = [
+        type Change = fn([f64; 3]) -> [f64; 3];
+        let changes: [(Change, &str); 3] = [
             (|w| w.map(|x| -x), "the pdf at the opposite direction"),
             (|[x, y, z]| [y, x, z], "the pdf with x and y exchanged"),
             (|[x, y, z]| [x, y, -z], "the pdf at (x, y, -z)"),
@@ -350,7 +354,8 @@ mod tests {
         let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 0.5));
         assert!(text.contains(" = π, not to 1"), "{text}");
         let pdf = |w: [f64; 3]| beckmann_pdf(0.5, w);
-        let changes: [(fn([f64; 3]) -> f64, &str); 4] = [
+        type Pdf = fn([f64; 3]) -> f64;
+        let changes: [(Pdf, &str); 4] = [
             (|w| beckmann_pdf(0.5, w) * PI, "each is 3.141593 = π times the density"),
             (|w| beckmann_pdf(0.5, w) / w[2], "what samples carry is the pdf divided by cos θ"),
             (|w| 2.0 * w[2] / PI, "what samples carry is cos θ/π"),
@@ -364,6 +369,25 @@ mod tests {
             let text = told(&half, &drawn, &crate::density(pdf));
             assert!(text.contains(name) && text.contains("the largest difference"), "{name}: {text}");
             assert_eq!(text.contains("what samples carry") || text.contains("each is"), !name.is_empty(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_books_page_has_every_mistake() {
+        // A package has no book
+        let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/mistakes.md");
+        let Ok(page) = std::fs::read_to_string(page) else { return };
+        let table = crate::density(|_: [f64; 2]| 1.0).with_steps([vec![0.5], vec![]]);
+        let spheres = [Pole::Z, Pole::Y].map(|pole| [Directions::sphere(pole), Directions::hemisphere(pole)]);
+        let mut domains: Vec<&dyn Domain> = vec![&Square, &Line::UNIT, &Discrete { outcomes: 6 }];
+        domains.extend(spheres.as_flattened().iter().map(|directions| directions as &dyn Domain));
+        for mistake in domains.into_iter().flat_map(|domain| all(domain, &table)) {
+            let name = mistake.name.split(" (").next().unwrap().split(" along ").next().unwrap();
+            let place = name.strip_prefix("the pdf ").filter(|_| !name.contains("times") && !name.contains("divided"));
+            assert!(
+                page.contains(&format!("*{}", place.map_or(name, |place| place))) || page.contains(&format!("*{name}")),
+                "{name}"
+            );
         }
     }
 

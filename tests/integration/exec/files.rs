@@ -55,7 +55,11 @@ fn files_of_directions_are_tested_against_images() {
     let ran = etalon(folder.path(), &["validate", "--samples", "turned.csv", "--pdf", "density.exr"]);
     assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
     // A density that belongs to another sample.
-    let swapped: String = text.lines().map(|line| line.replacen("0.0", "0.1", 1) + "\n").collect();
+    let swapped = |line: &str| {
+        let (pdf, point) = line.split_once(',').unwrap();
+        format!("{},{point}\n", pdf.replacen("0.0", "0.1", 1))
+    };
+    let swapped: String = text.lines().map(swapped).collect();
     std::fs::write(folder.path().join("swapped.csv"), swapped).unwrap();
     let ran = etalon(folder.path(), &["validate", "--samples", "swapped.csv", "--pdf", "density.exr"]);
     assert_eq!(ran.code, 1, "{} {}", ran.stdout, ran.stderr);
