@@ -267,7 +267,7 @@ impl Test<'_> {
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
     fn find(&self, counted: &Counted, states_power: bool) -> Findings {
-        let Self { domain, density, protocol, pilot, pilots, corners, subdivision, labels, atoms, looks } = *self;
+        let Self { domain, density, protocol, corners, subdivision, labels, atoms, looks, .. } = *self;
         let Counted { values, shares, integral, uncertain, invalid, tally } = counted;
         let level = protocol.own_level();
         // Leave "no sample" out where its probability is not known.
@@ -339,16 +339,7 @@ impl Test<'_> {
         let (of_samples, carried) = (tally.violation.clone(), tally.carried.violation());
         let of_corners = corners.violation.clone();
         let violations = [pdf_violation, mass_violation, of_samples, carried, of_corners, infinite_violation];
-        // What the pdf is in units of, and how many draws the pilot has, where that is known.
-        let (unit, draws) = if self.is_normalized() { (mass.value, None) } else { (1.0, Some(pilots)) };
-        let violation = violations
-            .into_iter()
-            .flatten()
-            .next()
-            .or_else(|| exact::same_batches(domain, &tally.serial))
-            .or_else(|| exact::discrete(domain, pilot, unit))
-            .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
-            .or_else(|| exact::collisions(domain, pilot, draws?));
+        let violation = violations.into_iter().flatten().next();
         let grid = subdivision.grid.clone();
         Findings {
             counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() },
@@ -364,7 +355,7 @@ impl Test<'_> {
 
     /// The outcome of the look at which the test ended, its verdict still open.
     fn outcome(&self, counted: Counted) -> Result<Outcome> {
-        let Self { domain, density, protocol, corners, looks, .. } = *self;
+        let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
         let Findings { counts, samples, mass, test, certain, structure, p, mut violation } = self.find(&counted, true);
         let Counted { uncertain, integral, tally, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
@@ -397,6 +388,15 @@ impl Test<'_> {
             }
             Some(_) => None,
         };
+        // Look for equal samples and values. A batch has too few of them: they end no look before.
+        // A pdf of unknown mass is in units of its integral, and of its samples nobody knows how many had to be.
+        let (unit, draws) =
+            if self.is_normalized() { (integral.plus(self.at_atoms()).value, None) } else { (1.0, Some(pilots)) };
+        violation = violation
+            .or_else(|| exact::same_batches(domain, &tally.serial))
+            .or_else(|| exact::discrete(domain, pilot, unit))
+            .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
+            .or_else(|| exact::collisions(domain, pilot, draws?));
         // Name the mistake: of the pdfs that samples carry, and of their places.
         if violation.is_some() && violation == tally.carried.violation() {
             let hint = if tally.carried.is_rounding() {
