@@ -207,7 +207,9 @@ impl Domain for Discrete {
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        vec![Mistake::at("of the outcomes in reverse", |point| (self.outcomes - 1 - usize::from(point)).into())]
+        vec![Mistake::at("of the outcomes in reverse", |point| {
+            (self.outcomes - 1).saturating_sub(usize::from(point)).into()
+        })]
     }
 
     fn region(&self, cell: &Cell) -> String {
@@ -475,12 +477,16 @@ impl Domain for Directions {
                 ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
                 ("at (x, -y, z)", |[x, y, z]| [x, -y, z]),
                 ("at (-x, -y, z)", |[x, y, z]| [-x, -y, z]),
+                ("a quarter turn about z ahead", |[x, y, z]| [-y, x, z]),
+                ("a quarter turn about z behind", |[x, y, z]| [y, -x, z]),
             ],
             Pole::Y => [
                 ("with x and z exchanged", (|[x, y, z]| [z, y, x]) as fn([f64; 3]) -> [f64; 3]),
                 ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
                 ("at (x, y, -z)", |[x, y, z]| [x, y, -z]),
                 ("at (-x, y, -z)", |[x, y, z]| [-x, y, -z]),
+                ("a quarter turn about y ahead", |[x, y, z]| [z, y, -x]),
+                ("a quarter turn about y behind", |[x, y, z]| [-z, y, x]),
             ],
         });
         all.extend(places.into_iter().map(|(name, place)| Mistake::at(name, move |w| place(w.into()).into())));

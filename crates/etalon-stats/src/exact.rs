@@ -23,9 +23,14 @@ pub fn invalid_pdf(sample: &Sample, pdf: f64) -> Option<String> {
 /// they are equal to the last bit, or up to the declared precision.
 fn difference(sample: &Sample, pdf: f64, precision: f64) -> Option<f64> {
     let carried = sample.pdf?;
-    let relative = (carried - pdf).abs() / carried.abs().at_least(pdf.abs());
-    let relative = if relative.is_nan() { f64::INFINITY } else { relative };
+    let relative = relative(carried, pdf);
     Some(if carried.to_bits() == pdf.to_bits() || relative <= precision { 0.0 } else { relative })
+}
+
+/// The relative difference of two pdfs; infinite where one is not a number.
+fn relative(a: f64, b: f64) -> f64 {
+    let relative = if a == b { 0.0 } else { (a - b).abs() / a.abs().at_least(b.abs()) };
+    if relative.is_nan() { f64::INFINITY } else { relative }
 }
 
 /// The sentence on a sample that carries another pdf than the density's.
@@ -103,14 +108,13 @@ impl Carried {
     /// What is wrong: the largest difference, the share of samples that differ, and the median difference.
     pub fn violation(&self) -> Option<String> {
         let (largest, sentence) = self.largest.as_ref()?;
-        let relative = |[carried, pdf]: [f64; 2]| (carried - pdf).abs() / carried.abs().at_least(pdf.abs());
-        let mut all: Vec<f64> = self.pairs.iter().map(|(_, values)| relative(*values)).collect();
+        let mut all: Vec<f64> = self.pairs.iter().map(|(_, [carried, pdf])| relative(*carried, *pdf)).collect();
         all.sort_unstable_by(f64::total_cmp);
         let share = 100.0 * self.different as f64 / self.compared as f64;
         let share = if share < 0.1 { format!("{share:.1e}") } else { format!("{share:.1}").replace(".0", "") };
         let median = all[all.len() / 2];
         Some(format!(
-            "{sentence}: the largest difference, {}; {share} % of samples differ, the median by {}",
+            "{sentence}: the largest difference, {}; {share} % of samples differ, and the median of all is {}",
             percent(*largest),
             percent(median)
         ))

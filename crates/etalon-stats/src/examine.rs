@@ -292,8 +292,8 @@ impl Test<'_> {
         };
         let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
             _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
-            Mass::Exactly(m) => format!("the pdf integrates to {mass}{}, not to {m}", times(mass, m)),
-            Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}{}, more than 1", times(mass, 1.0)),
+            Mass::Exactly(m) => format!("the pdf integrates to {mass}{}, not to {m}", constant(mass)),
+            Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}{}, more than 1", constant(mass)),
         });
         let is_pdf = invalid.is_none() && !overflows;
         let pdf_violation =
@@ -324,6 +324,7 @@ impl Test<'_> {
             shares,
             samples,
             level: looks.share(tally.samples) * level,
+            is_last: tally.samples == looks.samples(),
             states_power,
         };
         let structure = test.filter(|_| !uncertain).map(|test| parts.structure(test, SUSPECT));
@@ -334,7 +335,8 @@ impl Test<'_> {
             .map(|p| looks.overall(p, tally.samples, level));
 
         // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
-        let infinite_violation = (with_impossible(1.0, tally.infinite, n * ROUNDING) < level)
+        let p_of_infinite = with_impossible(1.0, tally.infinite, n * ROUNDING);
+        let infinite_violation = (looks.overall(p_of_infinite, tally.samples, level) < level)
             .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
         let (of_samples, carried) = (tally.violation.clone(), tally.carried.violation());
         let of_corners = corners.violation.clone();
@@ -429,10 +431,10 @@ impl Test<'_> {
     }
 }
 
-/// " = π", where the integral is a known constant times the declared mass.
-fn times(mass: Integral, declared: f64) -> String {
-    let name = mistakes::constant(mass.value / declared, 1e-3.at_most(mass.error / mass.value.abs()).at_least(1e-5));
-    name.map_or(String::new(), |name| format!(" = {name}"))
+/// " = π", where the integral is a known constant.
+fn constant(mass: Integral) -> String {
+    let precision = (mass.error / mass.value.abs()).within(1e-5, 1e-3);
+    mistakes::constant(mass.value, precision).map_or(String::new(), |name| format!(" = {name}"))
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.

@@ -4,7 +4,7 @@
 //! lets them. Where samples carry another pdf than the density has, the two are compared value by value in the same way.
 
 use crate::domain::{Domain, Point};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::outcome::Counts;
@@ -68,16 +68,25 @@ impl<'a> Mistake<'a> {
         Ok(match &self.follows {
             Follows::Density(of) => points.iter().map(|&point| of(point)).collect(),
             Follows::Times(factor) => points.iter().zip(pdfs).map(|(&point, pdf)| pdf * factor(point)).collect(),
-            Follows::At(place) => {
-                let points: Vec<Point> = points.iter().map(|&point| place(point)).collect();
-                let mut values = Vec::with_capacity(points.len());
-                density.pdf(&points, &mut values)?;
-                values
-            }
+            Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
             Follows::Of(function) => pdfs.iter().map(|&pdf| function(pdf)).collect(),
-            Follows::Asked(values) => values(points)?,
+            Follows::Asked(values) => {
+                let batches = points.chunks(BATCH).map(values).collect::<Result<Vec<_>>>();
+                batches?.concat()
+            }
         })
     }
+}
+
+/// Points that a density is asked for at a time, and most cells that are compared.
+const BATCH: usize = 3600;
+const MOST_CELLS: usize = 1 << 12;
+
+/// The pdf at `points`, in batches that a program in another process can answer.
+fn asked(density: &dyn Density, points: &[Point]) -> Result<Vec<f64>> {
+    let mut values = Vec::with_capacity(points.len());
+    points.chunks(BATCH).try_for_each(|batch| density.pdf(batch, &mut values))?;
+    Ok(values)
 }
 
 /// All mistakes that are tried: those of any pdf, of the domain, of this density and of its table.
@@ -88,13 +97,16 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     let of = |name: &str, function| Mistake { name: name.to_owned(), follows: Follows::Of(function) };
     all.extend([of("the square of the pdf", |pdf| pdf * pdf), of("the root of the pdf", f64::sqrt)]);
     // A table, or a set, that is shifted by one entry
-    let entries = density.steps().map(|steps| steps.map(|lines| lines.len() + 1));
-    let entries = domain.outcomes().map(|n| [n, 1]).or(entries).unwrap_or([1; 2]);
-    for (axis, n) in entries.into_iter().enumerate().filter(|(_, n)| *n > 1) {
-        for (sign, towards) in [(1.0, "next"), (-1.0, "previous")] {
+    let of_set = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
+    let steps: [Vec<f64>; 2] = of_set.or_else(|| density.steps()).unwrap_or_default();
+    for (axis, lines) in steps.into_iter().enumerate().filter(|(_, lines)| !lines.is_empty()) {
+        for (by, towards) in [(1, "next"), (lines.len(), "previous")] {
+            let lines = lines.clone();
             let shifted = move |point: Point| {
                 let Some(mut at) = domain.to_chart(point) else { return point };
-                at[axis] = (at[axis] + sign / n as f64).rem_euclid(1.0);
+                let entry = (lines.partition_point(|line| *line <= at[axis]) + by) % (lines.len() + 1);
+                let end = |entry: usize| if entry == 0 { 0.0 } else { lines.get(entry - 1).copied().unwrap_or(1.0) };
+                at[axis] = 0.5 * (end(entry) + end(entry + 1));
                 domain.point_at(at)
             };
             let name = match domain.outcomes() {
@@ -112,6 +124,8 @@ const POINTS: [usize; 2] = [8, 4];
 /// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
 /// 100 %): midpoints are not exact, and samples may have small errors besides.
 const LEFT: f64 = 0.002;
+/// The same where chance may explain the rest.
+const MOST: f64 = 0.1;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
 const CHANCE: f64 = 4.0;
 const CLEAR: f64 = 10.0;
@@ -119,7 +133,22 @@ const CLEAR: f64 = 10.0;
 const FEWEST: usize = 5;
 
 /// The mistake that explains the counts of the cells, if the pdf does not and one does.
+///
+/// # Errors
+/// [`Error::Cancelled`]. Where the density fails otherwise, at points that it was not made for, nothing is named.
 pub fn of_counts(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Result<Option<String>> {
+    unless_cancelled(explained(domain, density, counts))
+}
+
+/// What was found; nothing at an error other than a cancellation.
+fn unless_cancelled(found: Result<Option<String>>) -> Result<Option<String>> {
+    match found {
+        Err(Error::Cancelled) => Err(Error::Cancelled),
+        found => Ok(found.unwrap_or(None)),
+    }
+}
+
+fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Result<Option<String>> {
     let cells: Vec<Cell> = counts.grid.cells().collect();
     let (observed, expected) = (&counts.observed[..cells.len()], &counts.expected[..cells.len()]);
     let total = observed.iter().sum::<u64>() as f64;
@@ -131,14 +160,13 @@ pub fn of_counts(domain: &dyn Domain, density: &dyn Density, counts: &Counts) ->
         Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
     };
     let Some([of_pdf, spread]) = excess(expected) else { return Ok(None) };
-    if of_pdf.is_nan() || of_pdf < CLEAR * spread {
+    if of_pdf.is_nan() || of_pdf < CLEAR * spread || cells.len() > MOST_CELLS {
         return Ok(None);
     }
     let per_cell = if domain.is_plane() { POINTS } else { [POINTS[0] * POINTS[1], 1] };
     let points: Vec<Point> =
         cells.iter().flat_map(|cell| midpoints(cell, per_cell)).map(|at| domain.point_at(at)).collect();
-    let mut pdfs = Vec::with_capacity(points.len());
-    density.pdf(&points, &mut pdfs)?;
+    let pdfs = asked(density, &points)?;
 
     // Integrals by the midpoints; where the mistake changes the pdf, in proportion to the pdf's known integrals
     let n = per_cell[0] * per_cell[1];
@@ -153,18 +181,23 @@ pub fn of_counts(domain: &dyn Domain, density: &dyn Density, counts: &Counts) ->
         let is_valid =
             shares.iter().all(|share| share.is_finite() && *share >= 0.0) && shares.iter().sum::<f64>() > 0.0;
         let left = excess(&shares).filter(|_| is_valid);
-        Ok(left.filter(|[left, spread]| *left <= (CHANCE * spread).at_least(LEFT * of_pdf.at_most(total))))
+        let most = |spread: f64| (CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(total));
+        Ok(left.filter(|[left, spread]| *left <= most(*spread)))
     };
-    // Mistakes that need no other values of the pdf come first. Of those that explain the counts equally well, the first counts.
-    let (known, asked): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
-    for group in [known, asked] {
+    // Mistakes that need no other values of the pdf come first.
+    let (known, other): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
+    for (group, is_place) in [(known, false), (other, true)] {
         let mut found = Vec::new();
         for mistake in group {
             found.extend(left_by(&mistake)?.map(|left| (left, mistake.name)));
         }
         let best = found.iter().map(|([left, _], _)| *left).fold(f64::INFINITY, f64::at_most);
-        if let Some((_, name)) = found.into_iter().find(|([left, spread], _)| *left <= best + CHANCE * spread) {
-            return Ok(Some(format!("samples follow {name}, not the pdf")));
+        found.retain(|([left, spread], _)| *left <= best + CHANCE * spread);
+        // Places that a symmetry makes equal are all named; densities that are equal have one name that says most.
+        let names: Vec<String> = found.into_iter().map(|(_, name)| name).collect();
+        if let Some(first) = names.first() {
+            let names = if is_place { names.join(" or ") } else { first.clone() };
+            return Ok(Some(format!("samples follow {names}, not the pdf")));
         }
     }
     Ok(None)
@@ -187,7 +220,14 @@ const FEWEST_PAIRS: usize = 32;
 const MOST_PAIRS: f64 = 0.9;
 
 /// The mistake that makes samples carry other pdfs than the density has, if one explains all of `pairs`.
+///
+/// # Errors
+/// As [`of_counts`].
 pub fn of_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> Result<Option<String>> {
+    unless_cancelled(explained_pairs(domain, density, pairs))
+}
+
+fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> Result<Option<String>> {
     let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
     let pdfs: Vec<f64> = values.iter().map(|[_, pdf]| *pdf).collect();
     let factor_of = |values_of: &[f64]| {
@@ -204,9 +244,12 @@ pub fn of_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> R
     }
     for mistake in all(domain, density) {
         if let Some(factor) = factor_of(&mistake.values(density, &points, &pdfs)?) {
-            let is_equal = matches!(mistake.follows, Follows::Density(_)) || (factor - 1.0).abs() < EQUAL;
-            let times = if is_equal { String::new() } else { format!("{} times ", number(factor)) };
-            return Ok(Some(format!("what samples carry is {times}{}", mistake.name)));
+            let name = mistake.name;
+            return Ok(Some(match mistake.follows {
+                Follows::Density(_) => format!("what samples carry has the shape of {name}"),
+                _ if (factor - 1.0).abs() < EQUAL => format!("what samples carry is {name}"),
+                _ => format!("what samples carry is {} times {name}", number(factor)),
+            }));
         }
     }
     Ok(None)
@@ -358,7 +401,7 @@ mod tests {
         let changes: [(Pdf, &str); 4] = [
             (|w| beckmann_pdf(0.5, w) * PI, "each is 3.141593 = π times the density"),
             (|w| beckmann_pdf(0.5, w) / w[2], "what samples carry is the pdf divided by cos θ"),
-            (|w| 2.0 * w[2] / PI, "what samples carry is cos θ/π"),
+            (|w| 2.0 * w[2] / PI, "what samples carry has the shape of cos θ/π"),
             (|w| beckmann_pdf(0.49, w), ""),
         ];
         for (carried, name) in changes {

@@ -222,6 +222,7 @@ pub fn decide<E>(
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
         // A test that rejects has taken enough samples.
+        let rejected = rejected || outcome.violation.is_some();
         outcome.inconclusive_reason = if rejected { None } else { outcome.undecided() };
         outcome.verdict = if outcome.violation.is_some() || rejected && !outcome.interrupted {
             Verdict::Reject

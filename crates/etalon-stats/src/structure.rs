@@ -29,6 +29,8 @@ pub struct Counted<'a> {
     pub samples: u64,
     /// The level of the test.
     pub level: f64,
+    /// Whether all samples have been drawn.
+    pub is_last: bool,
     /// Whether scales say what they detect, which takes a while.
     pub states_power: bool,
 }
@@ -69,12 +71,15 @@ impl Counted<'_> {
         let level = self.states_power.then_some(own * self.level);
         let tests = scales.tests.iter().map(|test| test.at_level(level, samples));
         let scales: Vec<Scale> = tests.chain(ends).chain(order.clone()).collect();
-        // The order of stratified samples does not count; what is left has the whole level.
-        let decide: Vec<&Scale> =
-            scales.iter().filter(|scale| !is_stratified || Some(*scale) != order.as_ref()).collect();
+        // The order of stratified samples does not count; what is left has the whole level. Nor does it before the last look while
+        // batches are too few to recognize samples that are stratified in each.
+        let order_counts = !is_stratified && (self.is_last || tally.serial.stratification().is_some());
+        let is_order = |scale: &&Scale| Some(*scale) == order.as_ref();
+        let decide: Vec<&Scale> = scales.iter().filter(|scale| order_counts || !is_order(scale)).collect();
         let cells = (cells.p, 1.0 - own * decide.len() as f64);
         let p = weighted(&decide.iter().map(|scale| (scale.p, own)).chain([cells]).collect::<Vec<_>>());
-        let mut worst: Vec<&Scale> = decide.into_iter().filter(|scale| scale.p < own * suspect).collect();
+        let told = scales.iter().filter(|scale| !is_stratified || !is_order(scale));
+        let mut worst: Vec<&Scale> = told.filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
         let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();
         let mut remarks = Vec::new();

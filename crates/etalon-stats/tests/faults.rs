@@ -154,6 +154,11 @@ fn samples_that_are_too_even_are_accepted_with_a_remark() {
         let n = numbers.len() as f64;
         numbers.iter_mut().enumerate().for_each(|(i, x)| *x = (i as f64 + *x) / n);
     };
+    let in_quarters = |seed: u32, numbers: &mut [f64]| {
+        fill(seed, numbers);
+        let n = numbers.len();
+        numbers.iter_mut().enumerate().for_each(|(i, x)| *x = ((4 * i / n) as f64 + *x) / 4.0);
+    };
     let antithetic = |seed: u32, numbers: &mut [f64]| {
         fill(seed, numbers);
         (1..numbers.len()).step_by(2).for_each(|i| numbers[i] = 1.0 - numbers[i - 1]);
@@ -168,7 +173,7 @@ fn samples_that_are_too_even_are_accepted_with_a_remark() {
             pair.copy_from_slice(&Independent::new(u64::from(seed), 0, i as u32).pair(0));
         }
     };
-    for outcome in [on_line(stratified), on_line(antithetic), on_sphere(sobol), on_line(sobol)] {
+    for outcome in [on_line(stratified), on_line(in_quarters), on_line(antithetic), on_sphere(sobol), on_line(sobol)] {
         assert!(outcome.is_accepted() && outcome.remarks[0].contains("low-discrepancy"), "{outcome}");
     }
     assert!(on_sphere(random).remarks.is_empty());

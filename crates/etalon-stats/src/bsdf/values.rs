@@ -101,14 +101,16 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
         let (_, BsdfSample { wi, .. }, pdf) = *sample;
         let words = || format!("{}: the sample's pdf {pdf:e} is not pdf(wo, wi) = {asked:e}", at(subject, sample));
         carried.count(&Sample::with_pdf(*wi, pdf), asked, 0.0, words);
-        found.holds(pdf > 0.0, || format!("{}: the pdf of a sample is {pdf}", at(subject, sample)));
     }
-    if let Some(violation) = carried.violation() {
-        let mistake = mistakes::of_pairs(&sphere(), &Scattering(subject), &carried.pairs)?;
-        let mistake = mistake.map_or(String::new(), |mistake| format!("; {mistake}"));
-        found.all_hold(carried.counts(), || violation + &mistake);
-    } else {
-        found.all_hold(carried.counts(), String::new);
+    let violation = carried.violation();
+    let mistake = match violation {
+        Some(_) => mistakes::of_pairs(&sphere(), &Scattering(subject), &carried.pairs)?,
+        None => None,
+    };
+    let words = violation.into_iter().chain(mistake).collect::<Vec<_>>().join("; ");
+    found.all_hold(carried.counts(), || words);
+    for sample in spread {
+        found.holds(sample.2 > 0.0, || format!("{}: the pdf of a sample is {}", at(subject, sample), sample.2));
     }
     Ok(())
 }
