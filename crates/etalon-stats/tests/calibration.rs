@@ -28,9 +28,10 @@ type Kind = fn(u64, Spoil) -> Run;
 
 const KINDS: [(&str, Kind); 4] = [("discrete", discrete), ("line", line), ("square", square), ("sphere", sphere)];
 
-/// The p-value of the first round, and what both rounds decide.
+/// The p-value of the first round, whether a look ended it before all samples were drawn, and what both rounds decide.
 struct Run {
     p: f64,
+    is_early: bool,
     verdict: Verdict,
 }
 
@@ -39,10 +40,11 @@ fn run(seed: u64, domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Dens
     let round = |round| examine(domain, sampler, density, &protocol, round);
     let mut outcomes: [Outcome; 1] = [round(0).unwrap()];
     let p = outcomes[0].p.unwrap();
+    let is_early = outcomes[0].samples < protocol.samples_for(outcomes[0].cells - 1);
     decide(&mut outcomes, LEVEL, |_| round(1)).unwrap();
     // Exact checks reject at once, for whatever level.
     assert_eq!(outcomes[0].violation, None, "seed {seed}");
-    Run { p, verdict: outcomes[0].verdict }
+    Run { p, is_early, verdict: outcomes[0].verdict }
 }
 
 /// Parameters of the density of a run.
@@ -139,6 +141,10 @@ fn assert_calibrated(runs: &[Run]) {
         assert!(below <= most, "{below} of {} p-values below {level}", runs.len());
     }
     assert!(rejected(runs) <= most(runs, LEVEL), "{} of {} rejected", rejected(runs), runs.len());
+    // Looks before the last have a tenth of the level.
+    let early = runs.iter().filter(|run| run.is_early).count();
+    println!("ended early: {early}, at most {} are explained", most(runs, 0.1 * LEVEL));
+    assert!(early <= most(runs, 0.1 * LEVEL), "{early} of {} ended early", runs.len());
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! The power that outcomes state, measured: ripples of the stated size, of 1 to 64 periods along each axis, are found as often.
 //! `cargo test -p etalon-stats --test power -- --ignored --nocapture` prints the table of the book.
 
+use etalon_stats::stream::CounterRng;
 use etalon_stats::{
     Density, Directions, Domain, Line, Outcome, Pole, Protocol, Sample, Sampler, Square, Verdict, density, sampler,
     validate,
 };
+use rand::seq::SliceRandom;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 const PERIODS: [u32; 5] = [1, 4, 8, 16, 64];
@@ -101,4 +104,31 @@ fn measure(seeds: u64) {
         total += found;
     }
     assert_found(total, 2 * seeds);
+}
+
+/// Errors of ±w in equal numbers of cells, in random order: finer tests see next to nothing of them that cells do not.
+/// With them, what larger ones cost.
+#[ignore = "takes a minute"]
+#[test]
+fn errors_of_cells_are_found_as_often_as_stated() {
+    const CELLS: usize = 200;
+    let of_size = |w: f64, seed: u64| {
+        let mut signs: Vec<f64> = (0..CELLS).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        signs.shuffle(&mut CounterRng::new(seed, 0x70e4));
+        let lines = (1..CELLS).map(|i| i as f64 / CELLS as f64).collect();
+        let pdf = density(move |x: f64| 1.0 + w * signs[((x * CELLS as f64) as usize).min(CELLS - 1)]);
+        pdf.with_steps([lines, Vec::new()])
+    };
+    let uniform = sampler(1, |u| Some(Sample::new(u[0])));
+    for (w, runs) in [(0.02, 800), (0.03, 100), (0.05, 100), (0.1, 100), (0.0, 100)] {
+        let protocol = |seed| Protocol { seed, ..Protocol::default() };
+        let run = |seed| validate(&Line::UNIT, &uniform, &of_size(w, seed), &protocol(seed)).unwrap();
+        let outcomes: Vec<Outcome> = (1..=runs).into_par_iter().map(run).collect();
+        let found = outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Reject).count() as u64;
+        let samples = outcomes.iter().map(|outcome| outcome.samples).sum::<u64>() / runs;
+        println!("{:.0} %: {found} of {runs}, {samples} samples on average", 100.0 * w);
+        if w > 0.0 {
+            assert_found(found, runs);
+        }
+    }
 }
