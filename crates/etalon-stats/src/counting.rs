@@ -1,7 +1,7 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Check, Integrals, Integration, InvalidPdf, Probe, Shares};
+use crate::cubature::{Check, Integration, InvalidPdf, Probe, Shares};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
@@ -55,15 +55,6 @@ pub struct Counting<'a> {
     pub risk: f64,
 }
 
-/// Integrals as far as they have been refined.
-struct Known {
-    integrals: Integrals,
-    /// What the integrals are multiplied by to be probabilities.
-    scale: f64,
-    /// The probabilities of the parts.
-    shares: Shares,
-}
-
 /// Counts and integrals.
 pub struct Counted {
     pub values: Vec<f64>,
@@ -102,39 +93,39 @@ impl Counting<'_> {
         loop {
             let [stream, checks] = streams(round, attempt);
             let counters = Counters { subdivision, labels, atoms, integration: &integration };
-            let known = self.known(&integration);
-            let mut tally = Tally::empty(&counters);
+            let mut counted = self.uncounted(&integration, &counters);
             let mut from = 0;
             // Each early look is taken once. A test ends there if errors of the integrals do not explain what was found.
             for samples in looks.early().filter(|_| attempt == 1) {
-                tally = tally.plus(self.source.tally(stream, from..samples, &counters)?);
+                counted.tally = counted.tally.plus(self.source.tally(stream, from..samples, &counters)?);
                 from = samples;
-                if ends(&self.unchecked(&known, &tally)) {
-                    let (counted, _) = self.checked(&integration, &known, &tally, checks, None)?;
+                if ends(&counted) {
+                    self.check(&integration, checks, None, &mut counted)?;
                     if ends(&counted) {
                         return Ok(counted);
                     }
+                    counted.uncertain = false;
                 }
             }
-            tally = tally.plus(self.source.tally(stream, from..all, &counters)?);
-            let (counted, check) = self.checked(&integration, &known, &tally, checks, corrections.as_deref())?;
+            counted.tally = counted.tally.plus(self.source.tally(stream, from..all, &counters)?);
+            let check = self.check(&integration, checks, corrections.as_deref(), &mut counted)?;
             let (Integration::Refined(refinement), Some(check)) = (&mut integration, check) else {
                 return Ok(counted);
             };
             // Stop when the integrals are precise enough, after the last attempt, or at an invalid pdf.
             let is_good = !counted.uncertain
-                && (corrections.is_some() || Share::total(tally.missed.iter().copied()) <= MISSED * all as f64);
+                && (corrections.is_some() || Share::total(counted.tally.missed.iter().copied()) <= MISSED * all as f64);
             if is_good || attempt == attempts || counted.invalid.is_some() {
                 return Ok(counted);
             }
             // Learn where the density is not what the nodes predict; before the last attempt estimate what is missing.
             attempt += 1;
             if attempt < attempts {
-                refinement.learn(&[check.found, tally.found].concat())?;
+                refinement.learn(&[check.found, counted.tally.found].concat())?;
             } else {
-                let scale = known.scale;
+                let scale = self.scale(&refinement.integrals().values);
                 let correction = |cell: usize| {
-                    let ([within_reach, error], missed) = (check.difference(cell), self.missed(&tally, cell));
+                    let ([within_reach, error], missed) = (check.difference(cell), self.missed(&counted.tally, cell));
                     [scale * within_reach + missed, (scale * error).hypot((missed / all as f64).sqrt())]
                 };
                 corrections = Some((0..subdivision.grid.len()).map(correction).collect());
@@ -142,47 +133,42 @@ impl Counting<'_> {
         }
     }
 
-    /// The integrals as far as they have been refined.
-    fn known(&self, integration: &Integration) -> Known {
+    /// No samples yet, and the integrals as far as they have been refined, with errors that are not known.
+    fn uncounted(&self, integration: &Integration, counters: &Counters) -> Counted {
         let integrals = integration.integrals();
         let scale = self.scale(&integrals.values);
-        Known { shares: integration.shares(self.subdivision).times(scale), integrals, scale }
-    }
-
-    /// The counts of `tally`, and the integrals as they are known, with errors that are not.
-    fn unchecked(&self, known: &Known, tally: &Tally) -> Counted {
-        let Known { integrals, shares, scale } = known;
         Counted {
-            integral: Integral { error: f64::INFINITY, ..Integral::exact(integrals) },
+            integral: Integral { error: f64::INFINITY, ..Integral::exact(&integrals) },
             values: integrals.values.iter().map(|value| scale * value).collect(),
-            shares: Some((shares.clone(), 0.0)),
+            shares: Some((integration.shares(self.subdivision).times(scale), 0.0)),
             uncertain: false,
             invalid: integrals.invalid,
-            tally: tally.clone(),
+            tally: Tally::empty(counters),
         }
     }
 
-    /// The counts of `tally`, and the integrals with their errors, which are measured at random points of stream
-    /// number `checks`; with `corrections`, if these are known. Exact sums have no errors and need no such points.
-    fn checked(
+    /// Measures the errors of the integrals at random points of stream number `checks`, and adds `corrections`, if these are
+    /// known. Exact sums have no errors and need no such points.
+    fn check(
         &self,
         integration: &Integration,
-        known: &Known,
-        tally: &Tally,
         checks: u64,
         corrections: Option<&[Correction]>,
-    ) -> Result<(Counted, Option<Check>)> {
-        let unchecked = self.unchecked(known, tally);
+        counted: &mut Counted,
+    ) -> Result<Option<Check>> {
+        let integrals = integration.integrals();
         let Integration::Refined(refinement) = integration else {
-            return Ok((Counted { integral: Integral::exact(&known.integrals), ..unchecked }, None));
+            counted.integral = Integral::exact(&integrals);
+            return Ok(None);
         };
-        let Known { integrals, scale, .. } = known;
+        let tally = &counted.tally;
         let probes = (tally.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
         let check = refinement.check(probes, self.source.seed, checks)?;
-        let integral = Integral::measured(integrals, &check, tally, self.risk);
-        let invalid = integrals.invalid.or(check.invalid);
+        counted.integral = Integral::measured(&integrals, &check, tally, self.risk);
+        counted.invalid = integrals.invalid.or(check.invalid);
 
         // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
+        let scale = self.scale(&integrals.values);
         let found = |cell: usize| {
             let [difference, error] = check.difference(cell);
             scale * (difference.abs() - CHANCE * error).at_least(0.0) + self.missed(tally, cell)
@@ -191,16 +177,17 @@ impl Counting<'_> {
             Some(corrections) => corrections[cell][1],
             None => scale * integrals.errors[cell] + found(cell),
         };
-        let mut values = unchecked.values;
-        let uncertain = self.is_uncertain(tally.samples, &values, error);
+        counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
         let all_found: f64 = (0..self.subdivision.grid.len()).map(found).sum();
-        let shares = unchecked.shares.filter(|_| corrections.is_none()).map(|(shares, _)| (shares, all_found));
+        // Samples tell what cells lack, but not which of their parts
+        counted.shares = counted.shares.take().filter(|_| corrections.is_none()).map(|(shares, _)| (shares, all_found));
+        let values = &mut counted.values;
         for (value, [more, _]) in values.iter_mut().zip(corrections.into_iter().flatten()) {
             *value = (*value + more).at_least(0.0);
         }
-        let scale = self.scale(&values);
+        let scale = self.scale(values);
         values.iter_mut().for_each(|value| *value *= scale);
-        Ok((Counted { values, shares, integral, uncertain, invalid, ..unchecked }, Some(check)))
+        Ok(Some(check))
     }
 
     /// The share of samples in a cell that the integrals miss.

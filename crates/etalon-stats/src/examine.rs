@@ -114,10 +114,10 @@ impl Protocol {
         match self.samples {
             SampleCount::Fixed(n) => n,
             SampleCount::Detect(w) => {
-                // The share of the last look is that of one look, or that of the last of several.
-                let one = samples_for(dof, CELLS * self.own_level(), w);
                 let several = samples_for(dof, self.level_of_cells(MOST), w);
-                if Looks::at_doubling(one) == Looks::one(one) { one } else { several }.min(MOST)
+                // So few that there is one look, with the whole level, need fewer still.
+                let is_one = Looks::at_doubling(several) == Looks::one(several);
+                if is_one { samples_for(dof, CELLS * self.own_level(), w) } else { several }.min(MOST)
             }
         }
     }
