@@ -87,7 +87,7 @@ class Result:
 
     @property
     def reason(self) -> str | None:
-        """What an exact check found wrong, or why the test is inconclusive."""
+        """Why the test does not accept: the usual mistake that explains it, then what is wrong, how much and where."""
         return self._found.reason
 
     @property
@@ -122,7 +122,8 @@ class Result:
     def __repr__(self) -> str:
         p = "" if self.p is None else f", p={self.p:.3g}" if self.p >= LEAST else f", p<{LEAST}"
         detectable = "" if self.detectable is None else f", detectable={self.detectable:.3g}"
-        return f"<Result {self.name}: {self.verdict}{p}{detectable}>"
+        reason = "" if self.reason is None else f": {self.reason}"
+        return f"<Result {self.name}: {self.verdict}{p}{detectable}{reason}>"
 
     def _repr_svg_(self) -> str | None:
         return self._found.svg()

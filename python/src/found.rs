@@ -89,7 +89,7 @@ impl Found {
     pub fn of_test(tested: Tested, text: Option<String>) -> Self {
         let outcome = tested.outcome.clone();
         let text = text.unwrap_or_else(|| tested.text());
-        let places = outcome.diagnosis.iter().flat_map(|places| places.split("; ")).map(str::to_owned).collect();
+        let places = outcome.places().map(str::to_owned).collect();
         Self {
             p: outcome.p,
             statistic: Some(outcome.statistic).filter(|_| outcome.dof > 0),
@@ -98,7 +98,7 @@ impl Found {
             integral: outcome.mass.map(|mass| mass.value),
             samples: outcome.samples,
             seconds: outcome.seconds,
-            reason: outcome.remark().map(str::to_owned),
+            reason: outcome.reason(),
             places,
             ..Self::new(&tested.name.clone(), outcome.verdict, text, tested)
         }
@@ -113,8 +113,7 @@ impl Found {
             _ => Verdict::Accept,
         };
         let least = outcomes().filter_map(|outcome| outcome.p).min_by(f64::total_cmp);
-        let bad = || run.tests.iter().filter(|test| !test.outcome.is_accepted());
-        let places = bad().map(|test| format!("{}: {}", test.name, why(test))).collect();
+        let places = run.causes();
         let checks = run.tests.iter().map(|test| Py::new(py, Self::of_test(test.clone(), None)));
         Ok(Self {
             // Below the level if and only if the step-down rejects at least one
@@ -126,7 +125,7 @@ impl Found {
                 .max_by(f64::total_cmp),
             samples: outcomes().map(|outcome| outcome.samples).sum(),
             seconds: run.seconds,
-            reason: bad().next().map(|test| format!("{}: {}", test.name, why(test))),
+            reason: places.first().cloned(),
             places,
             checks: checks.collect::<PyResult<_>>()?,
             ..Self::new(name, verdict, run.text(), run)
@@ -181,12 +180,4 @@ impl Found {
             ..Self::new(&table.family.clone(), verdict, table.text(), table)
         }
     }
-}
-
-/// Why a test does not accept.
-fn why(test: &Tested) -> String {
-    let outcome = &test.outcome;
-    let p = || outcome.p.map_or_else(String::new, |p| format!("p = {p:.2e}"));
-    let why = outcome.remark().map_or_else(p, str::to_owned);
-    outcome.diagnosis.as_ref().map_or(why.clone(), |places| format!("{why}; {places}"))
 }

@@ -104,7 +104,9 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Pla
         });
         let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
         if let (Some(test), Some(raised)) = (&mut tested, calls.iter().find_map(|calls| calls.raised())) {
-            (test.outcome.violation, test.outcome.verdict) = (Some(raised), Verdict::Reject);
+            let outcome = &mut test.outcome;
+            (outcome.mistake, outcome.violation, outcome.p) = (None, Some(raised), None);
+            outcome.verdict = Verdict::Reject;
         }
         Ok(tested.map(|test| (explain(space.domain(), &test.outcome, &protocol), test)))
     })?;

@@ -11,6 +11,9 @@ use crate::sampler::{Density, Mass, Sampler};
 use std::collections::VecDeque;
 use std::fmt::{Debug, Display, Write};
 
+/// What no test of samples against their pdf sees.
+pub const UNSEEN: &str = "this test cannot see an error that pdf and samples share: a wrong parameter in both";
+
 /// Regions in the table.
 const LISTED: usize = 6;
 /// Regions in words.
@@ -219,36 +222,27 @@ pub fn assert_samples_follow_pdf_by(
             // A wrong mass is the violation already.
             let mass = outcome.mass.filter(|_| outcome.violation.is_none());
             let mass = mass.map_or_else(String::new, |mass| format!("integral of the pdf: {mass}; {declared}\n"));
-            panic!("samples do not follow the pdf\n{}{mass}", explain(domain, &outcome, protocol));
+            panic!("{}{mass}", explain(domain, &outcome, protocol));
         }
         Err(error) => panic!("the samples could not be tested: {error}"),
     }
 }
 
-/// What a test found, over several lines: verdict and statistic; the violation of an exact check or the reason for an
-/// inconclusive verdict; unless it accepted, the regions in which observed and expected counts differ most; the detectable
-/// error, and that of ripples finer than the cells; remarks; the seed.
+/// What a test found, over several lines: the verdict and its reason; further places; the statistic; if counts reject, the
+/// regions in which observed and expected counts differ most; the detectable error, and that of ripples finer than the cells;
+/// what the test cannot see; remarks; the seed.
 #[must_use]
 pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> String {
     // Writing to a string cannot fail.
-    let mut text = format!("verdict: {}", outcome.verdict);
+    let mut text = outcome.headline() + "\n";
+    outcome.other_places().for_each(|place| text += &format!("  {place}\n"));
     if let Some(p) = outcome.continuous_p() {
-        let _ = write!(
-            text,
-            ", {}, chi-square = {:.1} with {}",
-            p_value(p),
-            outcome.statistic,
-            count(outcome.dof, "degree of freedom", "degrees of freedom")
-        );
+        let freedom = count(outcome.dof, "degree of freedom", "degrees of freedom");
+        let _ = write!(text, "{}, chi-square = {:.1} with {freedom}, ", p_value(p), outcome.statistic);
     }
-    let _ = writeln!(text, ", {}", count(outcome.samples, "sample", "samples"));
-    if let Some(remark) = outcome.remark() {
-        let _ = writeln!(text, "reason: {remark}");
-    }
-    if let Some(diagnosis) = &outcome.diagnosis {
-        let _ = writeln!(text, "{diagnosis}");
-    }
-    if let Some(counts) = outcome.counts.as_ref().filter(|_| !outcome.is_accepted()) {
+    let _ = writeln!(text, "{}", count(outcome.samples, "sample", "samples"));
+    let by_counts = outcome.verdict == Verdict::Reject && outcome.p.is_some();
+    if let Some(counts) = outcome.counts.as_ref().filter(|_| by_counts) {
         text += &table(domain, counts);
     }
     if let Some(error) = outcome.detectable.filter(|_| outcome.verdict != Verdict::Reject) {
@@ -261,6 +255,9 @@ pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> S
     if let Some(finer) = outcome.finer() {
         let _ = writeln!(text, "ripples: {finer}");
     }
+    if outcome.is_accepted() {
+        let _ = writeln!(text, "{UNSEEN}");
+    }
     for remark in &outcome.remarks {
         let _ = writeln!(text, "remark: {remark}");
     }
@@ -268,9 +265,35 @@ pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> S
     text
 }
 
-/// A point or a list of random numbers as `(x, y, z)`; a single number as it is.
+/// A point or a list of random numbers as `(x, y, z)`, with as many digits as find a place again; a single number without
+/// brackets.
 pub fn tuple(point: &impl Debug) -> String {
-    format!("{point:?}").replace('[', "(").replace(']', ")")
+    let text = format!("{point:?}").replace('[', "(").replace(']', ")");
+    let short = |part: &str| {
+        let number = part.trim_matches(|c| c == '(' || c == ')');
+        number.parse::<f64>().map_or(part.to_owned(), |value| part.replace(number, &coordinate(value, number)))
+    };
+    text.split(", ").map(short).collect::<Vec<_>>().join(", ")
+}
+
+/// Six digits after the point; `all` digits of a number near an integer, where errors of edges are.
+fn coordinate(value: f64, all: &str) -> String {
+    if (value - value.round()).abs() >= 1e-4 {
+        format!("{value:.6}").trim_end_matches('0').to_owned()
+    } else {
+        all.to_owned()
+    }
+}
+
+/// Two different numbers, with as many digits as tell them apart.
+pub fn different(a: f64, b: f64) -> [String; 2] {
+    let text = (6..=16).map(|digits| [a, b].map(|number| with_digits(number, digits))).find(|[a, b]| a != b);
+    text.unwrap_or_else(|| [a, b].map(|number| format!("{number:e}")))
+}
+
+/// A number to that many digits after the point, with an exponent only where it is large or small.
+fn with_digits(number: f64, digits: usize) -> String {
+    if (1e-3..1e4).contains(&number.abs()) { format!("{number:.digits$}") } else { format!("{number:.digits$e}") }
 }
 
 /// A number with its noun, the singular for 1: `1 sample`, `2 samples`.
@@ -328,10 +351,14 @@ mod tests {
         let text = message(&half, &uniform, &density(|w: [f64; 3]| w[2] / PI));
         let worst = text.lines().find(|line| line.trim_start().starts_with("theta")).unwrap();
         assert!(worst.contains("..90.00°") && worst.contains("+9"), "{text}");
-        assert!(text.starts_with("verdict: reject, p ") && text.contains("seed: 7"), "{text}");
+        assert!(
+            text.starts_with("reject: samples follow a uniform density, not the pdf: 929 % too many within")
+                && text.contains("seed: 7"),
+            "{text}"
+        );
         let accepted = message(&half, &uniform, &density(|_: [f64; 3]| 1.0 / TAU));
         assert!(accepted.contains("errors of the pdf of 2.0"), "{accepted}");
-        assert!(accepted.starts_with("verdict: accept") && !accepted.contains("region"), "{accepted}");
+        assert!(accepted.starts_with("accept\n") && !accepted.contains("region"), "{accepted}");
         // An error in one spot, at phi from 77° to 103°, is blamed on the cells around it and not on their whole row.
         let spot = |w: [f64; 3]| w[2] > 0.5 && w[2] < 0.6 && w[0].abs() < 0.2 && w[1] > 0.0;
         let holey = sampler(2, |u| Some(uniform_hemisphere(u)).filter(|w| !spot(*w)).map(Sample::new));
@@ -351,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "reason: the pdf integrates to 1.01")]
+    #[should_panic(expected = "reject: the pdf integrates to 1.01")]
     fn a_wrong_mass_fails_the_assertion() {
         let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
         assert_samples_follow_pdf(&Directions::hemisphere(Pole::Z), &uniform, &density(|_: [f64; 3]| 1.01 / TAU));

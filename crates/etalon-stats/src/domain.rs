@@ -274,7 +274,17 @@ impl Domain for Line {
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let reversed = |point| (self.from + self.to - f64::from(point)).into();
         let mut all = vec![Mistake::at("with both ends exchanged", reversed)];
-        all.extend(Mistake::factor("the distance from the lower end", |point| f64::from(point) - self.from));
+        let powers = [(1.0, ""), (2.0, "the square of "), (0.5, "the root of "), (-0.5, "1 over the root of ")];
+        for (end, at, sign) in [("lower", self.from, 1.0), ("upper", self.to, -1.0)] {
+            let distance = move |point| sign * (f64::from(point) - at);
+            let name = format!("the distance from the {end} end");
+            all.extend(Mistake::factor(&name, distance));
+            let density = |(power, text)| {
+                let name = format!("a density in proportion to {text}{name}");
+                Mistake::density(&name, move |point| distance(point).powf(power))
+            };
+            all.extend(powers.map(density));
+        }
         all
     }
 
@@ -322,7 +332,12 @@ impl Domain for Square {
             ("at 1 - y", |[x, y]| [x, 1.0 - y]),
             ("at 1 - x and 1 - y", |[x, y]| [1.0 - x, 1.0 - y]),
         ];
-        places.map(|(name, place)| Mistake::at(name, move |point| place(point.into()).into())).into()
+        let at = |(name, place): Place<2>| Mistake::at(name, move |point| place(point.into()).into());
+        let mut all: Vec<Mistake> = places.map(at).into();
+        let factors: [(&str, fn([f64; 2]) -> f64); 4] =
+            [("x", |[x, _]| x), ("y", |[_, y]| y), ("(1 - x)", |[x, _]| 1.0 - x), ("(1 - y)", |[_, y]| 1.0 - y)];
+        all.extend(factors.into_iter().flat_map(|(name, of)| Mistake::factor(name, move |point| of(point.into()))));
+        all
     }
 }
 

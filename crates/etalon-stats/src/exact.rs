@@ -3,7 +3,7 @@
 
 use crate::counting::BATCH;
 use crate::cubature::Probe;
-use crate::diagnosis::{count, tuple};
+use crate::diagnosis::{count, different, tuple};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -23,20 +23,20 @@ pub fn invalid_pdf(sample: &Sample, pdf: f64) -> Option<String> {
 /// they are equal to the last bit, or up to the declared precision.
 fn difference(sample: &Sample, pdf: f64, precision: f64) -> Option<f64> {
     let carried = sample.pdf?;
-    let relative = relative(carried, pdf);
+    let relative = relative_difference(carried, pdf);
     Some(if carried.to_bits() == pdf.to_bits() || relative <= precision { 0.0 } else { relative })
 }
 
-/// The relative difference of two pdfs; infinite where one is not a number.
-fn relative(a: f64, b: f64) -> f64 {
+/// The relative difference of two numbers; infinite where one is not a number.
+pub fn relative_difference(a: f64, b: f64) -> f64 {
     let relative = if a == b { 0.0 } else { (a - b).abs() / a.abs().at_least(b.abs()) };
     if relative.is_nan() { f64::INFINITY } else { relative }
 }
 
 /// The sentence on a sample that carries another pdf than the density's.
 pub fn carries_another(sample: &Sample, pdf: f64) -> String {
-    let carried = sample.pdf.unwrap_or(f64::NAN);
-    format!("the sample {} carries the pdf {carried:e}, but the density says {pdf:e}", tuple(&sample.point))
+    let [carried, asked] = different(sample.pdf.unwrap_or(f64::NAN), pdf);
+    format!("the sample {} carries the pdf {carried}, but the density says {asked}", tuple(&sample.point))
 }
 
 /// What is wrong with a single sample and `pdf`, the density's value there.
@@ -108,13 +108,15 @@ impl Carried {
     /// What is wrong: the largest difference, the share of samples that differ, and the median difference.
     pub fn violation(&self) -> Option<String> {
         let (largest, sentence) = self.largest.as_ref()?;
-        let mut all: Vec<f64> = self.pairs.iter().map(|(_, [carried, pdf])| relative(*carried, *pdf)).collect();
+        let mut all: Vec<f64> =
+            self.pairs.iter().map(|(_, [carried, pdf])| relative_difference(*carried, *pdf)).collect();
         all.sort_unstable_by(f64::total_cmp);
         let share = 100.0 * self.different as f64 / self.compared as f64;
         let share = if share < 0.1 { format!("{share:.1e}") } else { format!("{share:.1}").replace(".0", "") };
         let median = all[all.len() / 2];
+        let hint = if self.is_rounding() { AS_SINGLE } else { "" };
         Some(format!(
-            "{sentence}: the largest difference, {}; {share} % of samples differ, and the median of all is {}",
+            "{sentence}: the largest difference, {}; {share} % of samples differ, and the median of all is {}{hint}",
             percent(*largest),
             percent(median)
         ))
@@ -122,13 +124,18 @@ impl Carried {
 }
 
 /// A share in percent.
-fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     if share > 0.0 && share < 1e-4 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
 }
 
 /// What is wrong with a sample that has no chart coordinates.
 pub fn outside(sample: &Sample) -> String {
-    format!("the sample {} is outside of the domain", tuple(&sample.point))
+    let length = match sample.point.coordinates() {
+        [x, y, z] => (x * x + y * y + z * z).sqrt(),
+        _ => 1.0,
+    };
+    let hint = if (length - 1.0).abs() > 1e-4 { format!(": its length is {length:.6}") } else { String::new() };
+    format!("the sample {} is outside of the domain{hint}", tuple(&sample.point))
 }
 
 /// What random numbers at the edges of \[0, 1) find, which a generator hardly ever returns.

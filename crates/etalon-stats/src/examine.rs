@@ -290,7 +290,8 @@ impl Test<'_> {
             }
             Mass::Unknown => (0.0, false),
         };
-        let mass_violation = (mass_is_wrong || overflows).then(|| match density.mass() {
+        let is_known = mass.value.is_finite() || overflows;
+        let mass_violation = (is_known && (mass_is_wrong || overflows)).then(|| match density.mass() {
             _ if overflows => "the integral of the pdf is not a finite number".to_owned(),
             Mass::Exactly(m) => format!("the pdf integrates to {mass}{}, not to {m}", constant(mass)),
             Mass::AtMostOne | Mass::Unknown => format!("the pdf integrates to {mass}{}, more than 1", constant(mass)),
@@ -318,7 +319,7 @@ impl Test<'_> {
         let test = chi_square(&observed, &expected).filter(|_| !certain);
         let parts = structure::Counted {
             subdivision,
-            axes: domain.axes(),
+            domain,
             labels,
             tally,
             shares,
@@ -340,8 +341,11 @@ impl Test<'_> {
             .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
         let (of_samples, carried) = (tally.violation.clone(), tally.carried.violation());
         let of_corners = corners.violation.clone();
-        let violations = [pdf_violation, mass_violation, of_samples, carried, of_corners, infinite_violation];
-        let violation = violations.into_iter().flatten().next();
+        // What concerns all of the pdf comes first.
+        let invalid = of_samples.or(pdf_violation).or(infinite_violation);
+        let violations = [mass_violation, invalid, carried.or(of_corners)];
+        let violations: Vec<String> = violations.into_iter().flatten().collect();
+        let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
         let grid = subdivision.grid.clone();
         Findings {
             counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() },
@@ -400,17 +404,16 @@ impl Test<'_> {
             .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
             .or_else(|| exact::collisions(domain, pilot, draws?));
         // Name the mistake: of the pdfs that samples carry, and of their places.
-        if violation.is_some() && violation == tally.carried.violation() {
-            let hint = if tally.carried.is_rounding() {
-                Some(exact::AS_SINGLE.to_owned())
-            } else {
-                mistakes::of_pairs(domain, density, &tally.carried.pairs)?.map(|mistake| format!("; {mistake}"))
-            };
-            violation = violation.map(|what| what + &hint.unwrap_or_default());
+        let mut mistakes = Vec::new();
+        if tally.carried.violation().is_some() && !tally.carried.is_rounding() {
+            let names = ["what samples carry", "the pdf"];
+            mistakes.extend(mistakes::of_pairs(domain, density, &tally.carried.pairs, names)?);
         }
-        let is_suspect = violation.is_some() || p.is_some_and(|p| p < SUSPECT);
-        let mistake = if is_suspect && mass.is_some() { mistakes::of_counts(domain, density, &counts)? } else { None };
-        let words = mistake.into_iter().chain(is_suspect.then(|| diagnose(domain, &counts)).flatten()).chain(words);
+        let is_suspect = p.is_some_and(|p| p < SUSPECT);
+        if is_suspect && mass.is_some() {
+            mistakes.extend(mistakes::of_counts(domain, density, &counts, ["samples", "the pdf"])?);
+        }
+        let words = is_suspect.then(|| diagnose(domain, &counts)).flatten().into_iter().chain(words);
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),
             dof: test.map_or(0, |test| test.dof),
@@ -420,6 +423,7 @@ impl Test<'_> {
             cells: counts.observed.len(),
             pooled: test.map_or(0, |test| test.dof + 1),
             none: tally.none,
+            mistake: Some(mistakes.join("; ")).filter(|text| !text.is_empty()),
             violation,
             inconclusive_reason,
             diagnosis: Some(words.collect::<Vec<_>>().join("; ")).filter(|words| is_suspect && !words.is_empty()),

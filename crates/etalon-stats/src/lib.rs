@@ -37,7 +37,7 @@ mod structure;
 pub mod sweep;
 pub mod welch;
 
-pub use diagnosis::{assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
+pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
 pub use domain::{Directions, Discrete, Domain, Line, Point, Pole, Square};
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};
@@ -46,7 +46,7 @@ pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake};
-pub use outcome::{Counts, Outcome, Verdict, decide};
+pub use outcome::{Counts, Finding, Outcome, Verdict, causes, decide, shared_remarks};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,
 };

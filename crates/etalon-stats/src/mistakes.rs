@@ -31,9 +31,9 @@ pub enum Follows<'a> {
 
 /// A usual mistake.
 pub struct Mistake<'a> {
-    /// The density that samples follow, as the end of "samples follow ...".
+    /// The density's name, or what is done to the pdf: "times cos θ".
     pub name: String,
-    /// The density.
+    /// The density that samples follow.
     pub follows: Follows<'a>,
 }
 
@@ -48,14 +48,27 @@ impl<'a> Mistake<'a> {
         let times = Follows::Times(Box::new(factor));
         let divided = Follows::Times(Box::new(move |point| 1.0 / factor(point)));
         [
-            Self { name: format!("the pdf times {name}"), follows: times },
-            Self { name: format!("the pdf divided by {name}"), follows: divided },
+            Self { name: format!("times {name}"), follows: times },
+            Self { name: format!("divided by {name}"), follows: divided },
         ]
     }
 
     /// Samples that follow the pdf at another place.
     pub fn at(name: &str, place: impl Fn(Point) -> Point + 'a) -> Self {
-        Self { name: format!("the pdf {name}"), follows: Follows::At(Box::new(place)) }
+        Self { name: name.to_owned(), follows: Follows::At(Box::new(place)) }
+    }
+
+    /// Samples that follow what these values are in proportion to.
+    pub fn asked(name: &str, values: impl Fn(&[Point]) -> Result<Vec<f64>> + 'a) -> Self {
+        Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)) }
+    }
+
+    /// What is followed in place of `of`, such as "the pdf".
+    fn told(&self, of: &str) -> String {
+        match self.follows {
+            Follows::Density(_) => self.name.clone(),
+            _ => format!("{of} {}", self.name),
+        }
     }
 
     /// Whether the pdf's values at the points themselves are enough.
@@ -95,7 +108,7 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     all.extend(domain.mistakes());
     all.extend(density.mistakes());
     let of = |name: &str, function| Mistake { name: name.to_owned(), follows: Follows::Of(function) };
-    all.extend([of("the square of the pdf", |pdf| pdf * pdf), of("the root of the pdf", f64::sqrt)]);
+    all.extend([of("squared", |pdf| pdf * pdf), of("to the power of 1/2", f64::sqrt)]);
     // A table, or a set, that is shifted by one entry
     let of_set = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
     let steps: [Vec<f64>; 2] = of_set.or_else(|| density.steps()).unwrap_or_default();
@@ -132,12 +145,19 @@ const CLEAR: f64 = 10.0;
 /// Fewer degrees of freedom are explained by too many densities.
 const FEWEST: usize = 5;
 
-/// The mistake that explains the counts of the cells, if the pdf does not and one does.
+/// The mistake that explains the counts of the cells, if the density does not and one does: "[samples] follow cos θ/π, not
+/// [the pdf]".
 ///
 /// # Errors
 /// [`Error::Cancelled`]. Where the density fails otherwise, at points that it was not made for, nothing is named.
-pub fn of_counts(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Result<Option<String>> {
-    unless_cancelled(explained(domain, density, counts))
+pub fn of_counts(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    counts: &Counts,
+    [samples, of]: [&str; 2],
+) -> Result<Option<String>> {
+    let explained = explained(domain, density, counts, of);
+    unless_cancelled(explained.map(|names| names.map(|names| format!("{samples} follow {names}, not {of}"))))
 }
 
 /// What was found; nothing at an error other than a cancellation.
@@ -148,7 +168,16 @@ fn unless_cancelled(found: Result<Option<String>>) -> Result<Option<String>> {
     }
 }
 
-fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Result<Option<String>> {
+/// What a mistake leaves unexplained of the statistic, the standard deviation of that by chance, and by which factor all counts
+/// differ from what it expects.
+struct Explained {
+    left: f64,
+    spread: f64,
+    scale: f64,
+    name: String,
+}
+
+fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts, of: &str) -> Result<Option<String>> {
     let cells: Vec<Cell> = counts.grid.cells().collect();
     let (observed, expected) = (&counts.observed[..cells.len()], &counts.expected[..cells.len()]);
     let total = observed.iter().sum::<u64>() as f64;
@@ -170,7 +199,7 @@ fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Res
 
     // Integrals by the midpoints; where the mistake changes the pdf, in proportion to the pdf's known integrals
     let n = per_cell[0] * per_cell[1];
-    let left_by = |mistake: &Mistake| -> Result<Option<[f64; 2]>> {
+    let explanation = |mistake: &Mistake| -> Result<Option<Explained>> {
         let values = mistake.values(density, &points, &pdfs)?;
         let is_local = matches!(mistake.follows, Follows::Times(_) | Follows::Of(_));
         let share = |(i, cell): (usize, &Cell)| {
@@ -178,26 +207,28 @@ fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts) -> Res
             if is_local && of_pdf > 0.0 { expected[i] * sum / of_pdf } else { cell.area() * sum }
         };
         let shares: Vec<f64> = cells.iter().enumerate().map(share).collect();
-        let is_valid =
-            shares.iter().all(|share| share.is_finite() && *share >= 0.0) && shares.iter().sum::<f64>() > 0.0;
+        let sum = shares.iter().sum::<f64>();
+        let is_valid = shares.iter().all(|share| share.is_finite() && *share >= 0.0) && sum > 0.0;
         let left = excess(&shares).filter(|_| is_valid);
         let most = |spread: f64| (CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(total));
-        Ok(left.filter(|[left, spread]| *left <= most(*spread)))
+        let found = left.filter(|[left, spread]| *left <= most(*spread));
+        let scale = if is_local { (total / sum).ln().abs() } else { 0.0 };
+        Ok(found.map(|[left, spread]| Explained { left, spread, scale, name: mistake.told(of) }))
     };
     // Mistakes that need no other values of the pdf come first.
     let (known, other): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
     for (group, is_place) in [(known, false), (other, true)] {
-        let mut found = Vec::new();
-        for mistake in group {
-            found.extend(left_by(&mistake)?.map(|left| (left, mistake.name)));
+        let found = group.iter().map(explanation).collect::<Result<Vec<_>>>()?;
+        let mut found: Vec<Explained> = found.into_iter().flatten().collect();
+        let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
+        found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
+        // Places that a symmetry makes equal are all named; of densities of one shape, the one that has the right integral.
+        if is_place && !found.is_empty() {
+            let names: Vec<String> = found.into_iter().map(|explained| explained.name).collect();
+            return Ok(Some(names.join(" or ")));
         }
-        let best = found.iter().map(|([left, _], _)| *left).fold(f64::INFINITY, f64::at_most);
-        found.retain(|([left, spread], _)| *left <= best + CHANCE * spread);
-        // Places that a symmetry makes equal are all named; densities that are equal have one name that says most.
-        let names: Vec<String> = found.into_iter().map(|(_, name)| name).collect();
-        if let Some(first) = names.first() {
-            let names = if is_place { names.join(" or ") } else { first.clone() };
-            return Ok(Some(format!("samples follow {names}, not the pdf")));
+        if let Some(first) = found.into_iter().min_by(|a, b| a.scale.total_cmp(&b.scale)) {
+            return Ok(Some(first.name));
         }
     }
     Ok(None)
@@ -210,49 +241,58 @@ fn midpoints(cell: &Cell, parts: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
     (0..columns * rows).map(move |i| [at(x, i / rows, columns), at(y, i % rows, rows)])
 }
 
-/// A sample whose pdf differs: its point, the pdf that it carries, and the density's.
+/// A point, with what was found there and what should be: the pdf that a sample carries, and the density's.
 pub type Pair = (Point, [f64; 2]);
 
 /// Relative differences of ratios that count as equal.
-const EQUAL: f64 = 1e-4;
-/// Fewer samples say nothing, nor do those of which less than this share has a ratio.
+pub const EQUAL: f64 = 1e-4;
+/// Fewer pairs say nothing, nor do those of which less than this share has a ratio.
 const FEWEST_PAIRS: usize = 32;
 const MOST_PAIRS: f64 = 0.9;
 
-/// The mistake that makes samples carry other pdfs than the density has, if one explains all of `pairs`.
+/// The mistake that makes `found` another number than `of` at all of `pairs`, of which `density` has the second: "[what samples
+/// carry] is π times [the pdf]".
 ///
 /// # Errors
 /// As [`of_counts`].
-pub fn of_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> Result<Option<String>> {
-    unless_cancelled(explained_pairs(domain, density, pairs))
+pub fn of_pairs(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    pairs: &[Pair],
+    [found, of]: [&str; 2],
+) -> Result<Option<String>> {
+    let explained = explained_pairs(domain, density, pairs, of);
+    unless_cancelled(explained.map(|name| name.map(|name| format!("{found} {name}"))))
 }
 
-fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair]) -> Result<Option<String>> {
-    let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
-    let pdfs: Vec<f64> = values.iter().map(|[_, pdf]| *pdf).collect();
+fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Option<String>> {
+    // Where both are 0, they have no ratio.
+    let pairs = pairs.iter().copied().filter(|(_, both)| *both != [0.0; 2]);
+    let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.unzip();
+    let known: Vec<f64> = values.iter().map(|[_, known]| *known).collect();
     let factor_of = |values_of: &[f64]| {
-        let ratios = values.iter().zip(values_of).map(|([carried, _], value)| carried / value);
+        let ratios = values.iter().zip(values_of).map(|([found, _], value)| found / value);
         let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
-        let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * pairs.len() as f64;
+        let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * values.len() as f64;
         let [least, most] =
             [f64::at_most, f64::at_least].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
         (enough && most <= least * (1.0 + EQUAL)).then_some(least)
     };
-    if let Some(factor) = factor_of(&pdfs) {
-        let is_other = (factor - 1.0).abs() > EQUAL;
-        return Ok(is_other.then(|| format!("each is {} times the density", number(factor))));
+    let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
+    if let Some(factor) = factor_of(&known) {
+        return Ok((!is_one(factor)).then(|| format!("is {} times {of}", number(factor))));
     }
+    let mut best: Option<String> = None;
     for mistake in all(domain, density) {
-        if let Some(factor) = factor_of(&mistake.values(density, &points, &pdfs)?) {
-            let name = mistake.name;
-            return Ok(Some(match mistake.follows {
-                Follows::Density(_) => format!("what samples carry has the shape of {name}"),
-                _ if (factor - 1.0).abs() < EQUAL => format!("what samples carry is {name}"),
-                _ => format!("what samples carry is {} times {name}", number(factor)),
-            }));
+        let Some(factor) = factor_of(&mistake.values(density, &points, &known)?) else { continue };
+        let name = mistake.told(of);
+        match mistake.follows {
+            Follows::Density(_) => best = best.or(Some(format!("has the shape of {name}"))),
+            _ if is_one(factor) => return Ok(Some(format!("is {name}"))),
+            _ => best = best.or(Some(format!("is {} times {name}", number(factor)))),
         }
     }
-    Ok(None)
+    Ok(best)
 }
 
 /// A number with its meaning, if it is one of those that are forgotten: "6.28319 = 2π".
@@ -294,11 +334,11 @@ mod tests {
     use crate::{Directions, Discrete, Line, Pole, Protocol, Sample, Sampler, Square, Verdict, sampler, validate};
     use std::f64::consts::TAU;
 
-    /// The reason and the diagnosis of a rejection.
+    /// What is said of a rejection.
     fn told(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
         let outcome = validate(domain, sampler, density, &Protocol::default()).unwrap();
         assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
-        format!("{}; {}", outcome.violation.unwrap_or_default(), outcome.diagnosis.unwrap_or_default())
+        format!("{outcome}")
     }
 
     fn direction(z: f64, u: f64) -> [f64; 3] {
@@ -368,8 +408,8 @@ mod tests {
 
     #[test]
     fn tables_lines_and_sets_are_named() {
-        let line = sampler(1, |u: &[f64]| Some(Sample::new(u[0].sqrt())));
-        let reversed = told(&Line::UNIT, &line, &crate::density(|x: f64| 2.0 - 2.0 * x));
+        let line = sampler(1, |u: &[f64]| Some(Sample::new(u[0].powf(0.2))));
+        let reversed = told(&Line::UNIT, &line, &crate::density(|x: f64| 5.0 * (1.0 - x).powi(4)));
         assert!(reversed.contains("samples follow the pdf with both ends exchanged"), "{reversed}");
         let square = sampler(2, |u: &[f64]| Some(Sample::new([u[0].sqrt(), u[1]])));
         let exchanged = told(&Square, &square, &crate::density(|[_, y]: [f64; 2]| 2.0 * y));
@@ -399,7 +439,7 @@ mod tests {
         let pdf = |w: [f64; 3]| beckmann_pdf(0.5, w);
         type Pdf = fn([f64; 3]) -> f64;
         let changes: [(Pdf, &str); 4] = [
-            (|w| beckmann_pdf(0.5, w) * PI, "each is 3.141593 = π times the density"),
+            (|w| beckmann_pdf(0.5, w) * PI, "what samples carry is 3.141593 = π times the pdf"),
             (|w| beckmann_pdf(0.5, w) / w[2], "what samples carry is the pdf divided by cos θ"),
             (|w| 2.0 * w[2] / PI, "what samples carry has the shape of cos θ/π"),
             (|w| beckmann_pdf(0.49, w), ""),
@@ -411,7 +451,7 @@ mod tests {
             });
             let text = told(&half, &drawn, &crate::density(pdf));
             assert!(text.contains(name) && text.contains("the largest difference"), "{name}: {text}");
-            assert_eq!(text.contains("what samples carry") || text.contains("each is"), !name.is_empty(), "{text}");
+            assert_eq!(text.contains("what samples carry"), !name.is_empty(), "{text}");
         }
     }
 
@@ -425,12 +465,9 @@ mod tests {
         let mut domains: Vec<&dyn Domain> = vec![&Square, &Line::UNIT, &Discrete { outcomes: 6 }];
         domains.extend(spheres.as_flattened().iter().map(|directions| directions as &dyn Domain));
         for mistake in domains.into_iter().flat_map(|domain| all(domain, &table)) {
-            let name = mistake.name.split(" (").next().unwrap().split(" along ").next().unwrap();
-            let place = name.strip_prefix("the pdf ").filter(|_| !name.contains("times") && !name.contains("divided"));
-            assert!(
-                page.contains(&format!("*{}", place.map_or(name, |place| place))) || page.contains(&format!("*{name}")),
-                "{name}"
-            );
+            let name = mistake.name.split(" along ").next().unwrap();
+            let name = if name.starts_with("a density") { name.split(" (").next().unwrap() } else { name };
+            assert!(page.contains(&format!("*{name}")) || page.contains(&format!("*the pdf {name}")), "{name}");
         }
     }
 

@@ -56,7 +56,7 @@ pub struct Outcome {
     /// Degrees of freedom of `statistic`.
     pub dof: usize,
     /// Probability of findings at least this bad if the sampler is right: of `statistic` and all `scales` together, and of both
-    /// rounds after a repetition. `None` where nothing could be tested.
+    /// rounds after a repetition. `None` where nothing could be tested, and where only an exact check rejects.
     pub p: Option<f64>,
     /// Samples taken, those of a repetition included.
     pub samples: u64,
@@ -80,6 +80,8 @@ pub struct Outcome {
     pub none: u64,
     /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
+    /// The usual mistake that explains what is wrong, if one does: "samples follow cos θ/π, not the pdf".
+    pub mistake: Option<String>,
     /// What an exact check found wrong: a reason to reject, independent of `p`.
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
@@ -127,11 +129,34 @@ impl Outcome {
         self.inconclusive_reason.clone().or(nan)
     }
 
-    /// The violation, else whether the test was cancelled, else why it is inconclusive.
+    /// Why the test does not accept, in a sentence: the usual mistake that explains it, then what an exact check found wrong, or,
+    /// where that is nothing, where counts differ most; else why it says nothing.
     #[must_use]
-    pub fn remark(&self) -> Option<&str> {
+    pub fn reason(&self) -> Option<String> {
+        if self.violation.is_some() || self.verdict == Verdict::Reject {
+            let found = self.violation.as_deref().or(self.places().next());
+            let all: Vec<&str> = [self.mistake.as_deref(), found].into_iter().flatten().collect();
+            return Some(all.join(": ")).filter(|text| !text.is_empty());
+        }
         let interrupted = self.interrupted.then_some("interrupted before the test was finished");
-        self.violation.as_deref().or(interrupted).or(self.inconclusive_reason.as_deref())
+        interrupted.or(self.inconclusive_reason.as_deref()).map(str::to_owned)
+    }
+
+    /// The first line on a test: the verdict and its [reason](Self::reason).
+    #[must_use]
+    pub fn headline(&self) -> String {
+        self.reason().map_or_else(|| self.verdict.to_string(), |reason| format!("{}: {reason}", self.verdict))
+    }
+
+    /// Where observed and expected differ most, the worst place first.
+    pub fn places(&self) -> impl Iterator<Item = &str> {
+        self.diagnosis.iter().flat_map(|places| places.split("; "))
+    }
+
+    /// The places that the [reason](Self::reason) does not have.
+    pub fn other_places(&self) -> impl Iterator<Item = &str> {
+        let told = self.violation.is_none() && self.verdict == Verdict::Reject;
+        self.places().skip(usize::from(told))
     }
 
     /// What is detected in structure finer than the cells, for each axis and for the cells: the errors of ripples as wide as two
@@ -166,6 +191,7 @@ impl Outcome {
         (self.p, self.repeated) = (p, repeated);
         self.samples += other.samples;
         self.seconds += other.seconds;
+        self.mistake = self.mistake.take().or(other.mistake);
         self.violation = self.violation.take().or(other.violation);
         self.diagnosis = self.diagnosis.take().or(other.diagnosis);
         self.interrupted |= other.interrupted;
@@ -174,19 +200,64 @@ impl Outcome {
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.verdict)?;
-        if let Some(p) = self.p {
+        f.write_str(&self.headline())?;
+        if let Some(p) = self.continuous_p() {
             let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
-            write!(f, ": {}, chi² = {:.1} with {freedom}", p_value(p), self.statistic)?;
+            write!(f, "; {}, chi² = {:.1} with {freedom}", p_value(p), self.statistic)?;
         }
         write!(f, ", {}", count(self.samples, "sample", "samples"))?;
-        if let Some(w) = self.detectable {
+        if let Some(w) = self.detectable.filter(|_| self.verdict != Verdict::Reject) {
             let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
             write!(f, ", would detect a relative error of {error}")?;
         }
-        let told = [self.remark(), self.diagnosis.as_deref()].into_iter().flatten();
-        told.chain(self.remarks.iter().map(String::as_str)).try_for_each(|remark| write!(f, ": {remark}"))
+        let remarks = self.remarks.iter().map(String::as_str);
+        self.other_places().chain(remarks).try_for_each(|finding| write!(f, "; {finding}"))
     }
+}
+
+/// What one of several tests found.
+pub struct Finding<'a> {
+    /// The name of the test.
+    pub name: &'a str,
+    /// What tests of its kind have in common, whatever the direction.
+    pub kind: &'a str,
+    /// What it found.
+    pub outcome: &'a Outcome,
+}
+
+/// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind that name the same mistake, or
+/// none, have one, which is that of the first.
+#[must_use]
+pub fn causes(findings: &[Finding]) -> Vec<String> {
+    let mut groups: Vec<Vec<&Finding>> = Vec::new();
+    let cause = |finding: &Finding| (finding.kind.to_owned(), finding.outcome.verdict, finding.outcome.mistake.clone());
+    for finding in findings.iter().filter(|finding| !finding.outcome.is_accepted()) {
+        match groups.iter_mut().find(|group| cause(group[0]) == cause(finding)) {
+            Some(group) => group.push(finding),
+            None => groups.push(vec![finding]),
+        }
+    }
+    let rank = |outcome: &Outcome| (outcome.verdict != Verdict::Reject, outcome.mistake.is_none());
+    groups.sort_by_key(|group| rank(group[0].outcome));
+    let line = |group: Vec<&Finding>| {
+        let (first, others) = (group[0], &group[1..]);
+        let also: Vec<&str> = others.iter().map(|finding| finding.name).collect();
+        let also = if also.is_empty() { String::new() } else { format!("; also {}", also.join(", ")) };
+        format!("{}: {}{also}", first.name, first.outcome)
+    };
+    groups.into_iter().map(line).collect()
+}
+
+/// The remarks of the tests that accept, each once.
+#[must_use]
+pub fn shared_remarks<'a>(findings: &[Finding<'a>]) -> Vec<&'a str> {
+    let mut remarks: Vec<&str> = Vec::new();
+    for remark in findings.iter().filter(|finding| finding.outcome.is_accepted()).flat_map(|f| &f.outcome.remarks) {
+        if !remarks.contains(&remark.as_str()) {
+            remarks.push(remark);
+        }
+    }
+    remarks
 }
 
 /// Decides on the tests of one run, which together reject right samplers with probability `level` at most.
@@ -221,6 +292,8 @@ pub fn decide<E>(
     }
     let rejected = rejected(outcomes);
     for (outcome, rejected) in outcomes.iter_mut().zip(rejected) {
+        // The p-value beside a rejection is that of what rejects.
+        outcome.p.take_if(|_| outcome.violation.is_some() && !rejected);
         // A test that rejects has taken enough samples.
         let rejected = rejected || outcome.violation.is_some();
         outcome.inconclusive_reason = if rejected { None } else { outcome.undecided() };
@@ -231,7 +304,9 @@ pub fn decide<E>(
         } else {
             Verdict::Accept
         };
-        outcome.diagnosis.take_if(|_| outcome.verdict != Verdict::Reject);
+        if outcome.verdict != Verdict::Reject {
+            (outcome.mistake, outcome.diagnosis) = (None, None);
+        }
     }
     Ok(())
 }
@@ -253,7 +328,7 @@ mod tests {
             .unwrap();
         use Verdict::{Accept, Inconclusive, Reject};
         assert_eq!(all.each_ref().map(|outcome| outcome.verdict), [Accept, Inconclusive, Inconclusive, Reject]);
-        assert_eq!(all[1].remark(), Some("the p-value is not a number"));
+        assert_eq!(all[1].reason().as_deref(), Some("the p-value is not a number"));
     }
 
     #[test]

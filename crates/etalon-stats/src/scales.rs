@@ -12,8 +12,9 @@
 //! Annals of Statistics 24(2), 1996 (Haar coefficients of a histogram).
 
 use crate::cubature::Shares;
+use crate::domain::Domain;
 use crate::extremes::Extremes;
-use crate::grid::{Parts, Subdivision};
+use crate::grid::{Cell, Parts, Subdivision};
 use crate::multiple::any_of;
 use crate::power::{FEWEST, chi_square_below, chi_square_tail, noncentrality_near};
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -23,6 +24,12 @@ use std::f64::consts::FRAC_PI_2;
 const SHIFT: f64 = 0.05;
 /// The share of all samples that must lie in tested parts for a scale to state what it detects.
 const MOST: f64 = 0.5;
+
+/// Standard deviations of one pair of halves, among thousands, that chance does not explain.
+const CERTAIN: f64 = 6.0;
+
+/// Parts so few that a pair of them is no place.
+const COARSE: usize = 4;
 
 /// What the test of one scale found.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,18 +65,26 @@ pub struct ScaleTest {
     counted: f64,
     /// What errors of the expected shares add to the mean.
     shift: f64,
+    /// The largest z² and its pair of halves.
+    worst: (f64, usize),
+    /// Where this pair is, in words.
+    place: String,
 }
 
 impl ScaleTest {
-    /// Adds the halves with these counts, expected shares and errors of these.
-    fn add(&mut self, observed: [u64; 2], expected: [f64; 2], error: f64) {
+    /// Adds a pair of halves with these counts, expected shares and errors of these.
+    fn add(&mut self, pair: usize, observed: [u64; 2], expected: [f64; 2], error: f64) {
         let (n, both) = ((observed[0] + observed[1]) as f64, expected[0] + expected[1]);
         let q = expected[0] / both;
         if is_sparse(n, q) {
             return;
         }
         let variance = n * q * (1.0 - q);
-        self.sum += (observed[0] as f64 - n * q).powi(2) / variance;
+        let z2 = (observed[0] as f64 - n * q).powi(2) / variance;
+        self.sum += z2;
+        if z2 > self.worst.0 {
+            self.worst = (z2, pair);
+        }
         self.mean += 1.0;
         self.variance += 2.0 + (1.0 - 6.0 * q * (1.0 - q)) / variance;
         self.counted += n;
@@ -83,6 +98,7 @@ impl ScaleTest {
             variance: self.variance + other.variance,
             counted: self.counted.at_least(other.counted),
             shift: self.shift + other.shift,
+            worst: if other.worst.0 > self.worst.0 { other.worst } else { self.worst },
             ..self
         }
     }
@@ -97,6 +113,14 @@ impl ScaleTest {
     /// is known of their errors besides.
     fn is_testable(&self, found: f64) -> bool {
         self.mean > 0.0 && self.shift + found <= SHIFT * self.variance.sqrt()
+    }
+
+    /// Says where the worst pair is, if chance does not explain it, by the words for a pair.
+    fn locate(&mut self, words: impl FnOnce(usize) -> String) {
+        let (z2, pair) = self.worst;
+        if z2 > CERTAIN * CERTAIN && self.parts > COARSE {
+            self.place = format!(", most {}", words(pair));
+        }
     }
 
     /// Probability of a statistic at most this large.
@@ -114,10 +138,11 @@ impl ScaleTest {
             .map(|level| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
         let error = ((self.sum - self.mean).at_least(0.0) / self.counted).sqrt();
         let words = format!(
-            "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS)",
+            "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS){}",
             self.parts,
             self.of,
-            200.0 * error
+            200.0 * error,
+            self.place
         );
         Scale {
             of: self.of.clone(),
@@ -146,7 +171,7 @@ impl Scales {
     /// places that the shares are known to miss.
     pub fn new(
         subdivision: &Subdivision,
-        axes: [&str; 2],
+        domain: &dyn Domain,
         observed: &Parts<u64>,
         shares: &Shares,
         found: f64,
@@ -162,16 +187,27 @@ impl Scales {
             let lattice = if finite { 0.0 } else { 1.0 / (values * values) + rounding };
             test.is_testable(n * (missed + lattice))
         };
-        for (axis, name) in (0..subdivision.axes.len()).zip(axes) {
+        for (axis, name) in (0..subdivision.axes.len()).zip(domain.axes()) {
+            let ends = subdivision.axes[axis].ends();
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..subdivision.axes[axis].bits() {
-                let (test, ends) = halve(name, &mut observed, &mut values, &mut errors);
+                let (mut test, at_ends) = halve(name, &mut observed, &mut values, &mut errors);
+                let width = 2 * (ends.len() - 1) / test.parts;
+                test.locate(|pair| {
+                    let interval = [ends[pair * width], ends[(pair + 1) * width]];
+                    let cell = if axis == 0 {
+                        Cell { x: interval, ..Cell::WHOLE }
+                    } else {
+                        Cell { y: interval, ..Cell::WHOLE }
+                    };
+                    domain.in_words(&cell)
+                });
                 let along = &subdivision.axes[axis];
                 let values = 1.0 / (along.coincidence * test.parts as f64);
                 if is_good(&test, values, along.rounding(test.parts)) {
                     scales.tests.push(test);
-                    scales.ends.extend(ends);
+                    scales.ends.extend(at_ends);
                 }
             }
         }
@@ -181,7 +217,12 @@ impl Scales {
             let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
-            let test = ScaleTest { parts, ..columns.plus(&rows) };
+            let mut test = ScaleTest { parts, ..columns.clone().plus(&rows) };
+            let worst = if columns.worst.0 >= rows.worst.0 { parts / 2 } else { parts / 4 };
+            test.locate(|pair| {
+                let cell = pair * subdivision.grid.len() / worst;
+                subdivision.grid.cells().nth(cell).map_or(String::new(), |cell| domain.in_words(&cell))
+            });
             // Columns are about twice as many as rows.
             let coincidence = subdivision.axes.iter().map(|axis| axis.coincidence).fold(0.0, f64::at_least);
             let values = 1.0 / (coincidence * (2.0 * parts as f64).sqrt());
@@ -217,7 +258,7 @@ fn halve(
         let (first, second) = (2 * pair, 2 * pair + 1);
         let (counts, expected) = ([observed[first], observed[second]], [values[first], values[second]]);
         let error = errors[first].at_least(errors[second]);
-        test.add(counts, expected, error);
+        test.add(pair, counts, expected, error);
         for (end, at) in [(0, first), (1, second)] {
             if at == [0, parts - 1][end] {
                 ends.extend(end_of(of, parts, end, counts, expected));
@@ -284,7 +325,7 @@ mod tests {
         let (mut mean, mut square) = (0.0, 0.0);
         for count in 0..=20 {
             let mut test = ScaleTest::default();
-            test.add([count, 20 - count], [0.3, 0.7], 0.0);
+            test.add(0, [count, 20 - count], [0.3, 0.7], 0.0);
             mean += binomial.pmf(count) * test.sum;
             square += binomial.pmf(count) * test.sum * test.sum;
             if count == 20 {

@@ -3,6 +3,7 @@
 use crate::counting::Tally;
 use crate::cubature::Shares;
 use crate::diagnosis::p_value;
+use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::Subdivision;
 use crate::multiple::weighted;
@@ -20,8 +21,7 @@ const NAMED: usize = 2;
 /// The counted samples of a test, and what they are compared with.
 pub struct Counted<'a> {
     pub subdivision: &'a Subdivision<'a>,
-    /// Names of the axes.
-    pub axes: [&'static str; 2],
+    pub domain: &'a dyn Domain,
     pub labels: Labels,
     pub tally: &'a Tally,
     /// The expected shares of the parts, and the share of samples that these are known to miss.
@@ -55,7 +55,7 @@ impl Counted<'_> {
         let Self { subdivision, labels, tally, samples, .. } = *self;
         let known = self.shares.as_ref();
         let scales = known.map_or_else(Scales::default, |(shares, found)| {
-            Scales::new(subdivision, self.axes, &tally.parts, shares, *found, samples)
+            Scales::new(subdivision, self.domain, &tally.parts, shares, *found, samples)
         });
         // Recognize stratified samples first: they depend on each other on purpose.
         let uniform = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();

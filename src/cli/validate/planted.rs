@@ -75,11 +75,11 @@ fn text(findings: &Findings, explain: bool) -> String {
         let mut text = String::new();
         if explain {
             text += &wrapped(&format!("mistake: {}", test.mistake), "  ", 100);
-            let said = outcome.violation.iter().chain(&outcome.diagnosis).flat_map(|said| said.split("; "));
+            let said = outcome.reason().into_iter().chain(outcome.other_places().map(str::to_owned));
             said.for_each(|said| text += &wrapped(&format!("found: {said}"), "  ", 100));
         }
         if outcome.verdict != etalon_stats::Verdict::Reject {
-            text += &format!("  {}\n", outcome.remark().unwrap_or(test.mistake));
+            text += &format!("  {}\n", outcome.reason().unwrap_or_else(|| test.mistake.to_owned()));
         }
         if test.sound != etalon_stats::Verdict::Accept {
             text += &format!("  without it: {}\n", test.sound_remark.as_deref().unwrap_or("not accepted"));

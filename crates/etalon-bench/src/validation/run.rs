@@ -5,7 +5,7 @@ use super::case::Case;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_stats::multiple::{Uniformity, holm_level, uniformity};
-use etalon_stats::{Outcome, Protocol, Verdict, decide};
+use etalon_stats::{Finding, Outcome, Protocol, Verdict, causes, decide};
 use rayon::prelude::*;
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -41,6 +41,8 @@ pub struct Validation {
     pub uniformity: Uniformity,
     /// Wall-clock time of the run.
     pub seconds: f64,
+    /// What its tests cannot see, if they are all of one sampler or BSDF.
+    pub unseen: Option<&'static str>,
 }
 
 /// The share of right samplers inside [`Ranked::interval`].
@@ -72,8 +74,18 @@ impl Validation {
             interrupted: tests.iter().any(|test| test.outcome.interrupted),
             uniformity: uniformity(&p),
             seconds: start.elapsed().as_secs_f64(),
+            unseen: if let [_] = tests.as_slice() { Some(etalon_stats::UNSEEN) } else { None },
             tests,
         }
+    }
+
+    /// A line for each cause for which tests do not accept. Tests whose names differ in the last part only are of one kind.
+    pub fn causes(&self) -> Vec<String> {
+        let kind = |name: &str| name.rsplit_once('/').map_or(name.len(), |(kind, _)| kind.len());
+        let tests = self.tests.iter();
+        let findings: Vec<Finding> =
+            tests.map(|Tested { name, outcome }| Finding { name, kind: &name[..kind(name)], outcome }).collect();
+        causes(&findings)
     }
 
     /// The p-values of all tests that have one of continuous distribution, in ascending order.

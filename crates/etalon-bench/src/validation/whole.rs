@@ -3,7 +3,7 @@
 use super::run::{Tested, Validation};
 use etalon_core::error::Result;
 use etalon_core::interrupt;
-use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties};
+use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties, UNSEEN};
 use etalon_stats::{Extremes, Outcome, Protocol, decide};
 use std::time::Instant;
 
@@ -39,6 +39,11 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             let Some(outcome) = check.examine(bsdf, wo, &inner, round)? else { continue };
             tests += usize::from(outcome.p.is_some());
             let named = |text: String| format!("{}: {text}", check.name);
+            // The first violation has its mistake, and no other.
+            let mistake = match &found.violation {
+                Some(_) => found.mistake.take(),
+                None => outcome.mistake.clone(),
+            };
             let violation = found.violation.take().or(outcome.violation.clone().map(named));
             let reason = found.inconclusive_reason.take().or(outcome.inconclusive_reason.clone().map(named));
             if check.is_statistical {
@@ -50,7 +55,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least || p.is_nan())) {
                 found = Outcome { diagnosis: outcome.diagnosis.clone().map(named), ..outcome };
             }
-            found = Outcome { violation, inconclusive_reason: reason, samples, seconds, ..found };
+            found = Outcome { mistake, violation, inconclusive_reason: reason, samples, seconds, ..found };
         }
     }
     found.detectable = Some(detectable.at_least(found_in_most(exact)));
@@ -133,7 +138,7 @@ impl<F: Family> WholeBsdf<F> {
         })?;
         let named = applied.into_iter().map(|(check, (degrees, _))| self.test_name(check, degrees));
         let tests = named.zip(outcomes).map(|(name, outcome)| Tested { name, outcome });
-        Ok(Validation::new(&protocol, tests.collect(), start))
+        Ok(Validation { unseen: Some(UNSEEN), ..Validation::new(&protocol, tests.collect(), start) })
     }
 }
 

@@ -31,8 +31,10 @@ pub struct Row<'a> {
     none: u64,
     repeated: bool,
     seconds: f64,
-    /// A violation, or why the test is inconclusive.
-    remark: &'a str,
+    /// The usual mistake that explains a rejection.
+    mistake: &'a str,
+    /// Why the test does not accept.
+    remark: String,
     /// Where samples and pdf differ most, of a rejected test.
     diagnosis: &'a str,
     /// What users should know though it does not decide.
@@ -60,7 +62,8 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
             none: outcome.none,
             repeated: outcome.repeated,
             seconds: outcome.seconds,
-            remark: outcome.remark().unwrap_or_default(),
+            mistake: outcome.mistake.as_deref().unwrap_or_default(),
+            remark: outcome.reason().unwrap_or_default(),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
             remarks: outcome.remarks.join("; "),
             finer: outcome.finer().unwrap_or_default(),
@@ -73,7 +76,12 @@ pub fn drawing(validation: &Validation) -> Drawing {
     match validation.tests.as_slice() {
         [test] => validation_cells::drawing(test),
         tests => {
-            let rows = std::iter::once(p_values(validation)).chain(validation_cells::reasons(tests));
+            // Why first, then where counts of the first test that they reject differ.
+            let by_counts = |test: &&Tested| {
+                test.outcome.verdict == Verdict::Reject && test.outcome.p.is_some() && test.outcome.counts.is_some()
+            };
+            let cells = tests.iter().find(by_counts).map(validation_cells::drawing);
+            let rows = validation_cells::reasons(validation).into_iter().chain(cells).chain([p_values(validation)]);
             Drawing::stacked(rows.collect(), 0.5, 2.0)
         }
     }
@@ -181,6 +189,10 @@ pub fn text(validation: &Validation) -> String {
         0 => families(tests),
         _ => format!("{}\n{}", families(tests), table(&told)),
     };
+    if tests.len() > 1 {
+        let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", 100));
+        text += &causes.fold(String::new(), |text, cause| text + "\n" + &cause);
+    }
     text += &format!(
         "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
         counted(tests.len(), "test"),
@@ -194,15 +206,19 @@ pub fn text(validation: &Validation) -> String {
     if validation.interrupted {
         text += "interrupted before all tests were finished\n";
     }
+    if let (0, 0, Some(unseen)) = (validation.rejected, validation.inconclusive, validation.unseen) {
+        text += &format!("{unseen}\n");
+    }
     text
 }
 
-/// One line for each test, and below it why and where it failed, its remarks, and what it detects between the cells.
+/// One line for each test, and below it, of a single one, why and where it failed; its remarks, and what it detects between the
+/// cells.
 fn table(tests: &[&Tested]) -> String {
     let below = |outcome: &Outcome| {
-        // A line for each place.
-        let places = outcome.diagnosis.iter().flat_map(|places| places.split("; "));
-        let lines = outcome.remark().into_iter().chain(places).map(|line| format!("  {line}\n"));
+        let reason = outcome.reason().filter(|_| tests.len() == 1);
+        let places = outcome.other_places().filter(|_| tests.len() == 1).map(str::to_owned);
+        let lines = reason.into_iter().chain(places).map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());
         let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", 100));
@@ -249,10 +265,10 @@ fn family(name: &str) -> String {
     words[..(words.len() - 1).min(2)].join("/")
 }
 
-/// What a test found: a violation or why it is inconclusive, else its p-value; and where samples and pdf differ most.
+/// What a test found: why it does not accept, else its p-value; and where samples and pdf differ most.
 pub fn found(outcome: &Outcome) -> String {
-    let why = outcome.remark().map(str::to_owned).or(outcome.p.map(p_is));
-    why.into_iter().chain(outcome.diagnosis.clone()).collect::<Vec<_>>().join("; ")
+    let why = outcome.reason().or(outcome.p.map(p_is));
+    why.into_iter().chain(outcome.other_places().map(str::to_owned)).collect::<Vec<_>>().join("; ")
 }
 
 /// The p-value of a test that has one.

@@ -2,8 +2,8 @@
 
 use super::text::{finding, p_value, wrapped};
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
-use etalon_bench::validation::Tested;
-use etalon_stats::{Cell, Counts, Outcome, Verdict};
+use etalon_bench::validation::{Tested, Validation};
+use etalon_stats::{Cell, Counts, Outcome};
 use serde::Serialize;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
@@ -49,10 +49,16 @@ fn residual(observed: u64, expected: f64) -> f64 {
 /// The drawing of a test: its verdict, why, and its cells, if it has counted anything.
 pub fn drawing(tested: &Tested) -> Drawing {
     let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
-    let title = format!("{}: {}, {p}", tested.name, tested.outcome.verdict);
-    let lines = |text| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
-    let findings = findings(&tested.outcome).flat_map(lines);
-    let Some(counts) = tested.outcome.counts.as_ref() else {
+    let verdict = tested.outcome.verdict;
+    // The mistake, if there is one, is the headline, and needs not be said again.
+    let mut outcome = tested.outcome.clone();
+    let (title, p) = match outcome.mistake.take() {
+        Some(mistake) => (format!("{}: {verdict}, {}", tested.name, finding(&mistake)), Some(p)),
+        None => (format!("{}: {verdict}, {p}", tested.name), None),
+    };
+    let lines = |text: String| wrapped(&text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
+    let findings = p.into_iter().chain(findings(&outcome).flat_map(lines));
+    let Some(counts) = outcome.counts.as_ref() else {
         return headed(Drawing::new(0.0, 0.0, SCALE), title, findings.collect());
     };
     let (plot, beyond) = plot(counts);
@@ -79,22 +85,17 @@ const WIDEST: usize = 110;
 /// Pixels of a unit of length in drawings without a plot.
 const SCALE: f64 = 2.0;
 
-/// Why a test has its verdict, a finding each: what too few samples would not have found is no reason to reject.
-fn findings(outcome: &Outcome) -> impl Iterator<Item = &str> {
-    let remark = match outcome.verdict {
-        Verdict::Reject => outcome.violation.as_deref(),
-        Verdict::Accept | Verdict::Inconclusive => outcome.remark(),
-    };
-    remark.into_iter().chain(outcome.diagnosis.iter().flat_map(|places| places.split("; ")))
+/// Why a test has its verdict, a finding each.
+fn findings(outcome: &Outcome) -> impl Iterator<Item = String> {
+    outcome.reason().into_iter().chain(outcome.other_places().map(str::to_owned))
 }
 
-/// The tests that are not accepted, with the first reason of each; `None` if all are.
-pub fn reasons(tests: &[Tested]) -> Option<Drawing> {
+/// A line for each cause for which tests are not accepted; `None` if all are.
+pub fn reasons(validation: &Validation) -> Option<Drawing> {
     const MOST: usize = 12;
-    let found: Vec<&Tested> = tests.iter().filter(|test| !test.outcome.is_accepted()).collect();
-    let line = |Tested { name, outcome }: &&Tested| {
-        let why = findings(outcome).next().map_or(String::new(), |why| format!(": {why}"));
-        let line = wrapped(&format!("{name}: {}{why}", outcome.verdict), "", WIDEST);
+    let found = validation.causes();
+    let line = |cause: &String| {
+        let line = wrapped(cause, "", WIDEST);
         let first = line.lines().next().unwrap_or_default();
         finding(&if line.lines().nth(1).is_some() { format!("{first} …") } else { first.to_owned() })
     };

@@ -2,7 +2,9 @@
 //! The adjoint: importance passes from wo to wi as radiance passes from wi to wo.
 
 use super::contract::{BsdfSample, DeltaLobe, Direction, Pair, Reciprocity};
+use super::mistakes::Values;
 use super::subject::{Comparison, Subject, channel_of, same_side, sphere, swapped};
+use crate::diagnosis::tuple;
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::outcome::Outcome;
@@ -42,7 +44,11 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             Ok(both.map(|((&i, there), back)| eta2(i) * there + back).collect())
         };
         let message = |i: usize| format!("{} (f(wo, wi) η², f(wi, wo))", subject.at(directions[i]));
-        found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)?;
+        if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
+            let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&swapped(pairs), &[])?, channel));
+            let exchanged = Values { subject, function, channel };
+            found.named(exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"])?);
+        }
     }
     Ok(())
 }
@@ -123,7 +129,7 @@ fn adjoint_weights(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found:
     for ((u, sample), adjoint) in samples.iter().zip(adjoint) {
         let (Some(adjoint), wi) = (adjoint, sample.wi) else { continue };
         let same = adjoint.is_some_and(|other| other.wi == wi && other.density == sample.density);
-        found.holds(same, || format!("{}, u = {u:?}: importance is sampled otherwise", subject.at(wi)));
+        found.holds(same, || format!("{}, u = {}: importance is sampled otherwise", subject.at(wi), tuple(u)));
         both.extend(adjoint.map(|adjoint| (adjoint.weight, sample.weight.map(|w| w * subject.eta2(wi)), wi)));
     }
     for channel in 0..subject.properties.channels {

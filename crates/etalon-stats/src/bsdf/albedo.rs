@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
+use crate::mistakes::constant;
 use crate::multiple::sidak;
 use crate::outcome::Outcome;
 use crate::power::noncentrality;
@@ -37,6 +38,15 @@ fn integrals(subject: &Subject, pilot: &Pilot, power: bool) -> Result<(Grid, Vec
     let of = |channel: usize| Ok((channel, integrate(subject, pilot, &grid, [channel, 1 << 10], power)?));
     let integrals = pilot.channels(subject).into_iter().map(of).collect::<Result<Vec<_>>>()?;
     Ok((grid, integrals))
+}
+
+/// Errors of a ratio above this leave its constant unknown.
+const PRECISE: f64 = 2e-3;
+
+/// ", π times it", where a ratio with that `error` is a known constant.
+fn times(ratio: f64, error: f64) -> String {
+    let name = constant(ratio, error.at_least(1e-5)).filter(|_| error < PRECISE);
+    name.map_or(String::new(), |name| format!(", {name} times it"))
 }
 
 /// What the BSDF says of an albedo.
@@ -98,7 +108,12 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let (wo, error, albedo) = (place(subject.wo), uncertainty.systematic + ROUNDING, claim.albedo);
             let deviation = uncertainty.deviation;
             format!(
-                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}"
+                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}{}",
+                if claim.is_upper_bound {
+                    String::new()
+                } else {
+                    times(value / albedo, error / albedo + CHANCE * deviation)
+                }
             )
         };
         detectable = detectable.at_least(uncertainty.detectable(level) + ROUNDING);
@@ -197,8 +212,9 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         let at = || {
             let error = 100.0 * (mean / expected - 1.0);
             format!(
-                "wo {}: weights have the mean {mean:.5}, {error:+.1} % of ∫ f |cos| = {expected:.5}",
-                place(subject.wo)
+                "wo {}: weights have the mean {mean:.5}, {error:+.1} % of ∫ f |cos| = {expected:.5}{}",
+                place(subject.wo),
+                times(mean / expected, (deviation * CHANCE + explained) / expected)
             )
         };
         if least.as_ref().is_none_or(|(largest, _)| z.may_exceed(*largest)) {

@@ -14,6 +14,7 @@ mod contract;
 mod furnace;
 mod light;
 mod limits;
+mod mistakes;
 mod report;
 mod sampling;
 mod subject;
@@ -135,6 +136,10 @@ pub const ALL: [Check; 10] = [
         run: weights::check,
     },
 ];
+
+/// What none of the checks sees.
+pub const UNSEEN: &str =
+    "these checks cannot see an error that f, pdf and samples share: a wrong index or roughness in all three";
 
 #[cfg(test)]
 mod tests;

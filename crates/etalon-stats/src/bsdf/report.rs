@@ -2,10 +2,10 @@
 
 use super::contract::{BatchBsdf, Direction};
 use super::subject::place;
-use super::{ALL, Check};
+use super::{ALL, Check, UNSEEN};
 use crate::error::Result;
 use crate::examine::Protocol;
-use crate::outcome::{Outcome, Verdict, decide};
+use crate::outcome::{Finding, Outcome, Verdict, causes, decide, shared_remarks};
 use std::fmt;
 
 /// One check for one `wo`.
@@ -42,15 +42,19 @@ impl Report {
 }
 
 impl fmt::Display for Report {
-    /// A line for the whole, and one for each check that does not accept.
+    /// A line for the whole, and one for each cause of which a check does not accept.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [accepted, rejected, inconclusive] =
             [Verdict::Accept, Verdict::Reject, Verdict::Inconclusive].map(|verdict| self.with(verdict).count());
         write!(f, "{}: {accepted} checks accept, {rejected} reject, {inconclusive} inconclusive", self.configuration)?;
-        for Checked { check, wo, outcome } in self.checks.iter().filter(|checked| !checked.outcome.is_accepted()) {
-            write!(f, "\n{check} for wo {}: {outcome}", place(*wo))?;
-        }
-        Ok(())
+        let named = |checked: &Checked| {
+            (format!("{} for wo {}", checked.check, place(checked.wo)), checked.check, checked.outcome.clone())
+        };
+        let named: Vec<_> = self.checks.iter().map(named).collect();
+        let all: Vec<Finding> = named.iter().map(|(name, kind, outcome)| Finding { name, kind, outcome }).collect();
+        causes(&all).iter().try_for_each(|cause| write!(f, "\n{cause}"))?;
+        shared_remarks(&all).iter().try_for_each(|remark| write!(f, "\nremark: {remark}"))?;
+        if self.is_accepted() { write!(f, "\n{UNSEEN}") } else { Ok(()) }
     }
 }
 

@@ -3,12 +3,14 @@
 //! the lobe.
 
 use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKind};
-use super::subject::{Comparison, Subject, cross, directions, dot, length, sphere};
+use super::mistakes::{self, PDF};
+use super::subject::{Comparison, Subject, cross, directions, length, sphere};
+use crate::diagnosis::tuple;
 use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
-use crate::mistakes::{Follows, Mistake};
+use crate::mistakes::{EQUAL, Mistake, of_pairs};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
@@ -48,24 +50,8 @@ impl Density for Scattering<'_> {
         self.0.deltas.iter().map(|lobe| Atom::new(lobe.wi, lobe.probability)).collect()
     }
 
-    /// Those of reflection by microfacets with the normal wm, and of `wo` and `wi` exchanged.
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        let Subject { bsdf, wo, .. } = *self.0;
-        let normal = move |wi: Point| {
-            let sum = [0, 1, 2].map(|axis| wo[axis] + Direction::from(wi)[axis]);
-            sum.map(|x| x / length(sum))
-        };
-        let jacobian = move |wi: Point| 4.0 * dot(wo, normal(wi)).abs();
-        let visible = move |wi: Point| normal(wi)[2].abs() / dot(wo, normal(wi)).abs();
-        let exchanged = move |wis: &[Point]| {
-            let pairs: Vec<Pair> = directions(wis).into_iter().map(|wi| [wi, wo]).collect();
-            bsdf.pdf(&pairs)
-        };
-        let mut all: Vec<Mistake> = Mistake::factor("4 (wo · wm)", jacobian).into();
-        all.extend(Mistake::factor("cos θm/(wo · wm), as all normals and visible ones differ", visible));
-        let name = "the pdf with wo and wi exchanged".to_owned();
-        all.push(Mistake { name, follows: Follows::Asked(Box::new(exchanged)) });
-        all
+        mistakes::of_function(self.0, |pairs| self.0.bsdf.pdf(pairs))
     }
 }
 
@@ -129,10 +115,17 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     };
     let message = |i: usize| {
         let MappedPoint { u, sample, .. } = used[i];
-        format!("{}, u = {u:?}, lobe {}", subject.at(sample.wi), sample.lobe)
+        format!("{}, u = {}, lobe {}", subject.at(sample.wi), tuple(u), sample.lobe)
     };
     let mut found = Comparison::default();
-    found.equal(&numbers, |i| errors[i], rounding, message)?;
+    if !found.equal(&numbers, |i| errors[i], rounding, message)? {
+        let precise = numbers.iter().zip(&errors).zip(&used).filter(|((_, error), _)| **error < 0.1 * EQUAL);
+        let pair = |(([product, _], _), point): ((&[f64; 2], &f64), &&MappedPoint)| {
+            (point.sample.wi.into(), [point.pdf / product, point.pdf])
+        };
+        let pairs: Vec<_> = precise.map(pair).collect();
+        found.named(of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?);
+    }
     let count = used.len() as u64;
     let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| count >= FEWEST);
     let reason = "the map is too steep for finite differences in its precision".to_owned();

@@ -2,10 +2,10 @@
 //! numbers.
 
 use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Pair, Properties, Spectrum};
-use crate::diagnosis::count;
+use crate::diagnosis::{count, different};
 use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
-use crate::exact::AS_SINGLE;
+use crate::exact::{AS_SINGLE, percent, relative_difference};
 use crate::examine::Protocol;
 use crate::extremes::Extremes;
 use crate::outcome::Outcome;
@@ -159,14 +159,6 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Two different numbers, with as many digits as tell them apart.
-fn different(a: f64, b: f64) -> String {
-    let text = (6..=16).map(|digits| [a, b].map(|number| format!("{number:.digits$e}"))).find(|[a, b]| a != b);
-    let [first, second] = text.unwrap_or_else(|| [a, b].map(|number| format!("{number:e}")));
-    let is_near = (a - b).abs() <= SINGLE_PRECISION * a.abs().at_least(b.abs());
-    format!("{first} and {second}{}", if is_near { AS_SINGLE } else { "" })
-}
-
 /// One channel of spectra.
 pub fn channel_of(values: &[Spectrum], channel: usize) -> Vec<f64> {
     values.iter().map(|value| value[channel]).collect()
@@ -187,43 +179,52 @@ pub struct Comparison {
     failed: u64,
     /// The relative differences that were tolerated.
     tolerated: Vec<f64>,
-    /// By how many times the tolerance the worst failure missed, and what it is.
+    /// The relative differences of numbers that should be equal, tolerated ones as 0.
+    differences: Vec<f64>,
+    /// The largest difference, infinite where something does not hold, and what it is.
     worst: Option<(f64, String)>,
+    /// The usual mistakes that explain all.
+    mistakes: Vec<String>,
 }
 
 impl Comparison {
     /// Compares what was found with what is expected in each entry of `numbers`, of which `quick` tells a tolerance. For the
-    /// entries that differ by more, `tolerances` is asked once for others.
+    /// entries that differ by more, `tolerances` is asked once for others. Returns whether all are equal.
     pub fn equal(
         &mut self,
         numbers: &[[f64; 2]],
         quick: impl Fn(usize) -> f64,
         tolerances: impl FnOnce(&[usize]) -> Result<Vec<f64>>,
         message: impl Fn(usize) -> String,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         self.compared += numbers.len() as u64;
         let difference = |i: usize| (numbers[i][0] - numbers[i][1]).abs();
         let mut tolerated: Vec<f64> = (0..numbers.len()).map(quick).collect();
         let is_close = |i: &usize| difference(*i) <= tolerated[*i];
         let far: Vec<usize> = (0..numbers.len()).filter(|i| !is_close(i)).collect();
+        let mut relative = vec![0.0; numbers.len()];
+        let mut failed = false;
         if !far.is_empty() {
             for (&i, tolerance) in far.iter().zip(tolerances(&far)?) {
                 tolerated[i] = tolerance.at_least(tolerated[i]);
                 let (difference, [found, expected]) = (difference(i), numbers[i]);
                 if difference.is_nan() || difference > tolerated[i] {
-                    let numbers = || different(found, expected);
-                    self.fail(difference / tolerated[i], || format!("{}: {}", message(i), numbers()));
+                    failed = true;
+                    relative[i] = relative_difference(found, expected);
+                    let [found, expected] = different(found, expected);
+                    self.fail(relative[i], || format!("{}: {found} and {expected}", message(i)));
                 }
             }
         }
-        for (tolerance, [found, expected]) in tolerated.into_iter().zip(numbers) {
+        for ((tolerance, [found, expected]), relative) in tolerated.into_iter().zip(numbers).zip(relative) {
             // Numbers near 0 have no relative error.
             let scale = found.abs().at_least(expected.abs());
             if scale > TINY.sqrt() {
                 self.tolerated.push((tolerance / scale).at_most(1.0));
+                self.differences.push(relative);
             }
         }
-        Ok(())
+        Ok(!failed)
     }
 
     /// Compares as [`equal`](Self::equal), by one tolerance only.
@@ -232,8 +233,14 @@ impl Comparison {
         numbers: &[[f64; 2]],
         quick: impl Fn(usize) -> f64,
         message: impl Fn(usize) -> String,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         self.equal(numbers, quick, |far| Ok(vec![0.0; far.len()]), message)
+    }
+
+    /// The usual mistake that explains what was just compared, if one does.
+    pub fn named(&mut self, mistake: Option<String>) {
+        let is_new = |mistake: &String| !self.mistakes.contains(mistake);
+        self.mistakes.extend(mistake.filter(is_new));
     }
 
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.
@@ -253,24 +260,34 @@ impl Comparison {
         }
     }
 
-    fn fail(&mut self, excess: f64, message: impl FnOnce() -> String) {
+    fn fail(&mut self, difference: f64, message: impl FnOnce() -> String) {
         self.failed += 1;
-        if self.worst.as_ref().is_none_or(|(worst, _)| excess > *worst || worst.is_nan()) {
-            self.worst = Some((excess, message()));
+        if self.worst.as_ref().is_none_or(|(worst, _)| difference > *worst) {
+            self.worst = Some((difference, message()));
         }
     }
 
     /// The outcome; `None` if there was nothing to compare. `law` is what the numbers should obey.
     pub fn outcome(mut self, law: &str) -> Option<Outcome> {
         self.tolerated.sort_by(f64::total_cmp);
+        self.differences.sort_by(f64::total_cmp);
         let detectable = self.tolerated.get((FOUND * self.tolerated.len() as f64) as usize).copied().unwrap_or(0.0);
-        let Self { compared, failed, worst, .. } = self;
-        let message = |(_, worst): (f64, String)| {
+        let Self { compared, failed, worst, mistakes, differences, .. } = self;
+        let message = |(largest, worst): (f64, String)| {
             let times = count(compared, "comparison", "comparisons");
-            format!("{law} fails in {failed} of {times}, most at {worst}")
+            let size = if largest.is_finite() {
+                let hint = if largest <= SINGLE_PRECISION { AS_SINGLE } else { "" };
+                let median = percent(differences.get(differences.len() / 2).copied().unwrap_or(0.0));
+                format!(", a difference of {}; the median of all is {median}{hint}", percent(largest))
+            } else {
+                String::new()
+            };
+            format!("{law} fails in {failed} of {times}, most at {worst}{size}")
         };
         let violation = worst.map(message);
-        (compared > 0).then(|| Outcome { detectable: Some(detectable), violation, ..Outcome::open(compared) })
+        let mistake = Some(mistakes.join("; ")).filter(|text| !text.is_empty());
+        let outcome = Outcome { detectable: Some(detectable), violation, mistake, ..Outcome::open(compared) };
+        (compared > 0).then_some(outcome)
     }
 }
 

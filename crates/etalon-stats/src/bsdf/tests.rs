@@ -139,6 +139,80 @@ impl Bsdf for Conductor {
     }
 }
 
+/// By which factor a number is wrong, by `wo`, `wi` and what the number should be.
+type Factor = fn(Direction, Direction, f64) -> f64;
+
+/// A conductor whose values, pdfs, carried pdfs and weights are wrong by factors.
+struct Wrong {
+    f: Factor,
+    pdf: Factor,
+    carried: Factor,
+    weight: Factor,
+}
+
+const RIGHT: Wrong = Wrong { f: |_, _, _| 1.0, pdf: |_, _, _| 1.0, carried: |_, _, _| 1.0, weight: |_, _, _| 1.0 };
+const UNDER: Conductor = Conductor(0.4);
+
+fn half(wo: Direction, wi: Direction) -> Direction {
+    normalize(combine([(1.0, wo), (1.0, wi), (0.0, wi)]))
+}
+
+impl Bsdf for Wrong {
+    fn properties(&self) -> Properties {
+        Properties { channels: 3, ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        let [f, ..] = UNDER.eval(wo, wi, &[]);
+        [0.9, 0.6, 0.3].map(|colour| colour * f * (self.f)(wo, wi, f))
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        let pdf = UNDER.pdf(wo, wi);
+        pdf * (self.pdf)(wo, wi, pdf)
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let BsdfSample { wi, weight, .. } = UNDER.sample(wo, u)?;
+        let pdf = self.pdf(wo, wi);
+        let f = self.eval(wo, wi, &[])[0] / 0.9;
+        let right = f * wi[2] / pdf;
+        assert!(weight[0].is_finite());
+        let weight = [0.9, 0.6, 0.3].map(|colour| colour * right * (self.weight)(wo, wi, pdf));
+        Some(BsdfSample::new(wi, weight, Density::Pdf(pdf * (self.carried)(wo, wi, pdf))))
+    }
+}
+
+#[test]
+fn usual_mistakes_of_bsdfs_are_named() {
+    let exchanged = |wo, wi, pdf: f64| UNDER.pdf(wi, wo) / pdf;
+    let all: [(Wrong, &[&str]); 12] = [
+        (RIGHT, &[]),
+        (
+            Wrong { pdf: |wo, wi, _| 4.0 * dot(wo, half(wo, wi)), ..RIGHT },
+            &["the density of samples is the pdf divided by 4 (wo · wm)", "follow the pdf divided by 4 (wo · wm)"],
+        ),
+        (Wrong { pdf: |_, wi, _| wi[2], ..RIGHT }, &["the density of samples is the pdf divided by cos θ"]),
+        (Wrong { pdf: |_, _, _| 1.0 / PI, ..RIGHT }, &["the density of samples is 3.141593 = π times the pdf"]),
+        (Wrong { pdf: exchanged, ..RIGHT }, &["the density of samples is the pdf with wo and wi exchanged"]),
+        (Wrong { carried: exchanged, ..RIGHT }, &["what samples carry is the pdf with wo and wi exchanged"]),
+        (Wrong { carried: |_, _, _| 2.0 * PI, ..RIGHT }, &["what samples carry is 6.283185 = 2π times the pdf"]),
+        (Wrong { f: |_, wi, _| wi[2], ..RIGHT }, &["f(wo, wi) η² is f(wi, wo) times cos θi/cos θo"]),
+        (Wrong { f: |wo, _, _| 1.0 / wo[2], ..RIGHT }, &["f(wo, wi) η² is f(wi, wo) times cos θi/cos θo"]),
+        (Wrong { weight: |_, _, pdf| pdf, ..RIGHT }, &["the weight is f |cos θi|, not divided by the pdf"]),
+        (Wrong { weight: |_, wi, _| 1.0 / wi[2], ..RIGHT }, &["weight · pdf is f |cos θi| divided by cos θ"]),
+        (
+            Wrong { weight: |_, wi, _| wi[2], ..RIGHT },
+            &["weight · pdf is f |cos θi| times cos θ", "weights follow f |cos θi| times cos θ, not f |cos θi|"],
+        ),
+    ];
+    for (bsdf, names) in all {
+        let text = test("under test", &bsdf, &[towards(40.0)], &Protocol::default()).unwrap().to_string();
+        assert!(names.iter().all(|name| text.contains(name)), "{names:?}: {text}");
+        assert_eq!(names.is_empty(), text.contains("0 reject"), "{text}");
+    }
+}
+
 /// A mirror.
 struct Mirror;
 

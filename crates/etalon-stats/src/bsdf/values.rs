@@ -3,12 +3,14 @@
 //! lobes sum to 1, that is the pdfs of the lobes sum to the pdf.
 
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind};
+use super::mistakes::{LIGHT, PDF, light};
 use super::sampling::Scattering;
 use super::subject::{Comparison, Subject, length, sphere};
+use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
-use crate::exact::Carried;
-use crate::mistakes;
+use crate::exact::{Carried, relative_difference};
+use crate::mistakes::{EQUAL, of_pairs};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -44,10 +46,10 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     // Weights of samples.
     for (u, sample) in samples {
         let weight = &sample.weight[..properties.channels];
-        let at = || format!("{}, u = {u:?}", subject.at(sample.wi));
+        let at = || format!("{}, u = {}", subject.at(sample.wi), tuple(&u));
         found.holds(weight.iter().all(|w| w.is_finite() && *w >= 0.0), || format!("{}: weight = {weight:?}", at()));
         let above = subject.above_bound(&sample);
-        found.holds(above.is_none(), || format!("{}, u = {u:?}", above.unwrap_or_default()));
+        found.holds(above.is_none(), || format!("{}, u = {}", above.unwrap_or_default(), tuple(&u)));
         found.holds(sample.lobe < bsdf.lobes(), || format!("{}: there is no lobe {}", at(), sample.lobe));
         let declared = properties.delta || !sample.is_delta();
         found.holds(declared, || format!("{}: a delta lobe that is not declared", at()));
@@ -58,7 +60,39 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
         let range = 0.0..=1.0 + properties.precision;
         found.holds(range.contains(&probability), || format!("{}: a probability of {probability}", at()));
     }
-    Ok(found.outcome("being finite, not negative and as declared"))
+    let remarks = unseen_lobes(subject)?;
+    let outcome = found.outcome("being finite, not negative and as declared");
+    Ok(outcome.map(|outcome| Outcome { remarks, ..outcome }))
+}
+
+/// Sides and delta lobes that are declared and give no light, neither at `wo` nor along the normals, where nothing is reflected
+/// totally.
+fn unseen_lobes(subject: &Subject) -> Result<Vec<String>> {
+    let Subject { bsdf, properties, wo, .. } = subject;
+    let (mut sides, mut delta) = ([false; 2], false);
+    for wo in [*wo, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+        let seen = Subject::new(*bsdf, wo, subject.protocol, subject.round)?;
+        let spread = seen.samples()?.into_iter().map(|(_, sample)| sample);
+        let (of_delta, spread): (Vec<BsdfSample>, Vec<BsdfSample>) = spread.partition(BsdfSample::is_delta);
+        let lobes = of_delta.iter().map(|sample| (sample.wi, sample.weight));
+        let lobes = lobes.chain(seen.deltas.iter().map(|lobe| (lobe.wi, lobe.throughput)));
+        let directions: Vec<Direction> = seen.directions();
+        let u = vec![0.5; directions.len() * properties.eval_dimension];
+        let values = bsdf.eval(&seen.pairs(&directions), &u)?;
+        let lit = spread.iter().map(|sample| (sample.wi, sample.weight)).chain(directions.into_iter().zip(values));
+        for (is_delta, (wi, f)) in lobes.map(|lobe| (true, lobe)).chain(lit.map(|lit| (false, lit))) {
+            if f[..properties.channels].iter().any(|f| *f != 0.0) {
+                sides[usize::from(wo[2] * wi[2] < 0.0)] = true;
+                delta |= is_delta;
+            }
+        }
+    }
+    let unseen = [
+        (properties.reflection && !sides[0], "reflection is declared, and nothing was reflected"),
+        (properties.transmission && !sides[1], "transmission is declared, and nothing was transmitted"),
+        (properties.delta && !delta, "delta lobes are declared, and none was found"),
+    ];
+    Ok(unseen.into_iter().filter(|(is_unseen, _)| *is_unseen).map(|(_, remark)| remark.to_owned()).collect())
 }
 
 /// A sample with its random numbers, and its pdf or, of a delta lobe, its probability.
@@ -72,7 +106,7 @@ pub fn formula(subject: &Subject) -> Result<Option<Outcome>> {
     let (mut spread, mut delta) = (Vec::new(), Vec::new());
     for (u, sample) in &samples {
         let unit = (length(sample.wi) - 1.0).abs() <= 1e-5;
-        found.holds(unit, || format!("{}, u = {u:?}: wi is not a unit vector", subject.at(sample.wi)));
+        found.holds(unit, || format!("{}, u = {}: wi is not a unit vector", subject.at(sample.wi), tuple(u)));
         match sample.density {
             Density::Pdf(pdf) if subject.properties.pdf == PdfKind::Exact => spread.push((u, sample, pdf)),
             Density::Delta(probability) => delta.push((u, sample, probability)),
@@ -88,7 +122,7 @@ pub fn formula(subject: &Subject) -> Result<Option<Outcome>> {
 }
 
 fn at(subject: &Subject, (u, sample, _): &Drawn) -> String {
-    format!("{}, u = {u:?}", subject.at(sample.wi))
+    format!("{}, u = {}", subject.at(sample.wi), tuple(u))
 }
 
 fn pairs(subject: &Subject, spread: &[Drawn]) -> Vec<Pair> {
@@ -99,20 +133,40 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
     let mut carried = Carried::default();
     for (sample, asked) in spread.iter().zip(subject.bsdf.pdf(&pairs(subject, spread))?) {
         let (_, BsdfSample { wi, .. }, pdf) = *sample;
-        let words = || format!("{}: the sample's pdf {pdf:e} is not pdf(wo, wi) = {asked:e}", at(subject, sample));
+        let words = || {
+            let both = different(pdf, asked);
+            format!("{}: the sample's pdf {} is not pdf(wo, wi) = {}", at(subject, sample), both[0], both[1])
+        };
         carried.count(&Sample::with_pdf(*wi, pdf), asked, 0.0, words);
     }
-    let violation = carried.violation();
-    let mistake = match violation {
-        Some(_) => mistakes::of_pairs(&sphere(), &Scattering(subject), &carried.pairs)?,
-        None => None,
-    };
-    let words = violation.into_iter().chain(mistake).collect::<Vec<_>>().join("; ");
-    found.all_hold(carried.counts(), || words);
+    if let Some(violation) = carried.violation() {
+        found.all_hold(carried.counts(), || violation);
+        let of_all = of_pairs(&sphere(), &Scattering(subject), &carried.pairs, CARRIED)?;
+        found.named(if of_all.is_some() { of_all } else { of_own_lobes(subject, spread)? });
+    }
     for sample in spread {
         found.holds(sample.2 > 0.0, || format!("{}: the pdf of a sample is {}", at(subject, sample), sample.2));
     }
     Ok(())
+}
+
+/// The pdf that samples carry, and what it should be.
+const CARRIED: [&str; 2] = ["what samples carry", PDF];
+
+/// Whether samples carry the pdf of their lobe in place of that of all lobes.
+fn of_own_lobes(subject: &Subject, spread: &[Drawn]) -> Result<Option<String>> {
+    let lobes: Vec<usize> = spread.iter().map(|(_, sample, _)| sample.lobe).collect();
+    let own = subject.bsdf.lobe_pdf(&pairs(subject, spread), &lobes)?;
+    let all = |divided: bool| {
+        let is_own = |((_, sample, carried), own): (&Drawn, &Option<f64>)| {
+            let own = own.map(|own| if divided { own / sample.lobe_probability } else { own });
+            own.is_some_and(|own| relative_difference(*carried, own) <= EQUAL)
+        };
+        spread.iter().zip(&own).all(is_own)
+    };
+    let name = [(false, "times its probability"), (true, "without its probability")];
+    let name = name.into_iter().find(|(divided, _)| all(*divided));
+    Ok(name.map(|(_, name)| format!("what samples carry is the pdf of their own lobe {name}, not that of all lobes")))
 }
 
 fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
@@ -138,7 +192,19 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             Ok(both.map(|((light, pdf), &i)| light + pdf * weight(i)).collect())
         };
         let message = |i: usize| format!("{} (weight · pdf, f |cos|)", at(subject, &spread[i]));
-        found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)?;
+        if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
+            let wis: Vec<Direction> = spread.iter().map(|(_, sample, _)| sample.wi).collect();
+            let mistake = light(subject, channel).explain(&wis, &numbers, ["weight · pdf", LIGHT])?;
+            let is_light = |((_, sample, _), [_, light]): (&Drawn, &[f64; 2])| {
+                relative_difference(sample.weight[channel], *light) <= EQUAL
+            };
+            found.named(match mistake {
+                None if spread.iter().zip(&numbers).all(is_light) => {
+                    Some("the weight is f |cos θi|, not divided by the pdf".to_owned())
+                }
+                mistake => mistake,
+            });
+        }
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 //! the cell. So the test also works where the pdf is unknown, approximate or stochastic.
 
 use super::light::{CellIntegrals, Pilot, integrate};
+use super::mistakes::{LIGHT, light};
 use super::subject::{Subject, sphere};
 use crate::diagnosis::diagnose;
 use crate::domain::Domain;
@@ -12,6 +13,7 @@ use crate::error::{Result, poll};
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
+use crate::mistakes::of_counts;
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome};
 use crate::power::{FEWEST, chi_square_tail, noncentrality, samples_for};
@@ -174,7 +176,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     };
     let Sums { cells: found, violation: above_bound } = sums(subject, &grid, &channels, count, 6, true)?;
     let points = (count as usize / grid.len()).max(1 << 8);
-    let (mut worst, mut violation): (Option<(Tested, Cells)>, Option<String>) = (None, above_bound);
+    let (mut worst, mut violation): (Option<(Tested, Cells, usize)>, Option<String>) = (None, above_bound);
     let (mut detectable, mut uncontrolled, mut decided) = (0f64, 0f64, true);
     for (&channel, found) in channels.iter().zip(&found) {
         let integrals = integrate(subject, &pilot, &grid, [channel, points], false)?;
@@ -191,11 +193,11 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
             detectable = detectable.at_least((noncentrality(tested.dof, level) / tested.effective).sqrt());
         }
         uncontrolled = uncontrolled.at_least(tested.uncontrolled);
-        if worst.as_ref().is_none_or(|(worst, _)| tested.p < worst.p) {
-            worst = Some((tested, cells));
+        if worst.as_ref().is_none_or(|(worst, ..)| tested.p < worst.p) {
+            worst = Some((tested, cells, channel));
         }
     }
-    let p = worst.as_ref().map(|(worst, _)| (worst.p * channels.len() as f64).at_most(1.0));
+    let p = worst.as_ref().map(|(worst, ..)| (worst.p * channels.len() as f64).at_most(1.0));
     let reason = if !decided {
         Some("too few samples carry light".to_owned())
     } else if uncontrolled > UNCONTROLLED {
@@ -207,19 +209,26 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
             format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w)
         })
     };
-    let counts = worst.as_ref().map(|(_, cells)| cells.counts(grid, subject.deltas.len()));
-    let diagnosis = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)).and_then(|c| diagnose(&sphere(), c));
+    let counts = worst.as_ref().map(|(_, cells, channel)| (cells.counts(grid, subject.deltas.len()), *channel));
+    let (mut mistake, mut diagnosis) = (None, None);
+    if let Some((counts, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
+        diagnosis = diagnose(&sphere(), counts);
+        if subject.is_deterministic() {
+            mistake = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT])?;
+        }
+    }
     Ok(Some(Outcome {
-        statistic: worst.as_ref().map_or(0.0, |(worst, _)| worst.statistic),
-        dof: worst.as_ref().map_or(0, |(worst, _)| worst.dof),
+        statistic: worst.as_ref().map_or(0.0, |(worst, ..)| worst.statistic),
+        dof: worst.as_ref().map_or(0, |(worst, ..)| worst.dof),
         p,
         detectable: Some(detectable),
         cells: dof,
-        pooled: worst.as_ref().map_or(0, |(worst, _)| worst.dof),
+        pooled: worst.as_ref().map_or(0, |(worst, ..)| worst.dof),
         violation,
         inconclusive_reason: reason,
+        mistake,
         diagnosis,
-        counts,
+        counts: counts.map(|(counts, _)| counts),
         ..Outcome::open(count)
     }))
 }

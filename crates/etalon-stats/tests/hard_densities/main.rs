@@ -45,7 +45,7 @@ fn assert_decided(seeds: Range<u64>, most_rejected: u32) {
         assert_eq!(mass.bound, Bound::Statistical, "{name}");
         let holds = (mass.value - 1.0).abs() <= mass.error + 1e-12;
         println!("{name:30} {mass} {}; twin {} {}", right.verdict, twin.mass.unwrap(), twin.verdict);
-        if let Some(remark) = right.remark() {
+        if let Some(remark) = right.reason() {
             println!("    {remark}");
         }
         rejected += u32::from(right.verdict == Verdict::Reject);

@@ -145,7 +145,7 @@ pub fn run(planted: Vec<PlantedFault>, protocol: &Protocol, done: &(dyn Fn(&str)
         let (name, mistake) = about[tests.len()];
         let by = By::of(&outcome, protocol.own_level());
         let error = error(&outcome, &protocol);
-        let remark = sound.remark().or(sound.diagnosis.as_deref()).map(str::to_owned);
+        let remark = sound.reason();
         let (sound, sound_p) = (sound.verdict, sound.p);
         tests.push(Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark: remark });
     }
