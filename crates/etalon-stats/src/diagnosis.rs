@@ -252,7 +252,7 @@ pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> S
             "power: relative errors of the pdf of {error:.2} % (RMS over the cells) are detected with {power:.0} % probability"
         );
     }
-    if let Some(finer) = outcome.finer() {
+    if let Some(finer) = outcome.finer().filter(|_| outcome.verdict != Verdict::Reject) {
         let _ = writeln!(text, "ripples: {finer}");
     }
     if outcome.is_accepted() {

@@ -274,13 +274,13 @@ impl Domain for Line {
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let reversed = |point| (self.from + self.to - f64::from(point)).into();
         let mut all = vec![Mistake::at("with both ends exchanged", reversed)];
-        let powers = [(1.0, ""), (2.0, "the square of "), (0.5, "the root of "), (-0.5, "1 over the root of ")];
+        let powers = [(1.0, "d"), (2.0, "d²"), (0.5, "√d"), (-0.5, "1/√d")];
         for (end, at, sign) in [("lower", self.from, 1.0), ("upper", self.to, -1.0)] {
             let distance = move |point| sign * (f64::from(point) - at);
             let name = format!("the distance from the {end} end");
             all.extend(Mistake::factor(&name, distance));
             let density = |(power, text)| {
-                let name = format!("a density in proportion to {text}{name}");
+                let name = format!("a density in proportion to {text}, d {name}");
                 Mistake::density(&name, move |point| distance(point).powf(power))
             };
             all.extend(powers.map(density));

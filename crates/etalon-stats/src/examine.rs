@@ -63,6 +63,8 @@ const MASS: f64 = 1e-4;
 const ROUNDING: f64 = 1e-7;
 /// Samples that decide on the cells, apart from those that are counted.
 const PILOT: u64 = 1 << 14;
+/// Samples after which a wrong mass ends a test: before that, counts may tell what the pdf lacks.
+const TOLD: u64 = 1 << 16;
 /// A p-value below this has the test say where counts differ.
 pub(crate) const SUSPECT: f64 = 0.01;
 /// The share of a test's level that the bound of the mass may fail with.
@@ -214,8 +216,9 @@ pub fn examine(
         looks,
     };
     let rejects = |counted: &Counted| {
-        let Findings { p, violation, .. } = test.find(counted, false);
-        violation.is_some() || p.is_some_and(|p| p < protocol.own_level())
+        let Findings { p, violation, is_mass_alone, .. } = test.find(counted, false);
+        let is_clear = !is_mass_alone || counted.tally.samples >= TOLD;
+        violation.is_some() && is_clear || p.is_some_and(|p| p < protocol.own_level())
     };
     let counted = counting.run(&pilot, round, rejects)?;
     let outcome = test.outcome(counted)?;
@@ -252,6 +255,8 @@ struct Findings {
     /// The p-value of all looks; `None` where nothing could be tested.
     p: Option<f64>,
     violation: Option<String>,
+    /// Whether the violation is that of the mass alone.
+    is_mass_alone: bool,
 }
 
 impl Test<'_> {
@@ -343,7 +348,9 @@ impl Test<'_> {
         let of_corners = corners.violation.clone();
         // What concerns all of the pdf comes first.
         let invalid = of_samples.or(pdf_violation).or(infinite_violation);
+        let of_corners = of_corners.filter(|_| invalid.is_none());
         let violations = [mass_violation, invalid, carried.or(of_corners)];
+        let is_mass_alone = matches!(violations, [Some(_), None, None]);
         let violations: Vec<String> = violations.into_iter().flatten().collect();
         let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
         let grid = subdivision.grid.clone();
@@ -356,13 +363,15 @@ impl Test<'_> {
             structure: structure.unwrap_or_default(),
             p,
             violation,
+            is_mass_alone,
         }
     }
 
     /// The outcome of the look at which the test ended, its verdict still open.
     fn outcome(&self, counted: Counted) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, certain, structure, p, mut violation } = self.find(&counted, true);
+        let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
+            self.find(&counted, true);
         let Counted { uncertain, integral, tally, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
         remarks.extend(

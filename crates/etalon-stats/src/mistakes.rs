@@ -142,6 +142,8 @@ const MOST: f64 = 0.1;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
 const CHANCE: f64 = 4.0;
 const CLEAR: f64 = 10.0;
+/// The logarithm of a factor that counts as 1.
+const SCALE: f64 = 0.02;
 /// Fewer degrees of freedom are explained by too many densities.
 const FEWEST: usize = 5;
 
@@ -168,12 +170,12 @@ fn unless_cancelled(found: Result<Option<String>>) -> Result<Option<String>> {
     }
 }
 
-/// What a mistake leaves unexplained of the statistic, the standard deviation of that by chance, and by which factor all counts
-/// differ from what it expects.
+/// What a mistake leaves unexplained of the statistic, the standard deviation of that by chance, and its rank among others of the
+/// same shape.
 struct Explained {
     left: f64,
     spread: f64,
-    scale: f64,
+    rank: f64,
     name: String,
 }
 
@@ -212,8 +214,16 @@ fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts, of: &s
         let left = excess(&shares).filter(|_| is_valid);
         let most = |spread: f64| (CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(total));
         let found = left.filter(|[left, spread]| *left <= most(*spread));
-        let scale = if is_local { (total / sum).ln().abs() } else { 0.0 };
-        Ok(found.map(|[left, spread]| Explained { left, spread, scale, name: mistake.told(of) }))
+        // Factors that make the integral right, then densities, then factors of another integral
+        let scale = (total / sum).ln().abs();
+        let rank = if !is_local {
+            1.0
+        } else if scale < SCALE {
+            0.0
+        } else {
+            1.0 + scale
+        };
+        Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
     };
     // Mistakes that need no other values of the pdf come first.
     let (known, other): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
@@ -227,7 +237,7 @@ fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts, of: &s
             let names: Vec<String> = found.into_iter().map(|explained| explained.name).collect();
             return Ok(Some(names.join(" or ")));
         }
-        if let Some(first) = found.into_iter().min_by(|a, b| a.scale.total_cmp(&b.scale)) {
+        if let Some(first) = found.into_iter().min_by(|a, b| a.rank.total_cmp(&b.rank)) {
             return Ok(Some(first.name));
         }
     }
@@ -282,17 +292,20 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     if let Some(factor) = factor_of(&known) {
         return Ok((!is_one(factor)).then(|| format!("is {} times {of}", number(factor))));
     }
-    let mut best: Option<String> = None;
+    // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
+    let (mut exact, mut shape) = (Vec::new(), None);
+    let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
     for mistake in all(domain, density) {
         let Some(factor) = factor_of(&mistake.values(density, &points, &known)?) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
-            Follows::Density(_) => best = best.or(Some(format!("has the shape of {name}"))),
-            _ if is_one(factor) => return Ok(Some(format!("is {name}"))),
-            _ => best = best.or(Some(format!("is {} times {name}", number(factor)))),
+            Follows::Density(_) if is_positive => shape = shape.or(Some(format!("has the shape of {name}"))),
+            Follows::Density(_) => {}
+            _ if is_one(factor) => exact.push(name),
+            _ => shape = shape.or(Some(format!("is {} times {name}", number(factor)))),
         }
     }
-    Ok(best)
+    Ok(if exact.is_empty() { shape } else { Some(format!("is {}", exact.join(" or "))) })
 }
 
 /// A number with its meaning, if it is one of those that are forgotten: "6.28319 = 2π".

@@ -138,6 +138,8 @@ pub struct PlantedRow<'a> {
     mistake: &'a str,
     verdict: String,
     by: &'a str,
+    /// The usual mistake that the test names.
+    named: &'a str,
     violation: &'a str,
     diagnosis: &'a str,
     statistic: f64,
@@ -159,6 +161,7 @@ pub fn planted_rows<'a>(findings: &'a Findings) -> Vec<PlantedRow<'a>> {
             mistake,
             verdict: outcome.verdict.to_string(),
             by: by.map_or("", By::name),
+            named: outcome.mistake.as_deref().unwrap_or(""),
             violation: outcome.violation.as_deref().unwrap_or(""),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or(""),
             statistic: outcome.statistic,

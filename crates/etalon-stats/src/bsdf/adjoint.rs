@@ -46,7 +46,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
         let message = |i: usize| format!("{} (f(wo, wi) η², f(wi, wo))", subject.at(directions[i]));
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&swapped(pairs), &[])?, channel));
-            let exchanged = Values { subject, function, channel };
+            let exchanged = Values { subject, function, channel, is_exchanged: true };
             found.named(exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"])?);
         }
     }

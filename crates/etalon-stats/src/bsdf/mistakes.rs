@@ -49,6 +49,7 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     all.extend(Mistake::factor("cos θm/(wo · wm), as all normals and visible ones differ", move |wi| {
         normal(wi)[2].abs() / dot(wo, normal(wi)).abs()
     }));
+    all.extend(Mistake::factor("cos θo/(wo · wm)", move |wi| wo[2].abs() / dot(wo, normal(wi)).abs()));
     all.extend(Mistake::factor("4 cos θo cos θi", move |wi| 4.0 * (wo[2] * Direction::from(wi)[2]).abs()));
     all.extend(Mistake::factor("cos θi/cos θo", move |wi| (Direction::from(wi)[2] / wo[2]).abs()));
     if subject.properties.transmission {
@@ -59,15 +60,20 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     all
 }
 
-/// The mistakes of a function of `wo` and `wi`.
-pub fn of_function<'a>(subject: &'a Subject, function: impl Fn(&[Pair]) -> Result<Vec<f64>> + 'a) -> Vec<Mistake<'a>> {
+/// The arguments of a function in the other order.
+fn exchanged<'a>(subject: &'a Subject, function: impl Fn(&[Pair]) -> Result<Vec<f64>> + 'a) -> Mistake<'a> {
     let wo = subject.wo;
-    let exchanged = move |wis: &[Point]| {
+    let values = move |wis: &[Point]| {
         let pairs: Vec<Pair> = directions(wis).into_iter().map(|wi| [wi, wo]).collect();
         function(&pairs)
     };
+    Mistake::asked("with wo and wi exchanged", values)
+}
+
+/// The mistakes of the pdf.
+pub fn of_pdf<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     let mut all = factors(subject);
-    all.push(Mistake::asked("with wo and wi exchanged", exchanged));
+    all.push(exchanged(subject, |pairs| subject.bsdf.pdf(pairs)));
     all
 }
 
@@ -77,6 +83,8 @@ pub struct Values<'a, F> {
     /// By pairs of directions and the channel.
     pub function: F,
     pub channel: usize,
+    /// Whether what is compared with it is the function with `wo` and `wi` exchanged.
+    pub is_exchanged: bool,
 }
 
 /// f |cos θi| of a deterministic BSDF in one channel.
@@ -88,7 +96,7 @@ pub fn light<'a>(
         let values = channel_of(&subject.bsdf.eval(pairs, &[])?, channel).into_iter().zip(pairs);
         Ok(values.map(|(f, [_, wi])| f * wi[2].abs()).collect())
     };
-    Values { subject, function, channel }
+    Values { subject, function, channel, is_exchanged: false }
 }
 
 impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Values<'_, F> {
@@ -106,8 +114,11 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Density for Values<'_, F>
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        let Self { subject, function, channel } = self;
-        let mut all = of_function(subject, move |pairs| function(pairs, *channel));
+        let Self { subject, function, channel, is_exchanged } = self;
+        let mut all = factors(subject);
+        if !is_exchanged {
+            all.push(exchanged(subject, move |pairs| function(pairs, *channel)));
+        }
         let others = (0..subject.properties.channels).filter(|other| other != channel);
         all.extend(others.map(|other| {
             let name = format!("of channel {other} in channel {channel}");

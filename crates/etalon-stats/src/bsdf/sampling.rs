@@ -51,7 +51,7 @@ impl Density for Scattering<'_> {
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        mistakes::of_function(self.0, |pairs| self.0.bsdf.pdf(pairs))
+        mistakes::of_pdf(self.0)
     }
 }
 

@@ -142,7 +142,9 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
     if let Some(violation) = carried.violation() {
         found.all_hold(carried.counts(), || violation);
         let of_all = of_pairs(&sphere(), &Scattering(subject), &carried.pairs, CARRIED)?;
-        found.named(if of_all.is_some() { of_all } else { of_own_lobes(subject, spread)? });
+        let used: Vec<f64> = spread.iter().map(|(.., pdf)| *pdf).collect();
+        let own = |name: &str| format!("what samples carry is the pdf of their own lobe {name}, not that of all lobes");
+        found.named(if of_all.is_some() { of_all } else { of_own_lobes(subject, spread, &used)?.map(own) });
     }
     for sample in spread {
         found.holds(sample.2 > 0.0, || format!("{}: the pdf of a sample is {}", at(subject, sample), sample.2));
@@ -153,20 +155,20 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
 /// The pdf that samples carry, and what it should be.
 const CARRIED: [&str; 2] = ["what samples carry", PDF];
 
-/// Whether samples carry the pdf of their lobe in place of that of all lobes.
-fn of_own_lobes(subject: &Subject, spread: &[Drawn]) -> Result<Option<String>> {
+/// Whether the pdfs that are `used` are those of the lobes that the samples come from, in place of that of all lobes.
+fn of_own_lobes(subject: &Subject, spread: &[Drawn], used: &[f64]) -> Result<Option<&'static str>> {
     let lobes: Vec<usize> = spread.iter().map(|(_, sample, _)| sample.lobe).collect();
     let own = subject.bsdf.lobe_pdf(&pairs(subject, spread), &lobes)?;
     let all = |divided: bool| {
-        let is_own = |((_, sample, carried), own): (&Drawn, &Option<f64>)| {
+        let is_own = |((_, sample, _), (own, used)): (&Drawn, (&Option<f64>, &f64))| {
             let own = own.map(|own| if divided { own / sample.lobe_probability } else { own });
-            own.is_some_and(|own| relative_difference(*carried, own) <= EQUAL)
+            used.is_nan() || own.is_some_and(|own| relative_difference(*used, own) <= EQUAL)
         };
-        spread.iter().zip(&own).all(is_own)
+        used.iter().any(|used| !used.is_nan()) && spread.iter().zip(own.iter().zip(used)).all(is_own)
     };
     let name = [(false, "times its probability"), (true, "without its probability")];
     let name = name.into_iter().find(|(divided, _)| all(*divided));
-    Ok(name.map(|(_, name)| format!("what samples carry is the pdf of their own lobe {name}, not that of all lobes")))
+    Ok(name.map(|(_, name)| name))
 }
 
 fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
@@ -198,6 +200,15 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             let is_light = |((_, sample, _), [_, light]): (&Drawn, &[f64; 2])| {
                 relative_difference(sample.weight[channel], *light) <= EQUAL
             };
+            let used: Vec<f64> = spread
+                .iter()
+                .zip(&numbers)
+                .map(|((_, sample, _), [_, light])| light / sample.weight[channel])
+                .collect();
+            let own = |name: &str| {
+                format!("the weight is f |cos θi| divided by the pdf of its own lobe {name}, not by that of all lobes")
+            };
+            let mistake = if mistake.is_some() { mistake } else { of_own_lobes(subject, spread, &used)?.map(own) };
             found.named(match mistake {
                 None if spread.iter().zip(&numbers).all(is_light) => {
                     Some("the weight is f |cos θi|, not divided by the pdf".to_owned())

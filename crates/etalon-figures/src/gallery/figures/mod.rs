@@ -13,6 +13,7 @@ mod error_time;
 mod error_time_roughness;
 mod fresnel;
 mod metals_table;
+mod mistakes;
 mod multiple_scattering;
 mod proposal;
 mod rough_glass;
@@ -57,6 +58,7 @@ fn makers() -> Vec<Maker> {
         error_time_roughness::figures(),
         fresnel::figures(),
         metals_table::figures(),
+        mistakes::figures(),
         multiple_scattering::figures(),
         proposal::figures(),
         rough_glass::figures(),
