@@ -213,6 +213,51 @@ fn usual_mistakes_of_bsdfs_are_named() {
     }
 }
 
+/// A Lambertian surface that is said to transmit.
+struct SaidToTransmit;
+
+impl Bsdf for SaidToTransmit {
+    fn properties(&self) -> Properties {
+        Properties { transmission: true, eta: 1.5, ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        Lambertian(Fault::None).eval(wo, wi, u)
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        if wo[2] > 0.0 { Lambertian(Fault::None).pdf(wo, wi) } else { 0.0 }
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        (wo[2] > 0.0).then(|| Lambertian(Fault::None).sample(wo, u)).flatten()
+    }
+}
+
+#[test]
+fn a_side_that_is_declared_and_dark_is_a_remark() {
+    let report = test("under test", &SaidToTransmit, &[towards(40.0), towards(130.0)], &quick()).unwrap();
+    let text = report.to_string();
+    assert!(report.is_accepted(), "{text}");
+    assert_eq!(text.matches("remark: transmission is declared, and nothing was transmitted").count(), 1, "{text}");
+    let text = test("right", &Lambertian(Fault::None), &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(!text.contains("is declared"), "{text}");
+}
+
+#[test]
+fn the_books_page_has_every_factor() {
+    // A package has no book
+    let page = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/mistakes.md");
+    let Ok(page) = std::fs::read_to_string(page) else { return };
+    let (protocol, wo) = (Protocol::default(), towards(40.0));
+    let subject = super::subject::Subject::new(&SaidToTransmit, wo, &protocol, 0).unwrap();
+    for mistake in super::mistakes::of_pdf(&subject) {
+        let name = mistake.name.trim_start_matches("times ").trim_start_matches("divided by ");
+        let name = name.split(" where light").next().unwrap();
+        assert!(page.contains(&format!("*{name}")), "{name}");
+    }
+}
+
 /// A mirror.
 struct Mirror;
 
