@@ -51,7 +51,7 @@ impl Place {
         match self {
             Self::Cells(cell) => domain.in_words(cell),
             Self::Atom(atom) => format!("at atom {atom}"),
-            Self::None => "among \"no sample\"".to_owned(),
+            Self::None => "among draws that return no sample".to_owned(),
         }
     }
 }

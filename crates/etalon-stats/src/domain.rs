@@ -273,7 +273,12 @@ impl Domain for Line {
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let reversed = |point| (self.from + self.to - f64::from(point)).into();
-        let mut all = vec![Mistake::at("with both ends exchanged", reversed)];
+        let half = 0.5 * (self.to - self.from);
+        let shifted = |by: f64, point: Point| Point::from(f64::from(point) - by);
+        let mut all = vec![
+            Mistake::at("with both ends exchanged", reversed),
+            Mistake::moved("shifted by {}", [-half, half], shifted),
+        ];
         let powers = [(1.0, "d"), (2.0, "d²"), (0.5, "√d"), (-0.5, "1/√d")];
         for (end, at, sign) in [("lower", self.from, 1.0), ("upper", self.to, -1.0)] {
             let distance = move |point| sign * (f64::from(point) - at);
@@ -334,9 +339,11 @@ impl Domain for Square {
         ];
         let at = |(name, place): Place<2>| Mistake::at(name, move |point| place(point.into()).into());
         let mut all: Vec<Mistake> = places.map(at).into();
-        let factors: [(&str, fn([f64; 2]) -> f64); 4] =
-            [("x", |[x, _]| x), ("y", |[_, y]| y), ("(1 - x)", |[x, _]| 1.0 - x), ("(1 - y)", |[_, y]| 1.0 - y)];
-        all.extend(factors.into_iter().flat_map(|(name, of)| Mistake::factor(name, move |point| of(point.into()))));
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let at = move |point: Point| <[f64; 2]>::from(point)[axis];
+            all.extend(Mistake::factor(name, at));
+            all.extend(Mistake::factor(&format!("(1 - {name})"), move |point| 1.0 - at(point)));
+        }
         all
     }
 }
@@ -505,6 +512,15 @@ impl Domain for Directions {
             ],
         });
         all.extend(places.into_iter().map(|(name, place)| Mistake::at(name, move |w| place(w.into()).into())));
+        let turned = move |degrees: f64, w: Point| {
+            let ([x, y, z], (sin, cos)) = (w.into(), degrees.to_radians().sin_cos());
+            let back: [f64; 3] = match self.pole {
+                Pole::Z => [cos * x + sin * y, cos * y - sin * x, z],
+                Pole::Y => [cos * x - sin * z, y, cos * z + sin * x],
+            };
+            back.into()
+        };
+        all.push(Mistake::moved("turned by {}° about the pole", [-180.0, 180.0], turned));
         all
     }
 
@@ -516,6 +532,9 @@ impl Domain for Directions {
     fn in_words(&self, cell: &Cell) -> String {
         let [t0, t1] = self.theta(cell.x);
         let horizon = |t: f64| (t - 90.0).abs() < 1e-6;
+        if *cell == Cell::WHOLE {
+            return "everywhere".to_owned();
+        }
         let place = match (cell.x == [0.0, 1.0], t0 == 0.0, cell.x[1] == 1.0 && !self.half) {
             (true, ..) => "for all theta".to_owned(),
             (_, true, _) => format!("within {}° of theta = 0", degrees(t1)),

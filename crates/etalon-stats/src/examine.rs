@@ -63,8 +63,6 @@ const MASS: f64 = 1e-4;
 const ROUNDING: f64 = 1e-7;
 /// Samples that decide on the cells, apart from those that are counted.
 const PILOT: u64 = 1 << 14;
-/// Samples after which a wrong mass ends a test: before that, counts may tell what the pdf lacks.
-const TOLD: u64 = 1 << 16;
 /// A p-value below this has the test say where counts differ.
 pub(crate) const SUSPECT: f64 = 0.01;
 /// The share of a test's level that the bound of the mass may fail with.
@@ -216,9 +214,10 @@ pub fn examine(
         looks,
     };
     let rejects = |counted: &Counted| {
-        let Findings { p, violation, is_mass_alone, .. } = test.find(counted, false);
-        let is_clear = !is_mass_alone || counted.tally.samples >= TOLD;
-        violation.is_some() && is_clear || p.is_some_and(|p| p < protocol.own_level())
+        let Findings { p, violation, is_mass_wrong, counts, .. } = test.find(counted, false);
+        // A wrong mass ends the test when counts tell what else is wrong.
+        let is_clear = !is_mass_wrong || mistakes::is_clear(&counts);
+        is_clear && (violation.is_some() || p.is_some_and(|p| p < protocol.own_level()))
     };
     let counted = counting.run(&pilot, round, rejects)?;
     let outcome = test.outcome(counted)?;
@@ -255,8 +254,8 @@ struct Findings {
     /// The p-value of all looks; `None` where nothing could be tested.
     p: Option<f64>,
     violation: Option<String>,
-    /// Whether the violation is that of the mass alone.
-    is_mass_alone: bool,
+    /// Whether the violation is that of the mass.
+    is_mass_wrong: bool,
 }
 
 impl Test<'_> {
@@ -349,8 +348,8 @@ impl Test<'_> {
         // What concerns all of the pdf comes first.
         let invalid = of_samples.or(pdf_violation).or(infinite_violation);
         let of_corners = of_corners.filter(|_| invalid.is_none());
+        let is_mass_wrong = mass_violation.is_some();
         let violations = [mass_violation, invalid, carried.or(of_corners)];
-        let is_mass_alone = matches!(violations, [Some(_), None, None]);
         let violations: Vec<String> = violations.into_iter().flatten().collect();
         let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
         let grid = subdivision.grid.clone();
@@ -363,7 +362,7 @@ impl Test<'_> {
             structure: structure.unwrap_or_default(),
             p,
             violation,
-            is_mass_alone,
+            is_mass_wrong,
         }
     }
 
@@ -422,6 +421,13 @@ impl Test<'_> {
         if is_suspect && mass.is_some() {
             mistakes.extend(mistakes::of_counts(domain, density, &counts, ["samples", "the pdf"])?);
         }
+        if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
+            let is_followed = p.is_some_and(|p| p >= SUSPECT);
+            *violation += if is_followed { "; where they are, samples follow the pdf" } else { "" };
+        }
+        // Structure says more than the cells only where they do not reject.
+        let by_cells = test.is_some_and(|test| test.p < SUSPECT * protocol.own_level());
+        let words = words.into_iter().filter(|_| !by_cells);
         let words = is_suspect.then(|| diagnose(domain, &counts)).flatten().into_iter().chain(words);
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),

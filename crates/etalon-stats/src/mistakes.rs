@@ -23,15 +23,22 @@ pub enum Follows<'a> {
     Times(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The pdf at this point.
     At(Box<dyn Fn(Point) -> Point + 'a>),
-    /// This function of the pdf's value.
-    Of(fn(f64) -> f64),
+    /// A power of the pdf's value.
+    Power,
+    /// The pdf at the place where a motion by some amount, of these limits, takes the point.
+    Moved {
+        /// The least and the largest amount.
+        limits: [f64; 2],
+        /// The place.
+        place: Box<dyn Fn(f64, Point) -> Point + 'a>,
+    },
     /// The values that are asked for at these points.
     Asked(Asked<'a>),
 }
 
 /// A usual mistake.
 pub struct Mistake<'a> {
-    /// The density's name, or what is done to the pdf: "times cos θ".
+    /// The density's name, or what is done to the pdf: "times cos θ"; `{}` stands for the amount of a motion.
     pub name: String,
     /// The density that samples follow.
     pub follows: Follows<'a>,
@@ -63,12 +70,22 @@ impl<'a> Mistake<'a> {
         Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)) }
     }
 
+    /// Samples that follow the pdf at places that a motion by some amount leads to.
+    pub fn moved(name: &str, limits: [f64; 2], place: impl Fn(f64, Point) -> Point + 'a) -> Self {
+        Self { name: name.to_owned(), follows: Follows::Moved { limits, place: Box::new(place) } }
+    }
+
     /// What is followed in place of `of`, such as "the pdf".
     fn told(&self, of: &str) -> String {
         match self.follows {
             Follows::Density(_) => self.name.clone(),
             _ => format!("{of} {}", self.name),
         }
+    }
+
+    /// Whether it needs an amount.
+    fn is_family(&self) -> bool {
+        matches!(self.follows, Follows::Power | Follows::Moved { .. })
     }
 
     /// Whether the pdf's values at the points themselves are enough.
@@ -82,7 +99,8 @@ impl<'a> Mistake<'a> {
             Follows::Density(of) => points.iter().map(|&point| of(point)).collect(),
             Follows::Times(factor) => points.iter().zip(pdfs).map(|(&point, pdf)| pdf * factor(point)).collect(),
             Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
-            Follows::Of(function) => pdfs.iter().map(|&pdf| function(pdf)).collect(),
+            // Families need an amount: see `fitted`.
+            Follows::Power | Follows::Moved { .. } => pdfs.to_vec(),
             Follows::Asked(values) => {
                 let batches = points.chunks(BATCH).map(values).collect::<Result<Vec<_>>>();
                 batches?.concat()
@@ -107,8 +125,7 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     let mut all = vec![Mistake::density("a uniform density", |_| 1.0)];
     all.extend(domain.mistakes());
     all.extend(density.mistakes());
-    let of = |name: &str, function| Mistake { name: name.to_owned(), follows: Follows::Of(function) };
-    all.extend([of("squared", |pdf| pdf * pdf), of("to the power of 1/2", f64::sqrt)]);
+    all.push(Mistake { name: "to the power of {}".to_owned(), follows: Follows::Power });
     // A table, or a set, that is shifted by one entry
     let of_set = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
     let steps: [Vec<f64>; 2] = of_set.or_else(|| density.steps()).unwrap_or_default();
@@ -139,9 +156,22 @@ const POINTS: [usize; 2] = [8, 4];
 const LEFT: f64 = 0.002;
 /// The same where chance may explain the rest.
 const MOST: f64 = 0.1;
+/// Samples that show a shape.
+const TOLD: u64 = 1 << 16;
+/// The same where an amount is fitted.
+const MOST_FITTED: f64 = 0.02;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
 const CHANCE: f64 = 4.0;
 const CLEAR: f64 = 10.0;
+/// The share of pairs that must have a ratio.
+const MOST_PAIRS: f64 = 0.9;
+/// Limits of powers; steps and golden sections of the search for an amount, with the smaller part of a section.
+const POWERS: [f64; 2] = [0.2, 5.0];
+const STEPS: usize = 36;
+const SECTIONS: usize = 12;
+const GOLDEN: f64 = 0.381_966_011_250_105;
+/// The share of samples that must lie in cells of which a moved pdf is known.
+const HELD: f64 = 0.5;
 /// The logarithm of a factor that counts as 1.
 const SCALE: f64 = 0.02;
 /// Fewer degrees of freedom are explained by too many densities.
@@ -158,8 +188,30 @@ pub fn of_counts(
     counts: &Counts,
     [samples, of]: [&str; 2],
 ) -> Result<Option<String>> {
-    let explained = explained(domain, density, counts, of);
-    unless_cancelled(explained.map(|names| names.map(|names| format!("{samples} follow {names}, not {of}"))))
+    let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of]));
+    unless_cancelled(explained)
+}
+
+/// Whether counts say if they differ from the shape of what is expected: so clearly that a mistake can be named, or not at all.
+pub fn is_clear(counts: &Counts) -> bool {
+    let cells = counts.grid.len();
+    let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
+    let shares: Vec<Option<f64>> = expected.iter().copied().map(Some).collect();
+    let is_told = observed.iter().sum::<u64>() >= TOLD;
+    excess(observed, &shares)
+        .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
+}
+
+/// Statistic minus degrees of freedom of counts against shares, and the standard deviation of that. Cells without a share are
+/// left out; the others must hold most samples.
+fn excess(observed: &[u64], shares: &[Option<f64>]) -> Option<[f64; 2]> {
+    let known: Vec<(u64, f64)> = observed.iter().zip(shares).filter_map(|(n, share)| Some((*n, (*share)?))).collect();
+    let (observed, shares): (Vec<u64>, Vec<f64>) = known.into_iter().unzip();
+    let (total, sum) = (observed.iter().sum::<u64>() as f64, shares.iter().sum::<f64>());
+    let is_valid = shares.iter().all(|share| share.is_finite() && *share >= 0.0) && sum > 0.0;
+    let expected: Vec<f64> = shares.iter().map(|share| (share / sum * total).at_least(f64::MIN_POSITIVE)).collect();
+    let test = chi_square(&observed, &expected).filter(|test| is_valid && test.dof >= FEWEST)?;
+    Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
 }
 
 /// What was found; nothing at an error other than a cancellation.
@@ -175,73 +227,165 @@ fn unless_cancelled(found: Result<Option<String>>) -> Result<Option<String>> {
 struct Explained {
     left: f64,
     spread: f64,
-    rank: f64,
+    rank: usize,
     name: String,
 }
 
-fn explained(domain: &dyn Domain, density: &dyn Density, counts: &Counts, of: &str) -> Result<Option<String>> {
-    let cells: Vec<Cell> = counts.grid.cells().collect();
-    let (observed, expected) = (&counts.observed[..cells.len()], &counts.expected[..cells.len()]);
-    let total = observed.iter().sum::<u64>() as f64;
-    // Statistic minus degrees of freedom of counts against shares, and the standard deviation of that
-    let excess = |shares: &[f64]| {
-        let sum: f64 = shares.iter().sum();
-        let expected: Vec<f64> = shares.iter().map(|share| (share / sum * total).at_least(f64::MIN_POSITIVE)).collect();
-        let test = chi_square(observed, &expected).filter(|test| test.dof >= FEWEST)?;
-        Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
-    };
-    let Some([of_pdf, spread]) = excess(expected) else { return Ok(None) };
-    if of_pdf.is_nan() || of_pdf < CLEAR * spread || cells.len() > MOST_CELLS {
-        return Ok(None);
-    }
-    let per_cell = if domain.is_plane() { POINTS } else { [POINTS[0] * POINTS[1], 1] };
-    let points: Vec<Point> =
-        cells.iter().flat_map(|cell| midpoints(cell, per_cell)).map(|at| domain.point_at(at)).collect();
-    let pdfs = asked(density, &points)?;
+/// The counts of the cells, with points of them.
+struct Table<'a> {
+    domain: &'a dyn Domain,
+    density: &'a dyn Density,
+    cells: Vec<Cell>,
+    observed: &'a [u64],
+    expected: &'a [f64],
+    total: f64,
+    /// As many of each cell as there are [`PER_CELL`].
+    points: Vec<Point>,
+    /// The pdf there.
+    pdfs: Vec<f64>,
+}
 
-    // Integrals by the midpoints; where the mistake changes the pdf, in proportion to the pdf's known integrals
-    let n = per_cell[0] * per_cell[1];
-    let explanation = |mistake: &Mistake| -> Result<Option<Explained>> {
-        let values = mistake.values(density, &points, &pdfs)?;
-        let is_local = matches!(mistake.follows, Follows::Times(_) | Follows::Of(_));
-        let share = |(i, cell): (usize, &Cell)| {
-            let [of_pdf, sum] = [&pdfs, &values].map(|values| values[i * n..(i + 1) * n].iter().sum::<f64>());
-            if is_local && of_pdf > 0.0 { expected[i] * sum / of_pdf } else { cell.area() * sum }
-        };
-        let shares: Vec<f64> = cells.iter().enumerate().map(share).collect();
-        let sum = shares.iter().sum::<f64>();
-        let is_valid = shares.iter().all(|share| share.is_finite() && *share >= 0.0) && sum > 0.0;
-        let left = excess(&shares).filter(|_| is_valid);
-        let most = |spread: f64| (CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(total));
-        let found = left.filter(|[left, spread]| *left <= most(*spread));
-        // Factors that make the integral right, then densities, then factors of another integral
-        let scale = (total / sum).ln().abs();
-        let rank = if !is_local {
-            1.0
-        } else if scale < SCALE {
-            0.0
-        } else {
-            1.0 + scale
-        };
-        Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
-    };
-    // Mistakes that need no other values of the pdf come first.
-    let (known, other): (Vec<Mistake>, Vec<Mistake>) = all(domain, density).into_iter().partition(Mistake::is_known);
-    for (group, is_place) in [(known, false), (other, true)] {
-        let found = group.iter().map(explanation).collect::<Result<Vec<_>>>()?;
-        let mut found: Vec<Explained> = found.into_iter().flatten().collect();
-        let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
-        found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
-        // Places that a symmetry makes equal are all named; of densities of one shape, the one that has the right integral.
-        if is_place && !found.is_empty() {
-            let names: Vec<String> = found.into_iter().map(|explained| explained.name).collect();
-            return Ok(Some(names.join(" or ")));
-        }
-        if let Some(first) = found.into_iter().min_by(|a, b| a.rank.total_cmp(&b.rank)) {
-            return Ok(Some(first.name));
-        }
+/// Points of each cell.
+const PER_CELL: usize = POINTS[0] * POINTS[1];
+
+impl<'a> Table<'a> {
+    fn new(domain: &'a dyn Domain, density: &'a dyn Density, counts: &'a Counts) -> Result<Self> {
+        let cells: Vec<Cell> = counts.grid.cells().collect();
+        let (observed, expected) = (&counts.observed[..cells.len()], &counts.expected[..cells.len()]);
+        let is_small = cells.len() <= MOST_CELLS;
+        let parts = if domain.is_plane() { POINTS } else { [PER_CELL, 1] };
+        let all = cells.iter().filter(|_| is_small).flat_map(|cell| midpoints(cell, parts));
+        let points: Vec<Point> = all.map(|at| domain.point_at(at)).collect();
+        let pdfs = if is_small { asked(density, &points)? } else { Vec::new() };
+        let total = observed.iter().sum::<u64>() as f64;
+        Ok(Self { domain, density, cells, observed, expected, total, points, pdfs })
     }
-    Ok(None)
+
+    fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
+        excess(self.observed, shares)
+    }
+
+    /// The shares of cells by the density's `values` at the points, NaN where it is not known. Integrals are sums over the
+    /// midpoints; where values are the pdf's own, changed, they are in proportion to the pdf's known integrals.
+    fn shares(&self, values: &[f64], is_local: bool) -> Vec<Option<f64>> {
+        let share = |(i, cell): (usize, &Cell)| {
+            let within = i * PER_CELL..(i + 1) * PER_CELL;
+            let [of_pdf, sum] = [&self.pdfs, values].map(|values| values[within.clone()].iter().sum::<f64>());
+            let share = if is_local { self.expected[i] * sum / of_pdf } else { cell.area() * sum };
+            // Where no point meets the pdf, or one of them has none, the share is not known.
+            let is_known = !(share.is_nan() || values[within].iter().any(|value| value.is_nan()));
+            is_known.then_some(share)
+        };
+        self.cells.iter().enumerate().map(share).collect()
+    }
+
+    /// What shares leave unexplained, if that is as little as chance leaves, or little of `of_pdf`, the excess of the pdf.
+    fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2]) -> bool {
+        let most = (CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(self.total));
+        left <= most
+    }
+
+    fn explanation(&self, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<Explained>> {
+        let values = mistake.values(self.density, &self.points, &self.pdfs)?;
+        let is_local = matches!(mistake.follows, Follows::Times(_));
+        let shares = self.shares(&values, is_local);
+        let sum = shares.iter().flatten().sum::<f64>();
+        let is_exact = is_local && (self.total / sum).ln().abs() < SCALE;
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
+        // Factors that make the integral right, then densities, then factors of another integral
+        let rank = usize::from(!is_exact) + usize::from(is_local && !is_exact);
+        Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
+    }
+
+    /// The amount by which a family explains the counts, if one does.
+    fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<String>> {
+        let (limits, place): ([f64; 2], Option<&dyn Fn(f64, Point) -> Point>) = match &family.follows {
+            Follows::Power => (POWERS.map(f64::ln), None),
+            Follows::Moved { limits, place } => (*limits, Some(place)),
+            _ => return Ok(None),
+        };
+        let left_by = |amount: f64| -> Result<[f64; 2]> {
+            let shares = match place {
+                None => self.shares(&self.pdfs.iter().map(|pdf| pdf.powf(amount.exp())).collect::<Vec<_>>(), true),
+                Some(place) => self.shares(&self.pdf_at(|point| place(amount, point))?, false),
+            };
+            let found = self.excess(&shares).filter(|_| self.held(&shares) >= HELD);
+            Ok(found.unwrap_or([f64::INFINITY, 0.0]))
+        };
+        // The best of equal steps, then between its neighbours by golden sections
+        let step = (limits[1] - limits[0]) / STEPS as f64;
+        let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
+        let all = steps.map(|amount| Ok((amount, left_by(amount)?[0]))).collect::<Result<Vec<(f64, f64)>>>()?;
+        let Some(best) = all.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
+        let (mut low, mut high) = (best.0 - step, best.0 + step);
+        for _ in 0..SECTIONS {
+            let inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
+            if left_by(inner[0])?[0] < left_by(inner[1])?[0] { high = inner[1] } else { low = inner[0] }
+        }
+        let amount = 0.5 * (low + high);
+        let left = left_by(amount)?;
+        let told = if place.is_none() { amount.exp() } else { amount };
+        let text = format!("{:.3}", told).trim_end_matches('0').trim_end_matches('.').to_owned();
+        // An amount can be had for many errors: it must explain more than what has none.
+        let is_explained = left[0] <= (CHANCE * left[1]).at_most(MOST_FITTED * of_pdf);
+        Ok(is_explained.then(|| family.told(of).replace("{}", &text)))
+    }
+
+    /// The pdf at places of the points; NaN where they are outside of the domain.
+    fn pdf_at(&self, place: impl Fn(Point) -> Point) -> Result<Vec<f64>> {
+        let places: Vec<Point> = self.points.iter().map(|&point| place(point)).collect();
+        let inside: Vec<bool> = places.iter().map(|&place| self.domain.to_chart(place).is_some()).collect();
+        let known: Vec<Point> = places.iter().zip(&inside).filter(|(_, inside)| **inside).map(|(at, _)| *at).collect();
+        let mut values = asked(self.density, &known)?.into_iter();
+        Ok(inside.iter().map(|inside| if *inside { values.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect())
+    }
+
+    /// The share of samples that lie in cells with a share.
+    fn held(&self, shares: &[Option<f64>]) -> f64 {
+        let held = shares.iter().zip(self.observed).filter(|(share, _)| share.is_some());
+        held.map(|(_, n)| *n as f64).sum::<f64>() / self.total
+    }
+
+    fn explained(&self, [samples, of]: [&str; 2]) -> Result<Option<String>> {
+        let all_of: Vec<Option<f64>> = self.expected.iter().copied().map(Some).collect();
+        let Some([of_pdf, spread]) = self.excess(&all_of).filter(|_| !self.points.is_empty()) else { return Ok(None) };
+        if of_pdf <= CHANCE * spread {
+            let ratio = self.expected.iter().sum::<f64>() / self.total;
+            let error = CHANCE / self.total.sqrt();
+            let is_factor = ratio.ln().abs() > error.at_least(SCALE) && ratio.is_finite();
+            let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio:.2} times as large");
+            return Ok(is_factor.then(told));
+        }
+        if of_pdf.is_nan() || of_pdf < CLEAR * spread {
+            return Ok(None);
+        }
+        // Mistakes that need no other values of the pdf come first, and those with an amount last.
+        let (families, others): (Vec<Mistake>, Vec<Mistake>) =
+            all(self.domain, self.density).into_iter().partition(Mistake::is_family);
+        let (known, other): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
+        let follow = |name: String| Ok(Some(format!("{samples} follow {name}, not {of}")));
+        for (group, is_place) in [(known, false), (other, true)] {
+            let found =
+                group.iter().map(|mistake| self.explanation(mistake, of_pdf, of)).collect::<Result<Vec<_>>>()?;
+            let mut found: Vec<Explained> = found.into_iter().flatten().collect();
+            let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
+            found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
+            // Places that a symmetry makes equal are all named; of densities of one shape, the one of the first rank.
+            if is_place && !found.is_empty() {
+                return follow(found.into_iter().map(|explained| explained.name).collect::<Vec<_>>().join(" or "));
+            }
+            if let Some(first) = found.into_iter().min_by_key(|explained| explained.rank) {
+                let proportional = if first.rank > 1 { "a density in proportion to " } else { "" };
+                return follow(format!("{proportional}{}", first.name));
+            }
+        }
+        for family in &families {
+            if let Some(name) = self.fitted(family, of_pdf, of)? {
+                return follow(name);
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// The midpoints of the parts of a cell.
@@ -254,11 +398,12 @@ fn midpoints(cell: &Cell, parts: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
 /// A point, with what was found there and what should be: the pdf that a sample carries, and the density's.
 pub type Pair = (Point, [f64; 2]);
 
+/// Relative differences of numbers that differ by rounding.
+const ROUNDED: f64 = 1e-6;
 /// Relative differences of ratios that count as equal.
 pub const EQUAL: f64 = 1e-4;
-/// Fewer pairs say nothing, nor do those of which less than this share has a ratio.
+/// Fewer pairs say nothing.
 const FEWEST_PAIRS: usize = 32;
-const MOST_PAIRS: f64 = 0.9;
 
 /// The mistake that makes `found` another number than `of` at all of `pairs`, of which `density` has the second: "[what samples
 /// carry] is π times [the pdf]".
@@ -295,7 +440,7 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
     let (mut exact, mut shape) = (Vec::new(), None);
     let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
-    for mistake in all(domain, density) {
+    for mistake in all(domain, density).into_iter().filter(|mistake| !mistake.is_family()) {
         let Some(factor) = factor_of(&mistake.values(density, &points, &known)?) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
@@ -305,7 +450,34 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
             _ => shape = shape.or(Some(format!("is {} times {name}", number(factor)))),
         }
     }
-    Ok(if exact.is_empty() { shape } else { Some(format!("is {}", exact.join(" or "))) })
+    if !exact.is_empty() {
+        return Ok(Some(format!("is {}", exact.join(" or "))));
+    }
+    // The power by the largest and the least value, if it holds for all
+    let ln: Vec<[f64; 2]> =
+        values.iter().map(|both| both.map(f64::ln)).filter(|both| both[0].is_finite() && both[1].is_finite()).collect();
+    let end = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+    if let (None, Some(least), Some(most)) = (&shape, ln.iter().min_by(end), ln.iter().max_by(end)) {
+        let power = (most[0] - least[0]) / (most[1] - least[1]);
+        let powers: Vec<f64> = known.iter().map(|known| known.powf(power)).collect();
+        if let Some(factor) = factor_of(&powers).filter(|_| power.is_finite() && power.abs() > EQUAL) {
+            let factor = if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) };
+            return Ok(Some(format!("is {factor}{of} to the power of {}", number(power))));
+        }
+    }
+    // The pdf of another outcome
+    if let Some(n) = domain.outcomes().filter(|n| *n <= MOST_CELLS) {
+        let mut all = asked(density, &(0..n).map(Point::from).collect::<Vec<_>>())?;
+        all.sort_unstable_by(f64::total_cmp);
+        let near = |found: f64| {
+            let i = all.partition_point(|pdf| *pdf < found * (1.0 - ROUNDED));
+            all.get(i).is_some_and(|pdf| *pdf <= found * (1.0 + ROUNDED))
+        };
+        if values.len() >= FEWEST_PAIRS && values.iter().all(|[found, _]| near(*found)) {
+            return Ok(Some(format!("is {of} of other outcomes")));
+        }
+    }
+    Ok(shape)
 }
 
 /// A number with its meaning, if it is one of those that are forgotten: "6.28319 = 2π".
@@ -370,7 +542,11 @@ mod tests {
             (|u| direction((1.0 - u[0]).sqrt(), u[1]), false, "samples follow cos θ/π, not the pdf"),
             (|u| direction((0.5 * PI * u[0]).cos(), u[1]), false, "without the factor sin θ"),
             (|u| direction((1.0 - u[0] * u[0]).sqrt(), u[1]), true, "the radius of a disk is u, not √u"),
-            (|u| direction((1.0 - u[0]).cbrt(), u[1]), true, "samples follow the pdf times cos θ, not"),
+            (
+                |u| direction((1.0 - u[0]).cbrt(), u[1]),
+                true,
+                "samples follow a density in proportion to the pdf times cos θ, not",
+            ),
             // The product of two cosines and a triangle in cos θ have no name.
             (|u| direction((1.0 - u[0]).powf(0.2), u[1]), false, ""),
             (|u| direction(1.0 - (1.0 - u[0]).sqrt(), u[1]), false, ""),
@@ -446,7 +622,12 @@ mod tests {
         let half = Directions::hemisphere(Pole::Z);
         let uniform = sampler(2, |u: &[f64]| Some(Sample::new(uniform_hemisphere(u))));
         let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 1.0 / PI));
-        assert!(text.contains("integrates to 2.000000") && !text.contains("samples follow"), "{text}");
+        assert!(
+            text.contains(
+                "samples follow the pdf up to a factor: the pdf is 2.00 times as large: the pdf integrates to 2.0"
+            ),
+            "{text}"
+        );
         let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 0.5));
         assert!(text.contains(" = π, not to 1"), "{text}");
         let pdf = |w: [f64; 3]| beckmann_pdf(0.5, w);
@@ -478,7 +659,7 @@ mod tests {
         let mut domains: Vec<&dyn Domain> = vec![&Square, &Line::UNIT, &Discrete { outcomes: 6 }];
         domains.extend(spheres.as_flattened().iter().map(|directions| directions as &dyn Domain));
         for mistake in domains.into_iter().flat_map(|domain| all(domain, &table)) {
-            let name = mistake.name.split(" along ").next().unwrap();
+            let name = mistake.name.split(" along ").next().unwrap().split(" {}").next().unwrap();
             let name = if name.starts_with("a density") { name.split(" (").next().unwrap() } else { name };
             assert!(page.contains(&format!("*{name}")) || page.contains(&format!("*the pdf {name}")), "{name}");
         }

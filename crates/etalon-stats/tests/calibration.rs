@@ -161,6 +161,6 @@ fn samplers_with_a_fault_are_rejected_more_often() {
 
 #[ignore = "takes minutes"]
 #[test]
-fn twelve_hundred_runs() {
-    assert_calibrated(&runs(300, |u| u));
+fn two_thousand_runs() {
+    assert_calibrated(&runs(500, |u| u));
 }

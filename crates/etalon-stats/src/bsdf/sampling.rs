@@ -124,7 +124,19 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
             (point.sample.wi.into(), [point.pdf / product, point.pdf])
         };
         let pairs: Vec<_> = precise.map(pair).collect();
-        found.named(of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?);
+        let of_all = of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?;
+        // Without the probability of the lobe, pdf and map agree.
+        let lacks = |([product, _], point): (&[f64; 2], &&MappedPoint)| {
+            (product * point.sample.lobe_probability - 1.0).abs() < EQUAL
+        };
+        let lacking = numbers
+            .iter()
+            .zip(&used)
+            .zip(&errors)
+            .filter(|(_, error)| **error < 0.1 * EQUAL)
+            .all(|(pair, _)| lacks(pair));
+        let lobe = "pdfs of lobes lack the probability of the lobe".to_owned();
+        found.named(if of_all.is_none() && lacking && !pairs.is_empty() { Some(lobe) } else { of_all });
     }
     let count = used.len() as u64;
     let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| count >= FEWEST);

@@ -179,7 +179,7 @@ pub struct Comparison {
     failed: u64,
     /// The relative differences that were tolerated.
     tolerated: Vec<f64>,
-    /// The relative differences of numbers that should be equal, tolerated ones as 0.
+    /// The relative differences that were not tolerated.
     differences: Vec<f64>,
     /// The largest difference, infinite where something does not hold, and what it is.
     worst: Option<(f64, String)>,
@@ -221,7 +221,7 @@ impl Comparison {
             let scale = found.abs().at_least(expected.abs());
             if scale > TINY.sqrt() {
                 self.tolerated.push((tolerance / scale).at_most(1.0));
-                self.differences.push(relative);
+                self.differences.extend(Some(relative).filter(|relative| *relative > 0.0));
             }
         }
         Ok(!failed)
@@ -278,7 +278,7 @@ impl Comparison {
             let size = if largest.is_finite() {
                 let hint = if largest <= SINGLE_PRECISION { AS_SINGLE } else { "" };
                 let median = percent(differences.get(differences.len() / 2).copied().unwrap_or(0.0));
-                format!(", a difference of {}; the median of all is {median}{hint}", percent(largest))
+                format!(", a difference of {} of the larger; the median of these is {median}{hint}", percent(largest))
             } else {
                 String::new()
             };

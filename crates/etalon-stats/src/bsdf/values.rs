@@ -5,7 +5,7 @@
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind};
 use super::mistakes::{LIGHT, PDF, light};
 use super::sampling::Scattering;
-use super::subject::{Comparison, Subject, length, sphere};
+use super::subject::{Comparison, Subject, length, place, sphere};
 use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
@@ -61,8 +61,16 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
         found.holds(range.contains(&probability), || format!("{}: a probability of {probability}", at()));
     }
     let remarks = unseen_lobes(subject)?;
-    let outcome = found.outcome("being finite, not negative and as declared");
-    Ok(outcome.map(|outcome| Outcome { remarks, ..outcome }))
+    let outcome = found.outcome("the rule that all is finite, not negative and as declared");
+    // Snell's law has no solution there, and roots of negative numbers are NaN.
+    let sin2 = 1.0 - wo[2] * wo[2];
+    let is_total = properties.transmission && sin2 > subject.eta2([0.0, 0.0, -wo[2]]);
+    let is_nan = |what: &String| what.contains("NaN");
+    let total = || format!("NaN where wo {} is beyond the critical angle: all light is reflected", place(*wo));
+    Ok(outcome.map(|outcome| {
+        let mistake = outcome.violation.as_ref().filter(|what| is_total && is_nan(what)).map(|_| total());
+        Outcome { remarks, mistake, ..outcome }
+    }))
 }
 
 /// Sides and delta lobes that are declared and give no light, neither at `wo` nor along the normals, where nothing is reflected
@@ -224,7 +232,20 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
     for sample in samples {
         let (at, &(_, &BsdfSample { wi, weight, .. }, probability)) = (|| at(subject, sample), sample);
         let Some(lobe) = subject.deltas.iter().find(|lobe| sphere().same(lobe.wi.into(), wi.into())) else {
-            found.holds(false, || format!("{}: this direction is none of the delta lobes", at()));
+            let known: Vec<String> = subject.deltas.iter().map(|lobe| tuple(&lobe.wi)).collect();
+            let known = if known.is_empty() { "there are none".to_owned() } else { known.join(", ") };
+            found.holds(false, || format!("{}: {} is none of the delta lobes: {known}", at(), tuple(&wi)));
+            let [x, y, z] = wi;
+            let changed: [(Direction, &str); 4] = [
+                ([-x, -y, -z], "sampled delta lobes point the opposite way"),
+                ([x, y, -z], "sampled delta lobes are on the other side of the surface"),
+                ([-x, -y, z], "sampled delta lobes are turned by half about the normal"),
+                (subject.wo, "sampled delta lobes point to wo"),
+            ];
+            let is_lobe = |w: Direction| subject.deltas.iter().any(|lobe| sphere().same(lobe.wi.into(), w.into()));
+            let is_wo = sphere().same(subject.wo.into(), wi.into());
+            let changed = changed.into_iter().enumerate().find(|(i, (w, _))| if *i < 3 { is_lobe(*w) } else { is_wo });
+            found.named(changed.map(|(_, (_, name))| name.to_owned()));
             continue;
         };
         let mut compare = |numbers: [f64; 2], what: &str| {
