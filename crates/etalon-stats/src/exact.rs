@@ -229,11 +229,11 @@ pub fn repeated(domain: &dyn Domain, probes: &[Probe]) -> Option<String> {
     }
     let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
     let samples = points.len();
-    points.dedup();
-    let (runs, repeats) = (points.len() as f64, samples - points.len());
+    let repeats = points.windows(2).filter(|pair| pair[0] == pair[1]).count();
     points.sort_unstable();
     let pairs: f64 = points.chunk_by(|a, b| a == b).map(|same| (same.len() * (same.len() - 1)) as f64).sum();
-    let expected = samples as f64 * (pairs / (runs * (runs - 1.0)).at_least(1.0)).at_least(COINCIDENCE);
+    let n = samples as f64;
+    let expected = n * (pairs / (n * (n - 1.0))).at_least(COINCIDENCE);
     let p = if repeats > 0 { chi_square_below(2.0 * repeats as f64, 2.0 * expected) } else { 1.0 };
     let percent = 100.0 * repeats as f64 / samples as f64;
     (p < IMPOSSIBLE).then(|| format!("samples depend on those before them: {percent:.2} % repeat the one before"))

@@ -419,15 +419,18 @@ impl Test<'_> {
         }
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
         if is_suspect && mass.is_some() {
-            mistakes.extend(mistakes::of_counts(domain, density, &counts, ["samples", "the pdf"])?);
+            mistakes.extend(mistakes::of_counts(
+                domain,
+                density,
+                &counts,
+                ["samples", "the pdf"],
+                mistakes::Kinds::All,
+            )?);
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);
             *violation += if is_followed { "; where they are, samples follow the pdf" } else { "" };
         }
-        // Structure says more than the cells only where they do not reject.
-        let by_cells = test.is_some_and(|test| test.p < SUSPECT * protocol.own_level());
-        let words = words.into_iter().filter(|_| !by_cells);
         let words = is_suspect.then(|| diagnose(domain, &counts)).flatten().into_iter().chain(words);
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),

@@ -15,6 +15,9 @@ use std::f64::consts::PI;
 /// Values of a density, in batches that may fail.
 type Asked<'a> = Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>;
 
+/// Where a motion by some amount takes a point.
+type Motion<'a> = dyn Fn(f64, Point) -> Point + 'a;
+
 /// What samples follow because of a mistake, up to a factor.
 pub enum Follows<'a> {
     /// This density, whatever the pdf is.
@@ -23,14 +26,14 @@ pub enum Follows<'a> {
     Times(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The pdf at this point.
     At(Box<dyn Fn(Point) -> Point + 'a>),
-    /// A power of the pdf's value.
-    Power,
+    /// This power of the pdf's value.
+    Power(f64),
     /// The pdf at the place where a motion by some amount, of these limits, takes the point.
     Moved {
         /// The least and the largest amount.
         limits: [f64; 2],
         /// The place.
-        place: Box<dyn Fn(f64, Point) -> Point + 'a>,
+        place: Box<Motion<'a>>,
     },
     /// The values that are asked for at these points.
     Asked(Asked<'a>),
@@ -42,12 +45,14 @@ pub struct Mistake<'a> {
     pub name: String,
     /// The density that samples follow.
     pub follows: Follows<'a>,
+    /// Whether only numbers that are exact tell it: of a factor that has few values, chance and other errors make the same.
+    pub is_exact: bool,
 }
 
 impl<'a> Mistake<'a> {
     /// Samples of this density.
     pub fn density(name: &str, density: impl Fn(Point) -> f64 + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Density(Box::new(density)) }
+        Self { name: name.to_owned(), follows: Follows::Density(Box::new(density)), is_exact: false }
     }
 
     /// A factor that the samples have and the pdf has not, and the reverse.
@@ -55,24 +60,29 @@ impl<'a> Mistake<'a> {
         let times = Follows::Times(Box::new(factor));
         let divided = Follows::Times(Box::new(move |point| 1.0 / factor(point)));
         [
-            Self { name: format!("times {name}"), follows: times },
-            Self { name: format!("divided by {name}"), follows: divided },
+            Self { name: format!("times {name}"), follows: times, is_exact: false },
+            Self { name: format!("divided by {name}"), follows: divided, is_exact: false },
         ]
+    }
+
+    /// The same where only exact numbers tell it.
+    pub fn exact_factor(name: &str, factor: impl Fn(Point) -> f64 + Copy + 'a) -> [Self; 2] {
+        Self::factor(name, factor).map(|mistake| Self { is_exact: true, ..mistake })
     }
 
     /// Samples that follow the pdf at another place.
     pub fn at(name: &str, place: impl Fn(Point) -> Point + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::At(Box::new(place)) }
+        Self { name: name.to_owned(), follows: Follows::At(Box::new(place)), is_exact: false }
     }
 
     /// Samples that follow what these values are in proportion to.
     pub fn asked(name: &str, values: impl Fn(&[Point]) -> Result<Vec<f64>> + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)) }
+        Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)), is_exact: false }
     }
 
     /// Samples that follow the pdf at places that a motion by some amount leads to.
     pub fn moved(name: &str, limits: [f64; 2], place: impl Fn(f64, Point) -> Point + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Moved { limits, place: Box::new(place) } }
+        Self { name: name.to_owned(), follows: Follows::Moved { limits, place: Box::new(place) }, is_exact: false }
     }
 
     /// What is followed in place of `of`, such as "the pdf".
@@ -85,7 +95,12 @@ impl<'a> Mistake<'a> {
 
     /// Whether it needs an amount.
     fn is_family(&self) -> bool {
-        matches!(self.follows, Follows::Power | Follows::Moved { .. })
+        matches!(self.follows, Follows::Moved { .. })
+    }
+
+    /// Whether it changes the pdf's values where they are.
+    fn is_local(&self) -> bool {
+        matches!(self.follows, Follows::Times(_) | Follows::Power(_))
     }
 
     /// Whether the pdf's values at the points themselves are enough.
@@ -99,8 +114,9 @@ impl<'a> Mistake<'a> {
             Follows::Density(of) => points.iter().map(|&point| of(point)).collect(),
             Follows::Times(factor) => points.iter().zip(pdfs).map(|(&point, pdf)| pdf * factor(point)).collect(),
             Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
-            // Families need an amount: see `fitted`.
-            Follows::Power | Follows::Moved { .. } => pdfs.to_vec(),
+            Follows::Power(power) => pdfs.iter().map(|pdf| pdf.powf(*power)).collect(),
+            // It needs an amount: see `fitted`.
+            Follows::Moved { .. } => pdfs.to_vec(),
             Follows::Asked(values) => {
                 let batches = points.chunks(BATCH).map(values).collect::<Result<Vec<_>>>();
                 batches?.concat()
@@ -125,7 +141,11 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     let mut all = vec![Mistake::density("a uniform density", |_| 1.0)];
     all.extend(domain.mistakes());
     all.extend(density.mistakes());
-    all.push(Mistake { name: "to the power of {}".to_owned(), follows: Follows::Power });
+    all.extend(POWERS.map(|(power, name)| Mistake {
+        name: format!("to the power of {name}"),
+        follows: Follows::Power(power),
+        is_exact: false,
+    }));
     // A table, or a set, that is shifted by one entry
     let of_set = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
     let steps: [Vec<f64>; 2] = of_set.or_else(|| density.steps()).unwrap_or_default();
@@ -161,17 +181,20 @@ const TOLD: u64 = 1 << 16;
 /// The same where an amount is fitted.
 const MOST_FITTED: f64 = 0.02;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
-const CHANCE: f64 = 4.0;
+const CHANCE: f64 = 2.5;
 const CLEAR: f64 = 10.0;
 /// The share of pairs that must have a ratio.
 const MOST_PAIRS: f64 = 0.9;
-/// Limits of powers; steps and golden sections of the search for an amount, with the smaller part of a section.
-const POWERS: [f64; 2] = [0.2, 5.0];
+/// Powers that exponents which are wrong by a simple factor make, and their names.
+const POWERS: [(f64, &str); 6] =
+    [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
+/// Steps and golden sections of the search for an amount, with the smaller part of a section.
 const STEPS: usize = 36;
 const SECTIONS: usize = 12;
 const GOLDEN: f64 = 0.381_966_011_250_105;
-/// The share of samples that must lie in cells of which a moved pdf is known.
+/// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
 const HELD: f64 = 0.5;
+const MOST_HELD: f64 = 0.9;
 /// The logarithm of a factor that counts as 1.
 const SCALE: f64 = 0.02;
 /// Fewer degrees of freedom are explained by too many densities.
@@ -187,9 +210,19 @@ pub fn of_counts(
     density: &dyn Density,
     counts: &Counts,
     [samples, of]: [&str; 2],
+    kinds: Kinds,
 ) -> Result<Option<String>> {
-    let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of]));
+    let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of], kinds));
     unless_cancelled(explained)
+}
+
+/// Which mistakes are tried.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kinds {
+    /// All.
+    All,
+    /// Those that change values where they are: of counts that are no numbers of independent samples.
+    Local,
 }
 
 /// Whether counts say if they differ from the shape of what is expected: so clearly that a mistake can be named, or not at all.
@@ -230,6 +263,9 @@ struct Explained {
     rank: usize,
     name: String,
 }
+
+/// The rank of factors that make the integral another one.
+const OTHER_FACTOR: usize = 2;
 
 /// The counts of the cells, with points of them.
 struct Table<'a> {
@@ -287,29 +323,27 @@ impl<'a> Table<'a> {
 
     fn explanation(&self, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<Explained>> {
         let values = mistake.values(self.density, &self.points, &self.pdfs)?;
-        let is_local = matches!(mistake.follows, Follows::Times(_));
+        let is_local = mistake.is_local();
         let shares = self.shares(&values, is_local);
         let sum = shares.iter().flatten().sum::<f64>();
         let is_exact = is_local && (self.total / sum).ln().abs() < SCALE;
         let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
-        // Factors that make the integral right, then densities, then factors of another integral
-        let rank = usize::from(!is_exact) + usize::from(is_local && !is_exact);
+        // Factors that make the integral right, then densities, then factors of another integral, then powers
+        let rank = match mistake.follows {
+            Follows::Times(_) if is_exact => 0,
+            Follows::Times(_) => OTHER_FACTOR,
+            Follows::Power(_) => OTHER_FACTOR + 1,
+            _ => 1,
+        };
         Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
     }
 
     /// The amount by which a family explains the counts, if one does.
     fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<String>> {
-        let (limits, place): ([f64; 2], Option<&dyn Fn(f64, Point) -> Point>) = match &family.follows {
-            Follows::Power => (POWERS.map(f64::ln), None),
-            Follows::Moved { limits, place } => (*limits, Some(place)),
-            _ => return Ok(None),
-        };
+        let Follows::Moved { limits, place } = &family.follows else { return Ok(None) };
         let left_by = |amount: f64| -> Result<[f64; 2]> {
-            let shares = match place {
-                None => self.shares(&self.pdfs.iter().map(|pdf| pdf.powf(amount.exp())).collect::<Vec<_>>(), true),
-                Some(place) => self.shares(&self.pdf_at(|point| place(amount, point))?, false),
-            };
-            let found = self.excess(&shares).filter(|_| self.held(&shares) >= HELD);
+            let shares = self.shares(&self.pdf_at(|point| place(amount, point))?, false);
+            let found = self.excess(&shares).filter(|_| self.held(&shares) >= MOST_HELD);
             Ok(found.unwrap_or([f64::INFINITY, 0.0]))
         };
         // The best of equal steps, then between its neighbours by golden sections
@@ -324,8 +358,7 @@ impl<'a> Table<'a> {
         }
         let amount = 0.5 * (low + high);
         let left = left_by(amount)?;
-        let told = if place.is_none() { amount.exp() } else { amount };
-        let text = format!("{:.3}", told).trim_end_matches('0').trim_end_matches('.').to_owned();
+        let text = format!("{amount:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
         // An amount can be had for many errors: it must explain more than what has none.
         let is_explained = left[0] <= (CHANCE * left[1]).at_most(MOST_FITTED * of_pdf);
         Ok(is_explained.then(|| family.told(of).replace("{}", &text)))
@@ -346,13 +379,13 @@ impl<'a> Table<'a> {
         held.map(|(_, n)| *n as f64).sum::<f64>() / self.total
     }
 
-    fn explained(&self, [samples, of]: [&str; 2]) -> Result<Option<String>> {
+    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<String>> {
         let all_of: Vec<Option<f64>> = self.expected.iter().copied().map(Some).collect();
         let Some([of_pdf, spread]) = self.excess(&all_of).filter(|_| !self.points.is_empty()) else { return Ok(None) };
         if of_pdf <= CHANCE * spread {
+            // What chance hides of the shape must be little beside the factor.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
-            let error = CHANCE / self.total.sqrt();
-            let is_factor = ratio.ln().abs() > error.at_least(SCALE) && ratio.is_finite();
+            let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
             let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio:.2} times as large");
             return Ok(is_factor.then(told));
         }
@@ -360,8 +393,9 @@ impl<'a> Table<'a> {
             return Ok(None);
         }
         // Mistakes that need no other values of the pdf come first, and those with an amount last.
+        let is_tried = |mistake: &Mistake| !mistake.is_exact && (kinds == Kinds::All || mistake.is_local());
         let (families, others): (Vec<Mistake>, Vec<Mistake>) =
-            all(self.domain, self.density).into_iter().partition(Mistake::is_family);
+            all(self.domain, self.density).into_iter().filter(is_tried).partition(Mistake::is_family);
         let (known, other): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
         let follow = |name: String| Ok(Some(format!("{samples} follow {name}, not {of}")));
         for (group, is_place) in [(known, false), (other, true)] {
@@ -375,7 +409,7 @@ impl<'a> Table<'a> {
                 return follow(found.into_iter().map(|explained| explained.name).collect::<Vec<_>>().join(" or "));
             }
             if let Some(first) = found.into_iter().min_by_key(|explained| explained.rank) {
-                let proportional = if first.rank > 1 { "a density in proportion to " } else { "" };
+                let proportional = if first.rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
                 return follow(format!("{proportional}{}", first.name));
             }
         }

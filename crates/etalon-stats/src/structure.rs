@@ -76,9 +76,11 @@ impl Counted<'_> {
         let order_counts = !is_stratified && (self.is_last || tally.serial.stratification().is_some());
         let is_order = |scale: &&Scale| Some(*scale) == order.as_ref();
         let decide: Vec<&Scale> = scales.iter().filter(|scale| order_counts || !is_order(scale)).collect();
+        // Scales and ends say more than the cells only where these do not reject.
+        let by_cells = cells.p < suspect * self.level;
         let cells = (cells.p, 1.0 - own * decide.len() as f64);
         let p = weighted(&decide.iter().map(|scale| (scale.p, own)).chain([cells]).collect::<Vec<_>>());
-        let told = scales.iter().filter(|scale| !is_stratified || !is_order(scale));
+        let told = scales.iter().filter(|scale| if is_order(scale) { !is_stratified } else { !by_cells });
         let mut worst: Vec<&Scale> = told.filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
         let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();

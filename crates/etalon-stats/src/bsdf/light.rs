@@ -71,8 +71,9 @@ impl Pilot {
         let wis: Vec<Direction> = self.places.iter().take(SAMPLES).flat_map(of_sample).collect();
         let values = subject.bsdf.eval(&subject.pairs(&wis), &[])?;
         let changed = |[f, moved @ ..]: &[Spectrum; 4]| {
-            let change =
-                |other: &Spectrum| (other[0] - f[0]).abs() / f[0].at_least(other[0]).at_least(f64::MIN_POSITIVE);
+            let change = |other: &Spectrum| {
+                (other[0] - f[0]).abs() / f[0].abs().at_least(other[0].abs()).at_least(f64::MIN_POSITIVE)
+            };
             moved.iter().map(change).fold(0.0, f64::at_least)
         };
         let (of_samples, _) = values.as_chunks::<4>();

@@ -4,7 +4,7 @@ use super::contract::{Direction, Pair};
 use super::subject::{Subject, channel_of, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::mistakes::{Follows, Mistake, Pair as Compared, of_pairs};
+use crate::mistakes::{Mistake, Pair as Compared, of_pairs};
 use crate::sampler::Density;
 
 /// The pdf of a BSDF, and its light, in messages.
@@ -54,8 +54,8 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     all.extend(Mistake::factor("cos θi/cos θo", move |wi| (Direction::from(wi)[2] / wo[2]).abs()));
     if subject.properties.transmission {
         all.extend(Mistake::factor("the Jacobian of the half-vector", jacobian));
-        all.extend(Mistake::factor("η² where light is transmitted", eta2));
-        all.extend(Mistake::factor("η⁴ where light is transmitted", move |wi| eta2(wi).powi(2)));
+        all.extend(Mistake::exact_factor("η² where light is transmitted", eta2));
+        all.extend(Mistake::exact_factor("η⁴ where light is transmitted", move |wi| eta2(wi).powi(2)));
     }
     all
 }
@@ -123,7 +123,7 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Density for Values<'_, F>
         all.extend(others.map(|other| {
             let name = format!("of channel {other} in channel {channel}");
             let values = move |wis: &[Point]| function(&subject.pairs(&directions(wis)), other);
-            Mistake { name, follows: Follows::Asked(Box::new(values)) }
+            Mistake::asked(&name, values)
         }));
         all
     }

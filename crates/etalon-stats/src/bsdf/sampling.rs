@@ -10,10 +10,11 @@ use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
-use crate::mistakes::{EQUAL, Mistake, of_pairs};
+use crate::mistakes::{EQUAL, Mistake, number, of_pairs};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
+use std::collections::BTreeMap;
 use std::iter::repeat_n;
 
 /// The samples and the pdf of a BSDF.
@@ -136,7 +137,11 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
             .filter(|(_, error)| **error < 0.1 * EQUAL)
             .all(|(pair, _)| lacks(pair));
         let lobe = "pdfs of lobes lack the probability of the lobe".to_owned();
-        found.named(if of_all.is_none() && lacking && !pairs.is_empty() { Some(lobe) } else { of_all });
+        found.named(match of_all {
+            None if lacking && !pairs.is_empty() => Some(lobe),
+            None => of_lobes(&used, &numbers, &errors),
+            of_all => of_all,
+        });
     }
     let count = used.len() as u64;
     let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| count >= FEWEST);
@@ -144,6 +149,23 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     let undecided = || Outcome { inconclusive_reason: Some(reason), ..Outcome::open(count) };
     Ok((points.len() as u64 >= FEWEST).then(|| outcome.unwrap_or_else(undecided)))
 }
+/// The factors of lobes whose pdfs are wrong by a factor each, or right.
+fn of_lobes(used: &[&MappedPoint], numbers: &[[f64; 2]], errors: &[f64]) -> Option<String> {
+    let precise = used.iter().zip(numbers).zip(errors).filter(|(_, error)| **error < 0.1 * EQUAL);
+    let mut lobes: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    precise.for_each(|((point, [product, _]), _)| lobes.entry(point.sample.lobe).or_default().push(*product));
+    let factor = |products: &Vec<f64>| {
+        let [least, most] =
+            [f64::at_most, f64::at_least].map(|of| products.iter().copied().reduce(of).unwrap_or(f64::NAN));
+        (products.len() as u64 >= FEWEST && most <= least * (1.0 + EQUAL)).then_some(least)
+    };
+    let told = |(lobe, products): (&usize, &Vec<f64>)| {
+        Some(format!("that of lobe {lobe} is {} times the density of its samples", number(factor(products)?)))
+    };
+    let told: Option<Vec<String>> = lobes.iter().map(told).collect();
+    told.filter(|told| told.len() > 1).map(|told| format!("pdfs of lobes are wrong by factors: {}", told.join(", ")))
+}
+
 /// Random numbers, the sample that they give, and the pdf of its lobe times the probability of the lobe.
 struct MappedPoint {
     u: Vec<f64>,

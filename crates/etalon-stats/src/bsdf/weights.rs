@@ -13,7 +13,7 @@ use crate::error::{Result, poll};
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
-use crate::mistakes::of_counts;
+use crate::mistakes::{Kinds, of_counts};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome};
 use crate::power::{FEWEST, chi_square_tail, noncentrality, samples_for};
@@ -214,7 +214,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     if let Some((counts, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
         diagnosis = diagnose(&sphere(), counts);
         if subject.is_deterministic() {
-            mistake = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT])?;
+            mistake = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT], Kinds::Local)?;
         }
     }
     Ok(Some(Outcome {

@@ -146,7 +146,7 @@ fn all() -> Vec<Mistaken> {
                 Some(Sample::new([sample_table(TABLE.map(|weight| weight * weight), u[0], u[1], 0), u[2]]))
             })),
             density: of_table(),
-            follows: "the pdf squared",
+            follows: "the pdf to the power of 2",
         },
     ]
 }
