@@ -429,7 +429,9 @@ impl Test<'_> {
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);
-            *violation += if is_followed { "; where they are, samples follow the pdf" } else { "" };
+            if is_followed {
+                *violation += &format!("; as far as {samples} samples tell, they follow the pdf");
+            }
         }
         let words = is_suspect.then(|| diagnose(domain, &counts)).flatten().into_iter().chain(words);
         Ok(Outcome {

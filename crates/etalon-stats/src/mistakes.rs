@@ -45,14 +45,14 @@ pub struct Mistake<'a> {
     pub name: String,
     /// The density that samples follow.
     pub follows: Follows<'a>,
-    /// Whether only numbers that are exact tell it: of a factor that has few values, chance and other errors make the same.
-    pub is_exact: bool,
+    /// Whether it is not tried on counts: other errors make the same of a factor that has two values.
+    pub needs_exact_numbers: bool,
 }
 
 impl<'a> Mistake<'a> {
     /// Samples of this density.
     pub fn density(name: &str, density: impl Fn(Point) -> f64 + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Density(Box::new(density)), is_exact: false }
+        Self { name: name.to_owned(), follows: Follows::Density(Box::new(density)), needs_exact_numbers: false }
     }
 
     /// A factor that the samples have and the pdf has not, and the reverse.
@@ -60,29 +60,33 @@ impl<'a> Mistake<'a> {
         let times = Follows::Times(Box::new(factor));
         let divided = Follows::Times(Box::new(move |point| 1.0 / factor(point)));
         [
-            Self { name: format!("times {name}"), follows: times, is_exact: false },
-            Self { name: format!("divided by {name}"), follows: divided, is_exact: false },
+            Self { name: format!("times {name}"), follows: times, needs_exact_numbers: false },
+            Self { name: format!("divided by {name}"), follows: divided, needs_exact_numbers: false },
         ]
     }
 
-    /// The same where only exact numbers tell it.
+    /// A factor that is not tried on counts.
     pub fn exact_factor(name: &str, factor: impl Fn(Point) -> f64 + Copy + 'a) -> [Self; 2] {
-        Self::factor(name, factor).map(|mistake| Self { is_exact: true, ..mistake })
+        Self::factor(name, factor).map(|mistake| Self { needs_exact_numbers: true, ..mistake })
     }
 
     /// Samples that follow the pdf at another place.
     pub fn at(name: &str, place: impl Fn(Point) -> Point + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::At(Box::new(place)), is_exact: false }
+        Self { name: name.to_owned(), follows: Follows::At(Box::new(place)), needs_exact_numbers: false }
     }
 
     /// Samples that follow what these values are in proportion to.
     pub fn asked(name: &str, values: impl Fn(&[Point]) -> Result<Vec<f64>> + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)), is_exact: false }
+        Self { name: name.to_owned(), follows: Follows::Asked(Box::new(values)), needs_exact_numbers: false }
     }
 
     /// Samples that follow the pdf at places that a motion by some amount leads to.
     pub fn moved(name: &str, limits: [f64; 2], place: impl Fn(f64, Point) -> Point + 'a) -> Self {
-        Self { name: name.to_owned(), follows: Follows::Moved { limits, place: Box::new(place) }, is_exact: false }
+        Self {
+            name: name.to_owned(),
+            follows: Follows::Moved { limits, place: Box::new(place) },
+            needs_exact_numbers: false,
+        }
     }
 
     /// What is followed in place of `of`, such as "the pdf".
@@ -105,7 +109,7 @@ impl<'a> Mistake<'a> {
 
     /// Whether the pdf's values at the points themselves are enough.
     fn is_known(&self) -> bool {
-        !matches!(self.follows, Follows::At(_) | Follows::Asked(_))
+        !matches!(self.follows, Follows::At(_) | Follows::Asked(_) | Follows::Moved { .. })
     }
 
     /// The densities at `points`, where the pdf has the values `pdfs`.
@@ -115,8 +119,8 @@ impl<'a> Mistake<'a> {
             Follows::Times(factor) => points.iter().zip(pdfs).map(|(&point, pdf)| pdf * factor(point)).collect(),
             Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
             Follows::Power(power) => pdfs.iter().map(|pdf| pdf.powf(*power)).collect(),
-            // It needs an amount: see `fitted`.
-            Follows::Moved { .. } => pdfs.to_vec(),
+            // Nothing is known without an amount: see `fitted`.
+            Follows::Moved { .. } => vec![f64::NAN; points.len()],
             Follows::Asked(values) => {
                 let batches = points.chunks(BATCH).map(values).collect::<Result<Vec<_>>>();
                 batches?.concat()
@@ -144,11 +148,17 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     all.extend(POWERS.map(|(power, name)| Mistake {
         name: format!("to the power of {name}"),
         follows: Follows::Power(power),
-        is_exact: false,
+        needs_exact_numbers: false,
     }));
-    // A table, or a set, that is shifted by one entry
-    let of_set = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
-    let steps: [Vec<f64>; 2] = of_set.or_else(|| density.steps()).unwrap_or_default();
+    // A set, or a table, that is shifted by one entry
+    if let Some(n) = domain.outcomes() {
+        for (by, towards) in [(1, "next"), (n.max(1) - 1, "previous")] {
+            let name = format!("of the {towards} outcome");
+            all.push(Mistake::at(&name, move |point| ((usize::from(point) + by) % n).into()));
+        }
+        return all;
+    }
+    let steps: [Vec<f64>; 2] = density.steps().unwrap_or_default();
     for (axis, lines) in steps.into_iter().enumerate().filter(|(_, lines)| !lines.is_empty()) {
         for (by, towards) in [(1, "next"), (lines.len(), "previous")] {
             let lines = lines.clone();
@@ -159,11 +169,7 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
                 at[axis] = 0.5 * (end(entry) + end(entry + 1));
                 domain.point_at(at)
             };
-            let name = match domain.outcomes() {
-                Some(_) => format!("of the {towards} outcome"),
-                None => format!("of the {towards} entry along {}", domain.axes()[axis]),
-            };
-            all.push(Mistake::at(&name, shifted));
+            all.push(Mistake::at(&format!("of the {towards} entry along {}", domain.axes()[axis]), shifted));
         }
     }
     all
@@ -174,11 +180,11 @@ const POINTS: [usize; 2] = [8, 4];
 /// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
 /// 100 %): midpoints are not exact, and samples may have small errors besides.
 const LEFT: f64 = 0.002;
-/// The same where chance may explain the rest.
+/// The share of the pdf's excess that a mistake may leave, also where chance leaves more.
 const MOST: f64 = 0.1;
-/// Samples that show a shape.
+/// Samples after which an excess within chance says that the shape is right.
 const TOLD: u64 = 1 << 16;
-/// The same where an amount is fitted.
+/// The same of a shift or a turn, whose amounts can be had for many errors, and of a factor.
 const MOST_FITTED: f64 = 0.02;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
 const CHANCE: f64 = 2.5;
@@ -229,10 +235,20 @@ pub enum Kinds {
 pub fn is_clear(counts: &Counts) -> bool {
     let cells = counts.grid.len();
     let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
-    let shares: Vec<Option<f64>> = expected.iter().copied().map(Some).collect();
+    let shares = shares_of(expected);
     let is_told = observed.iter().sum::<u64>() >= TOLD;
     excess(observed, &shares)
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
+}
+
+/// Whether nothing is expected: counts are compared with the smallest number in place of 0.
+fn is_zero(expected: f64) -> bool {
+    expected <= f64::MIN_POSITIVE
+}
+
+/// The shares that the density expects.
+fn shares_of(expected: &[f64]) -> Vec<Option<f64>> {
+    expected.iter().map(|&expected| Some(if is_zero(expected) { 0.0 } else { expected })).collect()
 }
 
 /// Statistic minus degrees of freedom of counts against shares, and the standard deviation of that. Cells without a share are
@@ -307,7 +323,11 @@ impl<'a> Table<'a> {
         let share = |(i, cell): (usize, &Cell)| {
             let within = i * PER_CELL..(i + 1) * PER_CELL;
             let [of_pdf, sum] = [&self.pdfs, values].map(|values| values[within.clone()].iter().sum::<f64>());
-            let share = if is_local { self.expected[i] * sum / of_pdf } else { cell.area() * sum };
+            let share = match is_local {
+                true if is_zero(self.expected[i]) => 0.0,
+                true => self.expected[i] * sum / of_pdf,
+                false => cell.area() * sum,
+            };
             // Where no point meets the pdf, or one of them has none, the share is not known.
             let is_known = !(share.is_nan() || values[within].iter().any(|value| value.is_nan()));
             is_known.then_some(share)
@@ -326,11 +346,11 @@ impl<'a> Table<'a> {
         let is_local = mistake.is_local();
         let shares = self.shares(&values, is_local);
         let sum = shares.iter().flatten().sum::<f64>();
-        let is_exact = is_local && (self.total / sum).ln().abs() < SCALE;
+        let keeps_integral = is_local && (self.total / sum).ln().abs() < SCALE;
         let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
         // Factors that make the integral right, then densities, then factors of another integral, then powers
         let rank = match mistake.follows {
-            Follows::Times(_) if is_exact => 0,
+            Follows::Times(_) if keeps_integral => 0,
             Follows::Times(_) => OTHER_FACTOR,
             Follows::Power(_) => OTHER_FACTOR + 1,
             _ => 1,
@@ -350,11 +370,21 @@ impl<'a> Table<'a> {
         let step = (limits[1] - limits[0]) / STEPS as f64;
         let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
         let all = steps.map(|amount| Ok((amount, left_by(amount)?[0]))).collect::<Result<Vec<(f64, f64)>>>()?;
-        let Some(best) = all.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
+        let best = all.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(best) = best.filter(|(_, left)| left.is_finite()) else { return Ok(None) };
         let (mut low, mut high) = (best.0 - step, best.0 + step);
+        let [mut first, mut second] = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
+        let [mut by_first, mut by_second] = [left_by(first)?[0], left_by(second)?[0]];
         for _ in 0..SECTIONS {
-            let inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
-            if left_by(inner[0])?[0] < left_by(inner[1])?[0] { high = inner[1] } else { low = inner[0] }
+            if by_first < by_second {
+                (high, second, by_second) = (second, first, by_first);
+                first = low + GOLDEN * (high - low);
+                by_first = left_by(first)?[0];
+            } else {
+                (low, first, by_first) = (first, second, by_second);
+                second = high - GOLDEN * (high - low);
+                by_second = left_by(second)?[0];
+            }
         }
         let amount = 0.5 * (low + high);
         let left = left_by(amount)?;
@@ -380,20 +410,21 @@ impl<'a> Table<'a> {
     }
 
     fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<String>> {
-        let all_of: Vec<Option<f64>> = self.expected.iter().copied().map(Some).collect();
+        let all_of = shares_of(self.expected);
         let Some([of_pdf, spread]) = self.excess(&all_of).filter(|_| !self.points.is_empty()) else { return Ok(None) };
         if of_pdf <= CHANCE * spread {
             // What chance hides of the shape must be little beside the factor.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
             let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
-            let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio:.2} times as large");
+            let ratio = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
+            let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio} times as large");
             return Ok(is_factor.then(told));
         }
         if of_pdf.is_nan() || of_pdf < CLEAR * spread {
             return Ok(None);
         }
         // Mistakes that need no other values of the pdf come first, and those with an amount last.
-        let is_tried = |mistake: &Mistake| !mistake.is_exact && (kinds == Kinds::All || mistake.is_local());
+        let is_tried = |mistake: &Mistake| !mistake.needs_exact_numbers && (kinds == Kinds::All || mistake.is_local());
         let (families, others): (Vec<Mistake>, Vec<Mistake>) =
             all(self.domain, self.density).into_iter().filter(is_tried).partition(Mistake::is_family);
         let (known, other): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
@@ -437,7 +468,7 @@ const ROUNDED: f64 = 1e-6;
 /// Relative differences of ratios that count as equal.
 pub const EQUAL: f64 = 1e-4;
 /// Fewer pairs say nothing.
-const FEWEST_PAIRS: usize = 32;
+pub const FEWEST_PAIRS: usize = 32;
 
 /// The mistake that makes `found` another number than `of` at all of `pairs`, of which `density` has the second: "[what samples
 /// carry] is π times [the pdf]".

@@ -81,6 +81,7 @@ pub struct Outcome {
     /// Whether the test was repeated with fresh random numbers.
     pub repeated: bool,
     /// The usual mistake that explains what is wrong, if one does: "samples follow cos θ/π, not the pdf".
+    #[cfg_attr(feature = "serde", serde(rename = "named"))]
     pub mistake: Option<String>,
     /// What an exact check found wrong: a reason to reject, independent of `p`.
     pub violation: Option<String>,
@@ -191,7 +192,6 @@ impl Outcome {
         (self.p, self.repeated) = (p, repeated);
         self.samples += other.samples;
         self.seconds += other.seconds;
-        self.mistake = self.mistake.take().or(other.mistake);
         self.violation = self.violation.take().or(other.violation);
         self.diagnosis = self.diagnosis.take().or(other.diagnosis);
         self.interrupted |= other.interrupted;
@@ -225,12 +225,19 @@ pub struct Finding<'a> {
     pub outcome: &'a Outcome,
 }
 
-/// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind that name the same mistake, or
-/// none, have one, which is that of the first.
+/// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind whose mistakes, or findings
+/// where none is named, differ in numbers alone have one line, which is that of the first.
 #[must_use]
 pub fn causes(findings: &[Finding]) -> Vec<String> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
-    let cause = |finding: &Finding| (finding.kind.to_owned(), finding.outcome.verdict, finding.outcome.mistake.clone());
+    let cause = |finding: &Finding| {
+        let outcome = finding.outcome;
+        let told =
+            outcome.mistake.as_deref().or(outcome.violation.as_deref()).or(outcome.inconclusive_reason.as_deref());
+        let is_word = |c: &char| !(c.is_ascii_digit() || ".-+".contains(*c));
+        let words: String = told.unwrap_or_default().chars().filter(is_word).collect();
+        (finding.kind.to_owned(), outcome.verdict, words)
+    };
     for finding in findings.iter().filter(|finding| !finding.outcome.is_accepted()) {
         match groups.iter_mut().find(|group| cause(group[0]) == cause(finding)) {
             Some(group) => group.push(finding),

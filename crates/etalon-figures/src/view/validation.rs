@@ -32,7 +32,7 @@ pub struct Row<'a> {
     repeated: bool,
     seconds: f64,
     /// The usual mistake that explains a rejection.
-    mistake: &'a str,
+    named: &'a str,
     /// Why the test does not accept.
     remark: String,
     /// Where samples and pdf differ most, of a rejected test.
@@ -62,7 +62,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
             none: outcome.none,
             repeated: outcome.repeated,
             seconds: outcome.seconds,
-            mistake: outcome.mistake.as_deref().unwrap_or_default(),
+            named: outcome.mistake.as_deref().unwrap_or_default(),
             remark: outcome.reason().unwrap_or_default(),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
             remarks: outcome.remarks.join("; "),
@@ -187,10 +187,11 @@ pub fn text(validation: &Validation) -> String {
     let is_told =
         |test: &&Tested| tests.len() <= FEW || !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
     let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
+    let is_single = tests.len() == 1;
     let mut text = match told.len() {
-        _ if tests.len() <= FEW => table(&told),
+        _ if tests.len() <= FEW => table(&told, is_single),
         0 => families(tests),
-        _ => format!("{}\n{}", families(tests), table(&told)),
+        _ => format!("{}\n{}", families(tests), table(&told, is_single)),
     };
     if tests.len() > 1 {
         let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", 100));
@@ -217,10 +218,10 @@ pub fn text(validation: &Validation) -> String {
 
 /// One line for each test, and below it, of a single one, why and where it failed; its remarks, and what it detects between the
 /// cells.
-fn table(tests: &[&Tested]) -> String {
+fn table(tests: &[&Tested], is_single: bool) -> String {
     let below = |outcome: &Outcome| {
-        let reason = outcome.reason().filter(|_| tests.len() == 1);
-        let places = outcome.other_places().filter(|_| tests.len() == 1).map(str::to_owned);
+        let reason = outcome.reason().filter(|_| is_single);
+        let places = outcome.other_places().filter(|_| is_single).map(str::to_owned);
         let lines = reason.into_iter().chain(places).map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());

@@ -127,19 +127,14 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
         let pairs: Vec<_> = precise.map(pair).collect();
         let of_all = of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?;
         // Without the probability of the lobe, pdf and map agree.
-        let lacks = |([product, _], point): (&[f64; 2], &&MappedPoint)| {
-            (product * point.sample.lobe_probability - 1.0).abs() < EQUAL
-        };
-        let lacking = numbers
-            .iter()
-            .zip(&used)
-            .zip(&errors)
-            .filter(|(_, error)| **error < 0.1 * EQUAL)
-            .all(|(pair, _)| lacks(pair));
-        let lobe = "pdfs of lobes lack the probability of the lobe".to_owned();
+        let is_one = |product: f64| (product - 1.0).abs() <= EQUAL;
+        let precise: Vec<(&MappedPoint, f64)> =
+            (0..used.len()).filter(|&i| errors[i] < 0.1 * EQUAL).map(|i| (used[i], numbers[i][0])).collect();
+        let wrong = precise.iter().filter(|(_, product)| !is_one(*product)).count() as u64;
+        let lacks = precise.iter().all(|(point, product)| is_one(product * point.sample.lobe_probability));
         found.named(match of_all {
-            None if lacking && !pairs.is_empty() => Some(lobe),
-            None => of_lobes(&used, &numbers, &errors),
+            None if lacks && wrong >= FEWEST => Some("pdfs of lobes lack the probability of the lobe".to_owned()),
+            None if wrong >= FEWEST => of_lobes(&precise),
             of_all => of_all,
         });
     }
@@ -150,11 +145,10 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     Ok((points.len() as u64 >= FEWEST).then(|| outcome.unwrap_or_else(undecided)))
 }
 /// The factors of lobes whose pdfs are wrong by a factor each, or right.
-fn of_lobes(used: &[&MappedPoint], numbers: &[[f64; 2]], errors: &[f64]) -> Option<String> {
-    let precise = used.iter().zip(numbers).zip(errors).filter(|(_, error)| **error < 0.1 * EQUAL);
+fn of_lobes(precise: &[(&MappedPoint, f64)]) -> Option<String> {
     let mut lobes: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    precise.for_each(|((point, [product, _]), _)| lobes.entry(point.sample.lobe).or_default().push(*product));
-    let factor = |products: &Vec<f64>| {
+    precise.iter().for_each(|(point, product)| lobes.entry(point.sample.lobe).or_default().push(*product));
+    let factor = |products: &[f64]| {
         let [least, most] =
             [f64::at_most, f64::at_least].map(|of| products.iter().copied().reduce(of).unwrap_or(f64::NAN));
         (products.len() as u64 >= FEWEST && most <= least * (1.0 + EQUAL)).then_some(least)

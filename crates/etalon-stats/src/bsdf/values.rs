@@ -5,12 +5,12 @@
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind};
 use super::mistakes::{LIGHT, PDF, light};
 use super::sampling::Scattering;
-use super::subject::{Comparison, Subject, length, place, sphere};
+use super::subject::{Comparison, Subject, length, sphere};
 use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
-use crate::mistakes::{EQUAL, of_pairs};
+use crate::mistakes::{EQUAL, FEWEST_PAIRS, of_pairs};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -66,7 +66,7 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     let sin2 = 1.0 - wo[2] * wo[2];
     let is_total = properties.transmission && sin2 > subject.eta2([0.0, 0.0, -wo[2]]);
     let is_nan = |what: &String| what.contains("NaN");
-    let total = || format!("NaN where wo {} is beyond the critical angle: all light is reflected", place(*wo));
+    let total = || "NaN where wo is beyond the critical angle of a smooth surface".to_owned();
     Ok(outcome.map(|outcome| {
         let mistake = outcome.violation.as_ref().filter(|what| is_total && is_nan(what)).map(|_| total());
         Outcome { remarks, mistake, ..outcome }
@@ -163,20 +163,31 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
 /// The pdf that samples carry, and what it should be.
 const CARRIED: [&str; 2] = ["what samples carry", PDF];
 
-/// Whether the pdfs that are `used` are those of the lobes that the samples come from, in place of that of all lobes.
+/// How the pdfs that are `used`, NaN where they are not known, are those of the lobes that the samples come from, in place of that
+/// of all lobes, if they are.
 fn of_own_lobes(subject: &Subject, spread: &[Drawn], used: &[f64]) -> Result<Option<&'static str>> {
+    if subject.bsdf.lobes() < 2 {
+        return Ok(None);
+    }
+    let pairs = pairs(subject, spread);
     let lobes: Vec<usize> = spread.iter().map(|(_, sample, _)| sample.lobe).collect();
-    let own = subject.bsdf.lobe_pdf(&pairs(subject, spread), &lobes)?;
-    let all = |divided: bool| {
-        let is_own = |((_, sample, _), (own, used)): (&Drawn, (&Option<f64>, &f64))| {
-            let own = own.map(|own| if divided { own / sample.lobe_probability } else { own });
-            used.is_nan() || own.is_some_and(|own| relative_difference(*used, own) <= EQUAL)
-        };
-        used.iter().any(|used| !used.is_nan()) && spread.iter().zip(own.iter().zip(used)).all(is_own)
+    let (own, all) = (subject.bsdf.lobe_pdf(&pairs, &lobes)?, subject.bsdf.pdf(&pairs)?);
+    let is_equal = |a: f64, b: f64| relative_difference(a, b) <= EQUAL;
+    let are_own = |is_divided: bool| {
+        let mut telling = 0;
+        for (((_, sample, _), own), (used, all)) in spread.iter().zip(&own).zip(used.iter().zip(&all)) {
+            let Some(own) = own.map(|own| if is_divided { own / sample.lobe_probability } else { own }) else {
+                return false;
+            };
+            if !used.is_nan() && !is_equal(*used, own) {
+                return false;
+            }
+            telling += usize::from(!used.is_nan() && !is_equal(own, *all));
+        }
+        telling >= FEWEST_PAIRS
     };
-    let name = [(false, "times its probability"), (true, "without its probability")];
-    let name = name.into_iter().find(|(divided, _)| all(*divided));
-    Ok(name.map(|(_, name)| name))
+    let names = [(false, "times its probability"), (true, "without its probability")];
+    Ok(names.into_iter().find(|(is_divided, _)| are_own(*is_divided)).map(|(_, name)| name))
 }
 
 fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {

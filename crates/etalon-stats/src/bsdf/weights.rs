@@ -127,11 +127,17 @@ impl Cells {
         let (statistic, dof) = (controlled.iter().map(z2).sum::<f64>(), controlled.len());
         // Weights where the BSDF scatters no light.
         let dark = self.terms.iter().filter(|term| term.expected == 0.0).map(|term| term.found.sum).sum::<f64>();
-        let p = if dark > ROUNDING * weights { 0.0 } else { chi_square_tail(dof as f64, statistic) };
+        let is_dark = dark > ROUNDING * weights;
+        let p = match dof {
+            0 => 1.0,
+            _ if is_dark => 0.0,
+            _ => chi_square_tail(dof as f64, statistic),
+        };
         Some(Tested {
             statistic,
-            dof,
-            p: if dof > 0 { p } else { 1.0 },
+            // Weights from where no light comes reject whatever the statistic is.
+            dof: if is_dark { 0 } else { dof },
+            p,
             effective: controlled.iter().map(|term| term.effective(self.ratio)).sum(),
             uncontrolled: others.iter().map(|term| term.expected).sum::<f64>() / light,
         })
