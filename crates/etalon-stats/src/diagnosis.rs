@@ -241,8 +241,7 @@ pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> S
         let _ = write!(text, "{}, chi-square = {:.1} with {freedom}, ", p_value(p), outcome.statistic);
     }
     let _ = writeln!(text, "{}", count(outcome.samples, "sample", "samples"));
-    let by_counts = outcome.verdict == Verdict::Reject && outcome.p.is_some();
-    if let Some(counts) = outcome.counts.as_ref().filter(|_| by_counts) {
+    if let Some(counts) = outcome.counts.as_ref().filter(|_| outcome.is_rejected_by_p()) {
         text += &table(domain, counts);
     }
     if let Some(error) = outcome.detectable.filter(|_| outcome.verdict != Verdict::Reject) {

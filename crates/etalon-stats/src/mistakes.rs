@@ -494,9 +494,7 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         let ratios = values.iter().zip(values_of).map(|([found, _], value)| found / value);
         let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
         let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * values.len() as f64;
-        let [least, most] =
-            [f64::at_most, f64::at_least].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
-        (enough && most <= least * (1.0 + EQUAL)).then_some(least)
+        common_factor(&ratios).filter(|_| enough)
     };
     let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
     if let Some(factor) = factor_of(&known) {
@@ -543,6 +541,12 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         }
     }
     Ok(shape)
+}
+
+/// The least of `ratios`, if all are equal to it.
+pub fn common_factor(ratios: &[f64]) -> Option<f64> {
+    let [least, most] = [f64::at_most, f64::at_least].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
+    (most <= least * (1.0 + EQUAL)).then_some(least)
 }
 
 /// A number with its meaning, if it is one of those that are forgotten: "6.28319 = 2π".

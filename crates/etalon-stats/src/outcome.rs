@@ -130,17 +130,40 @@ impl Outcome {
         self.inconclusive_reason.clone().or(nan)
     }
 
-    /// Why the test does not accept, in a sentence: the usual mistake that explains it, then what an exact check found wrong, or,
-    /// where that is nothing, where counts differ most; else why it says nothing.
+    /// What is wrong, how much and where, without the name of a mistake: what an exact check found, or, where that is nothing, where
+    /// counts differ most; else why nothing can be said.
     #[must_use]
-    pub fn reason(&self) -> Option<String> {
-        if self.violation.is_some() || self.verdict == Verdict::Reject {
-            let found = self.violation.as_deref().or(self.places().next());
-            let all: Vec<&str> = [self.mistake.as_deref(), found].into_iter().flatten().collect();
-            return Some(all.join(": ")).filter(|text| !text.is_empty());
+    pub fn found(&self) -> Option<&str> {
+        if self.is_rejected() {
+            return self.violation.as_deref().or(self.places().next());
         }
         let interrupted = self.interrupted.then_some("interrupted before the test was finished");
-        interrupted.or(self.inconclusive_reason.as_deref()).map(str::to_owned)
+        interrupted.or(self.inconclusive_reason.as_deref())
+    }
+
+    /// Why the test does not accept, in a sentence: the usual mistake that explains it, then what was [found](Self::found).
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        let mistake = self.mistake.as_deref().filter(|_| self.is_rejected());
+        let all: Vec<&str> = mistake.into_iter().chain(self.found()).collect();
+        Some(all.join(": ")).filter(|text| !text.is_empty())
+    }
+
+    /// The [reason](Self::reason), then the places that it does not have.
+    #[must_use]
+    pub fn findings(&self) -> Vec<String> {
+        self.reason().into_iter().chain(self.other_places().map(str::to_owned)).collect()
+    }
+
+    /// Whether the verdict is [`Verdict::Reject`], or will be for what an exact check found.
+    fn is_rejected(&self) -> bool {
+        self.violation.is_some() || self.verdict == Verdict::Reject
+    }
+
+    /// Whether the test rejects, and its counts, or what else its p-value belongs to, do.
+    #[must_use]
+    pub fn is_rejected_by_p(&self) -> bool {
+        self.verdict == Verdict::Reject && self.p.is_some()
     }
 
     /// The first line on a test: the verdict and its [reason](Self::reason).
@@ -253,18 +276,6 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
         format!("{}: {}{also}", first.name, first.outcome)
     };
     groups.into_iter().map(line).collect()
-}
-
-/// The remarks of the tests that accept, each once.
-#[must_use]
-pub fn shared_remarks<'a>(findings: &[Finding<'a>]) -> Vec<&'a str> {
-    let mut remarks: Vec<&str> = Vec::new();
-    for remark in findings.iter().filter(|finding| finding.outcome.is_accepted()).flat_map(|f| &f.outcome.remarks) {
-        if !remarks.contains(&remark.as_str()) {
-            remarks.push(remark);
-        }
-    }
-    remarks
 }
 
 /// Decides on the tests of one run, which together reject right samplers with probability `level` at most.

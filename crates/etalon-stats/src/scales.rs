@@ -217,10 +217,10 @@ impl Scales {
             let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
-            let mut test = ScaleTest { parts, ..columns.clone().plus(&rows) };
-            let worst = if columns.worst.0 >= rows.worst.0 { parts / 2 } else { parts / 4 };
+            let pairs = if columns.worst.0 >= rows.worst.0 { parts / 2 } else { parts / 4 };
+            let mut test = ScaleTest { parts, ..columns.plus(&rows) };
             test.locate(|pair| {
-                let cell = pair * subdivision.grid.len() / worst;
+                let cell = pair * subdivision.grid.len() / pairs;
                 subdivision.grid.cells().nth(cell).map_or(String::new(), |cell| domain.in_words(&cell))
             });
             // Columns are about twice as many as rows.

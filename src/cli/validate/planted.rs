@@ -75,8 +75,8 @@ fn text(findings: &Findings, explain: bool) -> String {
         let mut text = String::new();
         if explain {
             text += &wrapped(&format!("mistake: {}", test.mistake), "  ", 100);
-            let said = outcome.reason().into_iter().chain(outcome.other_places().map(str::to_owned));
-            said.for_each(|said| text += &wrapped(&format!("found: {said}"), "  ", 100));
+            let found = outcome.findings();
+            found.iter().for_each(|found| text += &wrapped(&format!("found: {found}"), "  ", 100));
         }
         if outcome.verdict != etalon_stats::Verdict::Reject {
             text += &format!("  {}\n", outcome.reason().unwrap_or_else(|| test.mistake.to_owned()));

@@ -20,6 +20,14 @@ pub struct Tested {
     pub outcome: Outcome,
 }
 
+impl Tested {
+    /// It among other tests: those whose names differ in the last part only are of one kind.
+    fn finding(&self) -> Finding<'_> {
+        let kind = self.name.rsplit_once('/').map_or(self.name.as_str(), |(kind, _)| kind);
+        Finding { name: &self.name, kind, outcome: &self.outcome }
+    }
+}
+
 /// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
@@ -79,13 +87,9 @@ impl Validation {
         }
     }
 
-    /// A line for each cause for which tests do not accept. Tests whose names differ in the last part only are of one kind.
+    /// A line for each cause for which tests do not accept.
     pub fn causes(&self) -> Vec<String> {
-        let kind = |name: &str| name.rsplit_once('/').map_or(name.len(), |(kind, _)| kind.len());
-        let tests = self.tests.iter();
-        let findings: Vec<Finding> =
-            tests.map(|Tested { name, outcome }| Finding { name, kind: &name[..kind(name)], outcome }).collect();
-        causes(&findings)
+        causes(&self.tests.iter().map(Tested::finding).collect::<Vec<_>>())
     }
 
     /// The p-values of all tests that have one of continuous distribution, in ascending order.

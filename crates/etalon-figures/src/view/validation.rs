@@ -77,9 +77,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
         [test] => validation_cells::drawing(test),
         tests => {
             // Why first, then where counts of the first test that they reject differ.
-            let by_counts = |test: &&Tested| {
-                test.outcome.verdict == Verdict::Reject && test.outcome.p.is_some() && test.outcome.counts.is_some()
-            };
+            let by_counts = |test: &&Tested| test.outcome.is_rejected_by_p() && test.outcome.counts.is_some();
             let cells = tests.iter().find(by_counts).map(validation_cells::drawing);
             let rows = validation_cells::reasons(validation).into_iter().chain(cells).chain([p_values(validation)]);
             Drawing::stacked(rows.collect(), 0.5, 2.0)
@@ -220,9 +218,8 @@ pub fn text(validation: &Validation) -> String {
 /// cells.
 fn table(tests: &[&Tested], is_single: bool) -> String {
     let below = |outcome: &Outcome| {
-        let reason = outcome.reason().filter(|_| is_single);
-        let places = outcome.other_places().filter(|_| is_single).map(str::to_owned);
-        let lines = reason.into_iter().chain(places).map(|line| format!("  {line}\n"));
+        let findings = if is_single { outcome.findings() } else { Vec::new() };
+        let lines = findings.into_iter().map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());
         let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", 100));
@@ -271,8 +268,8 @@ fn family(name: &str) -> String {
 
 /// What a test found: why it does not accept, else its p-value; and where samples and pdf differ most.
 pub fn found(outcome: &Outcome) -> String {
-    let why = outcome.reason().or(outcome.p.map(p_is));
-    why.into_iter().chain(outcome.other_places().map(str::to_owned)).collect::<Vec<_>>().join("; ")
+    let findings = outcome.findings();
+    if findings.is_empty() { outcome.p.map_or_else(String::new, p_is) } else { findings.join("; ") }
 }
 
 /// The p-value of a test that has one.

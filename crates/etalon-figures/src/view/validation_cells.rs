@@ -3,7 +3,7 @@
 use super::text::{finding, p_value, wrapped};
 use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
 use etalon_bench::validation::{Tested, Validation};
-use etalon_stats::{Cell, Counts, Outcome};
+use etalon_stats::{Cell, Counts};
 use serde::Serialize;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
@@ -49,15 +49,14 @@ fn residual(observed: u64, expected: f64) -> f64 {
 /// The drawing of a test: its verdict, why, and its cells, if it has counted anything.
 pub fn drawing(tested: &Tested) -> Drawing {
     let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
-    let verdict = tested.outcome.verdict;
-    // The mistake, if there is one, is the headline, and needs not be said again.
-    let mut outcome = tested.outcome.clone();
-    let (title, p) = match outcome.mistake.take() {
-        Some(mistake) => (format!("{}: {verdict}, {}", tested.name, finding(&mistake)), Some(p)),
-        None => (format!("{}: {verdict}, {p}", tested.name), None),
+    let Tested { name, outcome } = tested;
+    // The mistake, if there is one, is the headline, and need not be said again.
+    let (title, p) = match &outcome.mistake {
+        Some(mistake) => (format!("{name}: {}, {}", outcome.verdict, finding(mistake)), Some(p)),
+        None => (format!("{name}: {}, {p}", outcome.verdict), None),
     };
-    let lines = |text: String| wrapped(&text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
-    let findings = p.into_iter().chain(findings(&outcome).flat_map(lines));
+    let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
+    let findings = p.into_iter().chain(outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines));
     let Some(counts) = outcome.counts.as_ref() else {
         return headed(Drawing::new(0.0, 0.0, SCALE), title, findings.collect());
     };
@@ -84,11 +83,6 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
 const WIDEST: usize = 110;
 /// Pixels of a unit of length in drawings without a plot.
 const SCALE: f64 = 2.0;
-
-/// Why a test has its verdict, a finding each.
-fn findings(outcome: &Outcome) -> impl Iterator<Item = String> {
-    outcome.reason().into_iter().chain(outcome.other_places().map(str::to_owned))
-}
 
 /// A line for each cause for which tests are not accepted; `None` if all are.
 pub fn reasons(validation: &Validation) -> Option<Drawing> {

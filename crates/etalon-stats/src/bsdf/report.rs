@@ -5,7 +5,7 @@ use super::subject::place;
 use super::{ALL, Check, UNSEEN};
 use crate::error::Result;
 use crate::examine::Protocol;
-use crate::outcome::{Finding, Outcome, Verdict, causes, decide, shared_remarks};
+use crate::outcome::{Finding, Outcome, Verdict, causes, decide};
 use std::fmt;
 
 /// One check for one `wo`.
@@ -34,6 +34,18 @@ impl Report {
         self.checks.iter().filter(move |checked| checked.outcome.verdict == verdict)
     }
 
+    /// The remarks of the checks that accept, each once.
+    fn remarks(&self) -> Vec<&str> {
+        let all = self.with(Verdict::Accept).flat_map(|checked| &checked.outcome.remarks);
+        let mut remarks: Vec<&str> = Vec::new();
+        for remark in all {
+            if !remarks.contains(&remark.as_str()) {
+                remarks.push(remark);
+            }
+        }
+        remarks
+    }
+
     /// Whether every check accepts.
     #[must_use]
     pub fn is_accepted(&self) -> bool {
@@ -47,13 +59,12 @@ impl fmt::Display for Report {
         let [accepted, rejected, inconclusive] =
             [Verdict::Accept, Verdict::Reject, Verdict::Inconclusive].map(|verdict| self.with(verdict).count());
         write!(f, "{}: {accepted} checks accept, {rejected} reject, {inconclusive} inconclusive", self.configuration)?;
-        let named = |checked: &Checked| {
-            (format!("{} for wo {}", checked.check, place(checked.wo)), checked.check, checked.outcome.clone())
-        };
-        let named: Vec<_> = self.checks.iter().map(named).collect();
-        let all: Vec<Finding> = named.iter().map(|(name, kind, outcome)| Finding { name, kind, outcome }).collect();
-        causes(&all).iter().try_for_each(|cause| write!(f, "\n{cause}"))?;
-        shared_remarks(&all).iter().try_for_each(|remark| write!(f, "\nremark: {remark}"))?;
+        let name = |Checked { check, wo, .. }: &Checked| format!("{check} for wo {}", place(*wo));
+        let names: Vec<String> = self.checks.iter().map(name).collect();
+        let findings = names.iter().zip(&self.checks);
+        let findings = findings.map(|(name, Checked { check, outcome, .. })| Finding { name, kind: check, outcome });
+        causes(&findings.collect::<Vec<_>>()).iter().try_for_each(|cause| write!(f, "\n{cause}"))?;
+        self.remarks().iter().try_for_each(|remark| write!(f, "\nremark: {remark}"))?;
         if self.is_accepted() { write!(f, "\n{UNSEEN}") } else { Ok(()) }
     }
 }

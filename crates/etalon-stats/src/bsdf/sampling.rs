@@ -10,7 +10,7 @@ use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
-use crate::mistakes::{EQUAL, Mistake, number, of_pairs};
+use crate::mistakes::{EQUAL, Mistake, common_factor, number, of_pairs};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
@@ -120,16 +120,13 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     };
     let mut found = Comparison::default();
     if !found.equal(&numbers, |i| errors[i], rounding, message)? {
-        let precise = numbers.iter().zip(&errors).zip(&used).filter(|((_, error), _)| **error < 0.1 * EQUAL);
-        let pair = |(([product, _], _), point): ((&[f64; 2], &f64), &&MappedPoint)| {
-            (point.sample.wi.into(), [point.pdf / product, point.pdf])
-        };
-        let pairs: Vec<_> = precise.map(pair).collect();
+        let precise: Vec<(&MappedPoint, f64)> =
+            (0..used.len()).filter(|&i| errors[i] < 0.1 * EQUAL).map(|i| (used[i], numbers[i][0])).collect();
+        let pair = |(point, product): &(&MappedPoint, f64)| (point.sample.wi.into(), [point.pdf / product, point.pdf]);
+        let pairs: Vec<_> = precise.iter().map(pair).collect();
         let of_all = of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?;
         // Without the probability of the lobe, pdf and map agree.
         let is_one = |product: f64| (product - 1.0).abs() <= EQUAL;
-        let precise: Vec<(&MappedPoint, f64)> =
-            (0..used.len()).filter(|&i| errors[i] < 0.1 * EQUAL).map(|i| (used[i], numbers[i][0])).collect();
         let wrong = precise.iter().filter(|(_, product)| !is_one(*product)).count() as u64;
         let lacks = precise.iter().all(|(point, product)| is_one(product * point.sample.lobe_probability));
         found.named(match of_all {
@@ -144,15 +141,12 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     let undecided = || Outcome { inconclusive_reason: Some(reason), ..Outcome::open(count) };
     Ok((points.len() as u64 >= FEWEST).then(|| outcome.unwrap_or_else(undecided)))
 }
+
 /// The factors of lobes whose pdfs are wrong by a factor each, or right.
 fn of_lobes(precise: &[(&MappedPoint, f64)]) -> Option<String> {
     let mut lobes: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     precise.iter().for_each(|(point, product)| lobes.entry(point.sample.lobe).or_default().push(*product));
-    let factor = |products: &[f64]| {
-        let [least, most] =
-            [f64::at_most, f64::at_least].map(|of| products.iter().copied().reduce(of).unwrap_or(f64::NAN));
-        (products.len() as u64 >= FEWEST && most <= least * (1.0 + EQUAL)).then_some(least)
-    };
+    let factor = |products: &[f64]| common_factor(products).filter(|_| products.len() as u64 >= FEWEST);
     let told = |(lobe, products): (&usize, &Vec<f64>)| {
         Some(format!("that of lobe {lobe} is {} times the density of its samples", number(factor(products)?)))
     };

@@ -2,7 +2,7 @@
 //! weights: weight = f |cos θᵢ| / pdf, and the pdf that a sample carries. Lobe mixtures: the balance heuristic's weights of the
 //! lobes sum to 1, that is the pdfs of the lobes sum to the pdf.
 
-use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind};
+use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind, Properties, Spectrum};
 use super::mistakes::{LIGHT, PDF, light};
 use super::sampling::Scattering;
 use super::subject::{Comparison, Subject, length, sphere};
@@ -32,6 +32,8 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     let pairs = subject.pairs(&directions);
     let u: Vec<f64> = (0..directions.len() * properties.eval_dimension).map(|_| rng.random::<f64>()).collect();
     let (values, pdfs) = (bsdf.eval(&pairs, &u)?, bsdf.pdf(&pairs)?);
+    let mut lit = Lit::default();
+    lit.add(subject, directions.iter().copied().zip(values.iter().copied()), &samples);
     for ((wi, f), pdf) in directions.into_iter().zip(values).zip(pdfs) {
         let f = &f[..properties.channels];
         let finite = |x: &f64| x.is_finite() && *x >= 0.0;
@@ -60,7 +62,7 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
         let range = 0.0..=1.0 + properties.precision;
         found.holds(range.contains(&probability), || format!("{}: a probability of {probability}", at()));
     }
-    let remarks = unseen_lobes(subject)?;
+    let remarks = unseen_lobes(subject, lit)?;
     let outcome = found.outcome("the rule that all is finite, not negative and as declared");
     // Snell's law has no solution there, and roots of negative numbers are NaN.
     let sin2 = 1.0 - wo[2] * wo[2];
@@ -73,34 +75,57 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     }))
 }
 
-/// Sides and delta lobes that are declared and give no light, neither at `wo` nor along the normals, where nothing is reflected
-/// totally.
-fn unseen_lobes(subject: &Subject) -> Result<Vec<String>> {
-    let Subject { bsdf, properties, wo, .. } = subject;
-    let (mut sides, mut delta) = ([false; 2], false);
-    for wo in [*wo, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
-        let seen = Subject::new(*bsdf, wo, subject.protocol, subject.round)?;
-        let spread = seen.samples()?.into_iter().map(|(_, sample)| sample);
-        let (of_delta, spread): (Vec<BsdfSample>, Vec<BsdfSample>) = spread.partition(BsdfSample::is_delta);
-        let lobes = of_delta.iter().map(|sample| (sample.wi, sample.weight));
-        let lobes = lobes.chain(seen.deltas.iter().map(|lobe| (lobe.wi, lobe.throughput)));
-        let directions: Vec<Direction> = seen.directions();
-        let u = vec![0.5; directions.len() * properties.eval_dimension];
-        let values = bsdf.eval(&seen.pairs(&directions), &u)?;
-        let lit = spread.iter().map(|sample| (sample.wi, sample.weight)).chain(directions.into_iter().zip(values));
-        for (is_delta, (wi, f)) in lobes.map(|lobe| (true, lobe)).chain(lit.map(|lit| (false, lit))) {
-            if f[..properties.channels].iter().any(|f| *f != 0.0) {
-                sides[usize::from(wo[2] * wi[2] < 0.0)] = true;
-                delta |= is_delta;
+/// From where light comes: the same side of the surface, the other, and delta lobes.
+#[derive(Default)]
+struct Lit {
+    sides: [bool; 2],
+    delta: bool,
+}
+
+impl Lit {
+    /// Takes values and samples of `subject` into account, and its delta lobes.
+    fn add(
+        &mut self,
+        subject: &Subject,
+        values: impl Iterator<Item = (Direction, Spectrum)>,
+        samples: &[(Vec<f64>, BsdfSample)],
+    ) {
+        let samples = samples.iter().map(|(_, sample)| (sample.is_delta(), sample.wi, sample.weight));
+        let lobes = subject.deltas.iter().map(|lobe| (true, lobe.wi, lobe.throughput));
+        for (is_delta, wi, f) in values.map(|(wi, f)| (false, wi, f)).chain(samples).chain(lobes) {
+            if f[..subject.properties.channels].iter().any(|f| *f != 0.0) {
+                self.sides[usize::from(subject.wo[2] * wi[2] < 0.0)] = true;
+                self.delta |= is_delta;
             }
         }
     }
-    let unseen = [
-        (properties.reflection && !sides[0], "reflection is declared, and nothing was reflected"),
-        (properties.transmission && !sides[1], "transmission is declared, and nothing was transmitted"),
-        (properties.delta && !delta, "delta lobes are declared, and none was found"),
-    ];
-    Ok(unseen.into_iter().filter(|(is_unseen, _)| *is_unseen).map(|(_, remark)| remark.to_owned()).collect())
+
+    /// What is declared and gives no light.
+    fn missing(&self, properties: &Properties) -> Vec<String> {
+        let unseen = [
+            (properties.reflection && !self.sides[0], "reflection is declared, and nothing was reflected"),
+            (properties.transmission && !self.sides[1], "transmission is declared, and nothing was transmitted"),
+            (properties.delta && !self.delta, "delta lobes are declared, and none was found"),
+        ];
+        unseen.into_iter().filter(|(is_unseen, _)| *is_unseen).map(|(_, remark)| remark.to_owned()).collect()
+    }
+}
+
+/// Sides and delta lobes that are declared and give no light, neither at `wo` nor along the normals, where nothing is reflected
+/// totally.
+fn unseen_lobes(subject: &Subject, mut lit: Lit) -> Result<Vec<String>> {
+    let Subject { bsdf, properties, .. } = subject;
+    for wo in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+        if lit.missing(properties).is_empty() {
+            break;
+        }
+        let normal = Subject::new(*bsdf, wo, subject.protocol, subject.round)?;
+        let directions = normal.directions();
+        let u = vec![0.5; directions.len() * properties.eval_dimension];
+        let values = bsdf.eval(&normal.pairs(&directions), &u)?;
+        lit.add(&normal, directions.into_iter().zip(values), &normal.samples()?);
+    }
+    Ok(lit.missing(properties))
 }
 
 /// A sample with its random numbers, and its pdf or, of a delta lobe, its probability.
@@ -247,16 +272,15 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
             let known = if known.is_empty() { "there are none".to_owned() } else { known.join(", ") };
             found.holds(false, || format!("{}: {} is none of the delta lobes: {known}", at(), tuple(&wi)));
             let [x, y, z] = wi;
-            let changed: [(Direction, &str); 4] = [
-                ([-x, -y, -z], "sampled delta lobes point the opposite way"),
-                ([x, y, -z], "sampled delta lobes are on the other side of the surface"),
-                ([-x, -y, z], "sampled delta lobes are turned by half about the normal"),
-                (subject.wo, "sampled delta lobes point to wo"),
+            let is = |a: Direction, b: Direction| sphere().same(a.into(), b.into());
+            let is_lobe = |w: Direction| subject.deltas.iter().any(|lobe| is(lobe.wi, w));
+            let changed = [
+                (is_lobe([-x, -y, -z]), "sampled delta lobes point the opposite way"),
+                (is_lobe([x, y, -z]), "sampled delta lobes are on the other side of the surface"),
+                (is_lobe([-x, -y, z]), "sampled delta lobes are turned by half about the normal"),
+                (is(wi, subject.wo), "sampled delta lobes point to wo"),
             ];
-            let is_lobe = |w: Direction| subject.deltas.iter().any(|lobe| sphere().same(lobe.wi.into(), w.into()));
-            let is_wo = sphere().same(subject.wo.into(), wi.into());
-            let changed = changed.into_iter().enumerate().find(|(i, (w, _))| if *i < 3 { is_lobe(*w) } else { is_wo });
-            found.named(changed.map(|(_, (_, name))| name.to_owned()));
+            found.named(changed.into_iter().find(|(is_changed, _)| *is_changed).map(|(_, name)| name.to_owned()));
             continue;
         };
         let mut compare = |numbers: [f64; 2], what: &str| {
