@@ -34,7 +34,7 @@ struct Region {
 
 enum Place {
     Cells(Cell),
-    Atom(usize),
+    Atom(String),
     None,
 }
 
@@ -42,7 +42,7 @@ impl Place {
     fn name(&self, domain: &dyn Domain) -> String {
         match self {
             Self::Cells(cell) => domain.region(cell),
-            Self::Atom(atom) => format!("atom {atom}"),
+            Self::Atom(atom) => atom.clone(),
             Self::None => "no sample".to_owned(),
         }
     }
@@ -50,7 +50,7 @@ impl Place {
     fn in_words(&self, domain: &dyn Domain) -> String {
         match self {
             Self::Cells(cell) => domain.in_words(cell),
-            Self::Atom(atom) => format!("at atom {atom}"),
+            Self::Atom(atom) => format!("at {atom}"),
             Self::None => "among draws that return no sample".to_owned(),
         }
     }
@@ -129,7 +129,7 @@ fn all(counts: &Counts) -> Vec<Region> {
     let groups = groups.map(|group| (Place::Cells(group), inside(&group)));
     let strips = counts.grid.strips().into_iter().filter(|(_, inside)| inside.len() > 1);
     let strips = strips.map(|(strip, inside)| (Place::Cells(strip), inside));
-    let singles = cells.iter().map(|cell| Place::Cells(*cell)).chain((0..counts.atoms).map(Place::Atom));
+    let singles = cells.iter().map(|cell| Place::Cells(*cell)).chain(counts.atoms.iter().cloned().map(Place::Atom));
     let singles = singles.chain([Place::None]).enumerate().map(|(i, place)| (place, vec![i]));
     let all = groups.chain(strips).chain(singles);
     all.map(|(place, inside)| Region::new(counts, place, inside)).collect()

@@ -2,7 +2,7 @@
 
 use crate::extremes::Extremes;
 use crate::grid::Cell;
-use crate::mistakes::Mistake;
+use crate::mistakes::{Mistake, Variable};
 use etalon_random::turns;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -143,6 +143,16 @@ pub trait Domain: Sync {
     /// The quantities along the chart's axes, for figures.
     fn axes(&self) -> [&'static str; 2];
 
+    /// The quantities along the chart's axes, as mistakes name them.
+    fn coordinates(&self) -> [&'static str; 2] {
+        self.axes()
+    }
+
+    /// Quantities of points by whose powers pdfs differ.
+    fn variables(&self) -> Vec<Variable<'_>> {
+        Vec::new()
+    }
+
     /// Usual mistakes of samplers of this domain.
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         Vec::new()
@@ -279,13 +289,16 @@ impl Domain for Line {
             Mistake::at("with both ends exchanged", reversed),
             Mistake::moved("shifted by {}", [-half, half], shifted),
         ];
+        for (end, at) in [("lower", self.from), ("upper", self.to)] {
+            let name = format!("with distances from the {end} end that are {{}} times as large");
+            let scaled = move |scale: f64, point: Point| (at + (f64::from(point) - at) / scale).into();
+            all.push(Mistake::moved(&name, SCALES, scaled));
+        }
         let powers = [(1.0, "d"), (2.0, "d²"), (0.5, "√d"), (-0.5, "1/√d")];
         for (end, at, sign) in [("lower", self.from, 1.0), ("upper", self.to, -1.0)] {
             let distance = move |point| sign * (f64::from(point) - at);
-            let name = format!("the distance from the {end} end");
-            all.extend(Mistake::factor(&name, distance));
             let density = |(power, text)| {
-                let name = format!("a density in proportion to {text}, d {name}");
+                let name = format!("a density in proportion to {text}, d the distance from the {end} end");
                 Mistake::density(&name, move |point| distance(point).powf(power))
             };
             all.extend(powers.map(density));
@@ -293,11 +306,21 @@ impl Domain for Line {
         all
     }
 
+    fn variables(&self) -> Vec<Variable<'_>> {
+        vec![
+            Variable::new("the distance from the lower end", |x| f64::from(x) - self.from),
+            Variable::new("the distance from the upper end", |x| self.to - f64::from(x)),
+        ]
+    }
+
     fn region(&self, cell: &Cell) -> String {
         let [from, to] = cell.x.map(|x| self.from + x * (self.to - self.from));
         format!("x {from:.5}..{to:.5}")
     }
 }
+
+/// Factors by which distances may be too large.
+pub const SCALES: [f64; 2] = [0.2, 5.0];
 
 /// Pairs of numbers from 0 to 1; μ is area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -330,6 +353,15 @@ impl Domain for Square {
         ["x", "y"]
     }
 
+    fn variables(&self) -> Vec<Variable<'_>> {
+        vec![
+            Variable::new("x", |at| <[f64; 2]>::from(at)[0]),
+            Variable::new("y", |at| <[f64; 2]>::from(at)[1]),
+            Variable::new("(1 - x)", |at| 1.0 - <[f64; 2]>::from(at)[0]),
+            Variable::new("(1 - y)", |at| 1.0 - <[f64; 2]>::from(at)[1]),
+        ]
+    }
+
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let places: [Place<2>; 4] = [
             ("with x and y exchanged", |[x, y]| [y, x]),
@@ -338,13 +370,7 @@ impl Domain for Square {
             ("at 1 - x and 1 - y", |[x, y]| [1.0 - x, 1.0 - y]),
         ];
         let at = |(name, place): Place<2>| Mistake::at(name, move |point| place(point.into()).into());
-        let mut all: Vec<Mistake> = places.map(at).into();
-        for (axis, name) in ["x", "y"].into_iter().enumerate() {
-            let at = move |point: Point| <[f64; 2]>::from(point)[axis];
-            all.extend(Mistake::factor(name, at));
-            all.extend(Mistake::factor(&format!("(1 - {name})"), move |point| 1.0 - at(point)));
-        }
-        all
+        places.map(at).into()
     }
 }
 
@@ -395,6 +421,12 @@ impl Directions {
             Pole::Z => [x, y, z],
             Pole::Y => [y, z, x],
         }
+    }
+
+    /// The cosine of the angle with the pole.
+    fn cos(&self, point: Point) -> f64 {
+        let [_, y, z] = point.into();
+        if self.pole == Pole::Z { z } else { y }
     }
 
     /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
@@ -459,13 +491,20 @@ impl Domain for Directions {
         }
     }
 
+    fn coordinates(&self) -> [&'static str; 2] {
+        ["cos θ", "φ"]
+    }
+
+    fn variables(&self) -> Vec<Variable<'_>> {
+        vec![
+            Variable::new("cos θ", |w| self.cos(w).abs()).of(""),
+            Variable::new("sin θ", |w| (1.0 - self.cos(w).powi(2)).at_least(0.0).sqrt()),
+        ]
+    }
+
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        let cos = |point: Point| {
-            let [_, y, z] = point.into();
-            if self.pole == Pole::Z { z } else { y }
-        };
+        let cos = |point: Point| self.cos(point);
         let sin = move |point| (1.0 - cos(point).powi(2)).at_least(0.0).sqrt();
-        let absolute = move |point| cos(point).abs();
         let upper = move |point| cos(point).at_least(0.0);
         let cube = |point: Point| <[f64; 3]>::from(point).map(f64::abs).into_iter().fold(0.0, f64::at_least).powi(-3);
         let mut all = vec![
@@ -483,8 +522,6 @@ impl Domain for Directions {
         if !self.half {
             all.push(Mistake::density("a uniform density over the hemisphere", move |w| f64::from(cos(w) > 0.0)));
         }
-        all.extend(Mistake::factor("cos θ", absolute));
-        all.extend(Mistake::factor("sin θ", sin));
         let mut places: Vec<Place<3>> = Vec::new();
         if !self.half {
             places.push(("at the opposite direction", |w| w.map(|x| -x)));

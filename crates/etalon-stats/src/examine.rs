@@ -215,9 +215,12 @@ pub fn examine(
     };
     let rejects = |counted: &Counted| {
         let Findings { p, violation, is_mass_wrong, counts, .. } = test.find(counted, false);
-        // A wrong mass ends the test when counts tell what else is wrong.
-        let is_clear = !is_mass_wrong || mistakes::is_clear(&counts);
-        is_clear && (violation.is_some() || p.is_some_and(|p| p < protocol.own_level()))
+        let by_counts = p.is_some_and(|p| p < protocol.own_level());
+        match violation {
+            // A wrong mass ends the test when counts tell what else is wrong.
+            Some(_) => !is_mass_wrong || mistakes::is_clear(&counts),
+            None => by_counts && mistakes::can_name(&counts),
+        }
     };
     let counted = counting.run(&pilot, round, rejects)?;
     let outcome = test.outcome(counted)?;
@@ -354,7 +357,7 @@ impl Test<'_> {
         let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
         let grid = subdivision.grid.clone();
         Findings {
-            counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: atoms.len() },
+            counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: density.atom_names() },
             samples,
             mass: is_pdf.then_some(mass),
             test,
@@ -415,17 +418,18 @@ impl Test<'_> {
         let mut mistakes = Vec::new();
         if tally.carried.violation().is_some() && !tally.carried.is_rounding() {
             let names = ["what samples carry", "the pdf"];
-            mistakes.extend(mistakes::of_pairs(domain, density, &tally.carried.pairs, names)?);
+            let pairs = &tally.carried.pairs;
+            let mistake = mistakes::of_pairs(domain, density, pairs, names)?;
+            mistakes.extend(mistake.or_else(|| mistakes::of_one_variable(domain, density, pairs, names)));
         }
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
+        let (names, mut width) = (["samples", "the pdf"], None);
         if is_suspect && mass.is_some() {
-            mistakes.extend(mistakes::of_counts(
-                domain,
-                density,
-                &counts,
-                ["samples", "the pdf"],
-                mistakes::Kinds::All,
-            )?);
+            let mistake = mistakes::of_counts(domain, density, &counts, names, mistakes::Kinds::All)?;
+            if mistake.is_none() {
+                width = mistakes::widths(domain, density, &counts, names)?;
+            }
+            mistakes.extend(mistake);
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);
@@ -433,7 +437,8 @@ impl Test<'_> {
                 *violation += &format!("; as far as {samples} samples tell, they follow the pdf");
             }
         }
-        let words = is_suspect.then(|| diagnose(domain, &counts)).flatten().into_iter().chain(words);
+        let places = is_suspect.then(|| diagnose(domain, &counts)).flatten();
+        let words = places.into_iter().chain(width).chain(words);
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),
             dof: test.map_or(0, |test| test.dof),

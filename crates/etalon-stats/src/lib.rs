@@ -45,7 +45,7 @@ pub use examine::{Protocol, SampleCount, examine, validate};
 pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
-pub use mistakes::{Follows, Mistake};
+pub use mistakes::{Follows, Mistake, Variable};
 pub use outcome::{Counts, Finding, Outcome, Verdict, causes, decide};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,

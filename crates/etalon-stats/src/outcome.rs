@@ -41,8 +41,8 @@ pub struct Counts {
     pub observed: Vec<u64>,
     /// Expected counts, in the same order.
     pub expected: Vec<f64>,
-    /// The number of atoms.
-    pub atoms: usize,
+    /// The names of the atoms.
+    pub atoms: Vec<String>,
 }
 
 /// The findings of one test.

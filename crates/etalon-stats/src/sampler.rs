@@ -2,7 +2,7 @@
 
 use crate::domain::Point;
 use crate::error::{Error, Result};
-use crate::mistakes::Mistake;
+use crate::mistakes::{Mistake, Variable};
 
 /// A sample as its sampler returns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,6 +173,11 @@ pub trait Density: Sync {
         Vec::new()
     }
 
+    /// The names of its atoms.
+    fn atom_names(&self) -> Vec<String> {
+        (0..self.atoms().len()).map(|atom| format!("atom {atom}")).collect()
+    }
+
     /// The relative difference that the pdf carried by a sample may have from the one asked for: 0, to the last bit, unless more is
     /// declared, such as [`SINGLE_PRECISION`].
     fn precision(&self) -> f64 {
@@ -183,6 +188,11 @@ pub trait Density: Sync {
     /// between 0 and 1, for each axis. Its integrals are then exact sums.
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
         None
+    }
+
+    /// Quantities of points by whose powers pdfs of this kind differ, beside those of the domain.
+    fn variables(&self) -> Vec<Variable<'_>> {
+        Vec::new()
     }
 
     /// Usual mistakes of samplers of such a pdf, which are tried where samples do not follow it.

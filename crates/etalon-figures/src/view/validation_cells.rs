@@ -26,7 +26,7 @@ pub fn rows(counts: &Counts) -> Vec<Row> {
     let of = |(i, (place, (&observed, &expected))): (usize, (Option<Cell>, (&u64, &f64)))| Row {
         kind: match i.checked_sub(counts.grid.len()) {
             None => "cell",
-            Some(i) if i < counts.atoms => "atom",
+            Some(i) if i < counts.atoms.len() => "atom",
             Some(_) => "none",
         },
         x_from: place.map(|cell| cell.x[0]),
@@ -76,7 +76,7 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
     } else {
         maps(counts.axes, cells, &columns)
     };
-    (plot, Some(remainder(counts.atoms, beyond)).filter(|line| !line.is_empty()))
+    (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }
 
 /// Most letters of a line above a drawing.

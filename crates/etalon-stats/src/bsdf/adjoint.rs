@@ -43,11 +43,13 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             let both = far.iter().zip(of_there).zip(of_back);
             Ok(both.map(|((&i, there), back)| eta2(i) * there + back).collect())
         };
-        let message = |i: usize| format!("{} (f(wo, wi) η², f(wi, wo))", subject.at(directions[i]));
+        let message =
+            |i: usize| format!("{} (f(wo, wi) η², f(wi, wo){})", subject.at(directions[i]), subject.channel(channel));
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&swapped(pairs), &[])?, channel));
             let exchanged = Values { subject, function, channel, is_exchanged: true };
-            found.named(exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"])?);
+            let mistake = exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?;
+            found.named_in([channel, subject.properties.channels], mistake);
         }
     }
     Ok(())

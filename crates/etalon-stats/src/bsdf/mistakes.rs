@@ -4,7 +4,7 @@ use super::contract::{Direction, Pair};
 use super::subject::{Subject, channel_of, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::mistakes::{Mistake, Pair as Compared, of_pairs};
+use crate::mistakes::{Mistake, Pair as Compared, Variable, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
 /// The pdf of a BSDF, and its light, in messages.
@@ -19,6 +19,17 @@ fn half_vector(subject: &Subject, wi: Direction) -> Direction {
     let sum = [0, 1, 2].map(|axis| wo[axis] + eta * wi[axis]);
     let (length, turn) = (length(sum), if dot(sum, wo) < 0.0 { -1.0 } else { 1.0 });
     sum.map(|x| turn * x / length)
+}
+
+/// The reflectance of a smooth interface whose far side has the index of refraction `eta` relative to the near one.
+fn fresnel(cos: f64, eta: f64) -> f64 {
+    let cos2 = 1.0 - (1.0 - cos * cos) / (eta * eta);
+    if cos2 <= 0.0 {
+        return 1.0;
+    }
+    let within = cos2.sqrt();
+    let [s, p] = [(cos - eta * within) / (cos + eta * within), (eta * cos - within) / (eta * cos + within)];
+    0.5 * (s * s + p * p)
 }
 
 /// Factors that pdfs and values of BSDFs lack, or have twice, by `wi`.
@@ -40,24 +51,41 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     let one_side = move |wi: Point, factor: f64| if of_reflection(wi) { factor } else { 1.0 };
     let mut all = Vec::new();
     all.extend(Mistake::factor("4 (wo · wm)", move |wi| one_side(wi, 4.0 * dot(wo, normal(wi)).abs())));
-    all.extend(Mistake::factor("(wo · wm)", move |wi| one_side(wi, dot(wo, normal(wi)).abs())));
-    all.extend(Mistake::factor("cos θm", move |wi| normal(wi)[2].abs()));
-    all.extend(Mistake::factor("sin θm", move |wi| {
-        let [x, y, _] = normal(wi);
-        x.hypot(y)
-    }));
     all.extend(Mistake::factor("cos θm/(wo · wm), as all normals and visible ones differ", move |wi| {
         normal(wi)[2].abs() / dot(wo, normal(wi)).abs()
     }));
     all.extend(Mistake::factor("cos θo/(wo · wm)", move |wi| wo[2].abs() / dot(wo, normal(wi)).abs()));
     all.extend(Mistake::factor("4 cos θo cos θi", move |wi| 4.0 * (wo[2] * Direction::from(wi)[2]).abs()));
     all.extend(Mistake::factor("cos θi/cos θo", move |wi| (Direction::from(wi)[2] / wo[2]).abs()));
+    let eta = if wo[2] > 0.0 { subject.properties.eta } else { 1.0 / subject.properties.eta };
+    if eta != 1.0 {
+        let of_facet = move |wi: Point| fresnel(dot(wo, normal(wi)).abs(), eta);
+        all.extend(Mistake::factor("the Fresnel reflectance F(wo · wm)", of_facet));
+        all.extend(Mistake::factor("1 - F(wo · wm), F the Fresnel reflectance", move |wi| 1.0 - of_facet(wi)));
+    }
     if subject.properties.transmission {
         all.extend(Mistake::factor("the Jacobian of the half-vector", jacobian));
         all.extend(Mistake::exact_factor("η² where light is transmitted", eta2));
         all.extend(Mistake::exact_factor("η⁴ where light is transmitted", move |wi| eta2(wi).powi(2)));
     }
     all
+}
+
+/// Quantities of half-vectors and of the mirror direction, by `wi`.
+pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
+    let [x, y, z] = subject.wo;
+    let normal = move |wi: Point| half_vector(subject, wi.into());
+    let sin = move |wi| {
+        let [x, y, _] = normal(wi);
+        x.hypot(y)
+    };
+    vec![
+        Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs()).of("a Fresnel term"),
+        Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of("a distribution of normals"),
+        Variable::new("sin θm", sin),
+        Variable::new("cos α, α the angle with the mirror direction", move |wi| dot([-x, -y, z], wi.into()).abs())
+            .of("a lobe around it"),
+    ]
 }
 
 /// The arguments of a function in the other order.
@@ -74,7 +102,47 @@ fn exchanged<'a>(subject: &'a Subject, function: impl Fn(&[Pair]) -> Result<Vec<
 pub fn of_pdf<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     let mut all = factors(subject);
     all.push(exchanged(subject, |pairs| subject.bsdf.pdf(pairs)));
+    if subject.bsdf.lobes() == 2 {
+        let lobes = |wis: &[Point]| {
+            let pairs = subject.pairs(&directions(wis));
+            let lobe = |lobe: usize| {
+                let pdfs = subject.bsdf.lobe_pdf(&pairs, &vec![lobe; pairs.len()])?;
+                Ok(pdfs.into_iter().map(|pdf| pdf.unwrap_or(f64::NAN)).collect())
+            };
+            Ok([lobe(0)?, lobe(1)?])
+        };
+        all.push(Mistake::mixed("with a share of {} for lobe 0", lobes));
+    }
     all
+}
+
+/// The mistake that makes numbers other than the density has in the directions of `pairs`: in all of them, or on one side; else what
+/// `special` knows; else the variable on which the ratio depends.
+pub fn explain(
+    subject: &Subject,
+    density: &dyn Density,
+    pairs: &[Compared],
+    names: [&str; 2],
+    special: impl FnOnce() -> Result<Option<String>>,
+) -> Result<Option<String>> {
+    let whole = of_pairs(&sphere(), density, pairs, names)?;
+    if whole.is_some() {
+        return Ok(whole);
+    }
+    if let Some(special) = special()? {
+        return Ok(Some(special));
+    }
+    let (reflected, transmitted): (Vec<Compared>, Vec<Compared>) =
+        pairs.iter().partition(|(wi, _)| same_side(subject.wo, (*wi).into()));
+    let sides = [("reflected", reflected), ("transmitted", transmitted)].into_iter();
+    let of_side = |(side, pairs): (&str, Vec<Compared>)| -> Result<Option<String>> {
+        let mistake = of_pairs(&sphere(), density, &pairs, names)?;
+        let told = mistake.or_else(|| of_one_variable(&sphere(), density, &pairs, names));
+        Ok(told
+            .map(|told| if subject.properties.transmission { format!("{told} where light is {side}") } else { told }))
+    };
+    let told: Vec<String> = sides.map(of_side).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+    Ok((!told.is_empty()).then(|| told.join("; ")))
 }
 
 /// A function of `wi` in one channel, with its mistakes.
@@ -101,9 +169,15 @@ pub fn light<'a>(
 
 impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Values<'_, F> {
     /// The mistake that makes `found`, by its name, other numbers than the function has in the directions `wis`.
-    pub fn explain(&self, wis: &[Direction], numbers: &[[f64; 2]], names: [&str; 2]) -> Result<Option<String>> {
+    pub fn explain(
+        &self,
+        wis: &[Direction],
+        numbers: &[[f64; 2]],
+        names: [&str; 2],
+        special: impl FnOnce() -> Result<Option<String>>,
+    ) -> Result<Option<String>> {
         let pairs: Vec<Compared> = wis.iter().map(|&wi| wi.into()).zip(numbers.iter().copied()).collect();
-        of_pairs(&sphere(), self, &pairs, names)
+        explain(self.subject, self, &pairs, names, special)
     }
 }
 
@@ -111,6 +185,10 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Density for Values<'_, F>
     fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
         out.extend((self.function)(&self.subject.pairs(&directions(points)), self.channel)?);
         Ok(())
+    }
+
+    fn variables(&self) -> Vec<Variable<'_>> {
+        variables(self.subject)
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {

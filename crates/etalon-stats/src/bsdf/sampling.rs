@@ -10,7 +10,7 @@ use crate::domain::Point;
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
-use crate::mistakes::{EQUAL, Mistake, common_factor, number, of_pairs};
+use crate::mistakes::{EQUAL, Mistake, Variable, common_factor, number};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
@@ -49,6 +49,14 @@ impl Density for Scattering<'_> {
 
     fn atoms(&self) -> Vec<Atom> {
         self.0.deltas.iter().map(|lobe| Atom::new(lobe.wi, lobe.probability)).collect()
+    }
+
+    fn variables(&self) -> Vec<Variable<'_>> {
+        mistakes::variables(self.0)
+    }
+
+    fn atom_names(&self) -> Vec<String> {
+        self.0.delta_names()
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
@@ -124,16 +132,24 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
             (0..used.len()).filter(|&i| errors[i] < 0.1 * EQUAL).map(|i| (used[i], numbers[i][0])).collect();
         let pair = |(point, product): &(&MappedPoint, f64)| (point.sample.wi.into(), [point.pdf / product, point.pdf]);
         let pairs: Vec<_> = precise.iter().map(pair).collect();
-        let of_all = of_pairs(&sphere(), &Scattering(subject), &pairs, ["the density of samples", PDF])?;
         // Without the probability of the lobe, pdf and map agree.
         let is_one = |product: f64| (product - 1.0).abs() <= EQUAL;
         let wrong = precise.iter().filter(|(_, product)| !is_one(*product)).count() as u64;
         let lacks = precise.iter().all(|(point, product)| is_one(product * point.sample.lobe_probability));
-        found.named(match of_all {
-            None if lacks && wrong >= FEWEST => Some("pdfs of lobes lack the probability of the lobe".to_owned()),
-            None if wrong >= FEWEST => of_lobes(&precise),
-            of_all => of_all,
-        });
+        let special = || {
+            Ok(match lacks {
+                _ if wrong < FEWEST => None,
+                true => Some("pdfs of lobes lack the probability of the lobe".to_owned()),
+                false => of_lobes(&precise),
+            })
+        };
+        found.named(mistakes::explain(
+            subject,
+            &Scattering(subject),
+            &pairs,
+            ["the density of samples", PDF],
+            special,
+        )?);
     }
     let count = used.len() as u64;
     let outcome = found.outcome("pdf · |∂wi/∂u| / P(lobe) = 1").filter(|_| count >= FEWEST);

@@ -153,6 +153,18 @@ impl<'a> Subject<'a> {
             .then(|| format!("{}: a weight of {found}, above the declared bound {bound}", self.at(sample.wi)))
     }
 
+    /// The names of the delta lobes.
+    pub fn delta_names(&self) -> Vec<String> {
+        let side = |wi| if same_side(self.wo, wi) { "reflection" } else { "transmission" };
+        let name = |(i, lobe): (usize, &DeltaLobe)| format!("delta lobe {i} ({})", side(lobe.wi));
+        self.deltas.iter().enumerate().map(name).collect()
+    }
+
+    /// ", channel 1" in messages, where there are several.
+    pub fn channel(&self, channel: usize) -> String {
+        if self.properties.channels > 1 { format!(", channel {channel}") } else { String::new() }
+    }
+
     /// The beginning of every message on two directions.
     pub fn at(&self, wi: Direction) -> String {
         format!("wo {}, wi {}", place(self.wo), place(wi))
@@ -183,8 +195,10 @@ pub struct Comparison {
     differences: Vec<f64>,
     /// The largest difference, infinite where something does not hold, and what it is.
     worst: Option<(f64, String)>,
-    /// The usual mistakes that explain all.
-    mistakes: Vec<String>,
+    /// The usual mistakes that explain all, each with the channels in which they do.
+    mistakes: Vec<(String, Vec<usize>)>,
+    /// The channels that were compared, where a mistake may be that of one.
+    channels: usize,
 }
 
 impl Comparison {
@@ -239,8 +253,28 @@ impl Comparison {
 
     /// The usual mistake that explains what was just compared, if one does.
     pub fn named(&mut self, mistake: Option<String>) {
-        let is_new = |mistake: &String| !self.mistakes.contains(mistake);
-        self.mistakes.extend(mistake.filter(is_new));
+        self.named_in([0, 1], mistake);
+    }
+
+    /// The usual mistake that explains what was just compared in this channel of so many.
+    pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<String>) {
+        self.channels = self.channels.max(channels);
+        let Some(mistake) = mistake else { return };
+        match self.mistakes.iter_mut().find(|(known, _)| *known == mistake) {
+            Some((_, channels)) => channels.push(channel),
+            None => self.mistakes.push((mistake, vec![channel])),
+        }
+    }
+
+    /// The mistakes, with their channels where others do not have them.
+    fn told(&self) -> Option<String> {
+        let told = |(mistake, of): &(String, Vec<usize>)| {
+            let channels: Vec<String> = of.iter().map(ToString::to_string).collect();
+            let is_of_all = of.len() >= self.channels || self.channels == 1;
+            if is_of_all { mistake.clone() } else { format!("{mistake}, in channel {}", channels.join(" and ")) }
+        };
+        let all: Vec<String> = self.mistakes.iter().map(told).collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
 
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.
@@ -272,7 +306,8 @@ impl Comparison {
         self.tolerated.sort_by(f64::total_cmp);
         self.differences.sort_by(f64::total_cmp);
         let detectable = self.tolerated.get((FOUND * self.tolerated.len() as f64) as usize).copied().unwrap_or(0.0);
-        let Self { compared, failed, worst, mistakes, differences, .. } = self;
+        let mistake = self.told();
+        let Self { compared, failed, worst, differences, .. } = self;
         let message = |(largest, worst): (f64, String)| {
             let times = count(compared, "comparison", "comparisons");
             let size = if largest.is_finite() {
@@ -285,7 +320,6 @@ impl Comparison {
             format!("{law} fails in {failed} of {times}, most at {worst}{size}")
         };
         let violation = worst.map(message);
-        let mistake = Some(mistakes.join("; ")).filter(|text| !text.is_empty());
         let outcome = Outcome { detectable: Some(detectable), violation, mistake, ..Outcome::open(compared) };
         (compared > 0).then_some(outcome)
     }

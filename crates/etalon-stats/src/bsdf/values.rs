@@ -3,14 +3,14 @@
 //! lobes sum to 1, that is the pdfs of the lobes sum to the pdf.
 
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind, Properties, Spectrum};
-use super::mistakes::{LIGHT, PDF, light};
+use super::mistakes::{LIGHT, PDF, explain, light};
 use super::sampling::Scattering;
 use super::subject::{Comparison, Subject, length, sphere};
 use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
-use crate::mistakes::{EQUAL, FEWEST_PAIRS, of_pairs};
+use crate::mistakes::{EQUAL, FEWEST_PAIRS};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -174,10 +174,10 @@ fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> 
     }
     if let Some(violation) = carried.violation() {
         found.all_hold(carried.counts(), || violation);
-        let of_all = of_pairs(&sphere(), &Scattering(subject), &carried.pairs, CARRIED)?;
         let used: Vec<f64> = spread.iter().map(|(.., pdf)| *pdf).collect();
         let own = |name: &str| format!("what samples carry is the pdf of their own lobe {name}, not that of all lobes");
-        found.named(if of_all.is_some() { of_all } else { of_own_lobes(subject, spread, &used)?.map(own) });
+        let of_lobes = || Ok(of_own_lobes(subject, spread, &used)?.map(own));
+        found.named(explain(subject, &Scattering(subject), &carried.pairs, CARRIED, of_lobes)?);
     }
     for sample in spread {
         found.holds(sample.2 > 0.0, || format!("{}: the pdf of a sample is {}", at(subject, sample), sample.2));
@@ -237,10 +237,10 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             let both = of_light.iter().zip(of_pdf).zip(far);
             Ok(both.map(|((light, pdf), &i)| light + pdf * weight(i)).collect())
         };
-        let message = |i: usize| format!("{} (weight · pdf, f |cos|)", at(subject, &spread[i]));
+        let message =
+            |i: usize| format!("{} (weight · pdf, f |cos|{})", at(subject, &spread[i]), subject.channel(channel));
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let wis: Vec<Direction> = spread.iter().map(|(_, sample, _)| sample.wi).collect();
-            let mistake = light(subject, channel).explain(&wis, &numbers, ["weight · pdf", LIGHT])?;
             let is_light = |((_, sample, _), [_, light]): (&Drawn, &[f64; 2])| {
                 relative_difference(sample.weight[channel], *light) <= EQUAL
             };
@@ -252,13 +252,13 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             let own = |name: &str| {
                 format!("the weight is f |cos θi| divided by the pdf of its own lobe {name}, not by that of all lobes")
             };
-            let mistake = if mistake.is_some() { mistake } else { of_own_lobes(subject, spread, &used)?.map(own) };
-            found.named(match mistake {
-                None if spread.iter().zip(&numbers).all(is_light) => {
-                    Some("the weight is f |cos θi|, not divided by the pdf".to_owned())
-                }
-                mistake => mistake,
-            });
+            let undivided = spread.iter().zip(&numbers).all(is_light);
+            let special = || match undivided {
+                true => Ok(Some("the weight is f |cos θi|, not divided by the pdf".to_owned())),
+                false => Ok(of_own_lobes(subject, spread, &used)?.map(own)),
+            };
+            let mistake = light(subject, channel).explain(&wis, &numbers, ["weight · pdf", LIGHT], special)?;
+            found.named_in([channel, properties.channels], mistake);
         }
     }
     Ok(())

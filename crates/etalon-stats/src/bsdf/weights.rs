@@ -144,7 +144,7 @@ impl Cells {
     }
 
     /// The same as counts: effective numbers of samples, observed and expected.
-    fn counts(&self, grid: crate::grid::Grid, atoms: usize) -> Counts {
+    fn counts(&self, grid: Grid, atoms: Vec<String>) -> Counts {
         let expected: Vec<f64> =
             self.terms.iter().map(|term| term.effective(self.ratio).at_least(f64::MIN_POSITIVE)).collect();
         let observed = |(term, expected): (&Term, &f64)| match term.expected > 0.0 {
@@ -215,7 +215,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
             format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w)
         })
     };
-    let counts = worst.as_ref().map(|(_, cells, channel)| (cells.counts(grid, subject.deltas.len()), *channel));
+    let counts = worst.as_ref().map(|(_, cells, channel)| (cells.counts(grid, subject.delta_names()), *channel));
     let (mut mistake, mut diagnosis) = (None, None);
     if let Some((counts, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
         diagnosis = diagnose(&sphere(), counts);

@@ -1,0 +1,484 @@
+//! The mistake that explains counts of cells: samples follow its density as well as chance lets them.
+
+use super::axis::{self, Axis, Direction};
+use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, unless_cancelled};
+use crate::domain::{Domain, Point, SCALES};
+use crate::error::Result;
+use crate::extremes::Extremes;
+use crate::grid::Cell;
+use crate::outcome::Counts;
+use crate::power::chi_square;
+use crate::sampler::Density;
+
+/// Points of each cell at which densities are compared, along the two axes.
+const POINTS: [usize; 2] = [8, 4];
+/// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
+/// 100 %): midpoints are not exact, and samples may have small errors besides.
+const LEFT: f64 = 0.002;
+/// The share of the pdf's excess that a mistake may leave, also where chance leaves more.
+const MOST: f64 = 0.1;
+/// Samples after which an excess within chance says that the shape is right, and for which a test that rejects goes on if they are
+/// to name the mistake.
+const TOLD: u64 = 1 << 16;
+/// The same of a shift or a turn, whose amounts can be had for many errors, and of a factor.
+const MOST_FITTED: f64 = 0.02;
+/// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
+const CHANCE: f64 = 2.5;
+/// Those that a density which explains the counts may leave: one of a thousand right ones leaves more.
+const LEFT_BY_CHANCE: f64 = 3.5;
+const CLEAR: f64 = 10.0;
+/// Powers that exponents which are wrong by a simple factor make, and their names.
+const POWERS: [(f64, &str); 6] =
+    [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
+/// The relative error of a power that counts as one of these.
+const SAME_POWER: f64 = 0.02;
+/// Steps and golden sections of the search for an amount, with the smaller part of a section.
+const STEPS: usize = 36;
+const SECTIONS: usize = 12;
+const GOLDEN: f64 = 0.381_966_011_250_105;
+/// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
+const HELD: f64 = 0.5;
+const MOST_HELD: f64 = 0.9;
+/// The logarithm of a factor that counts as 1.
+const SCALE: f64 = 0.02;
+/// Steps by which the axis of samples is found.
+const TURNS: usize = 4;
+/// Standard deviations of a Poisson count from which a share of the draws is wrong, and most shares that are told.
+const WRONG: f64 = 5.0;
+const TOLD_SHARES: usize = 3;
+/// Fewer degrees of freedom are explained by too many densities.
+const FEWEST: usize = 5;
+
+/// The mistake that explains the counts of the cells, if the density does not and one does: "[samples] follow cos θ/π, not
+/// [the pdf]".
+///
+/// # Errors
+/// [`Error::Cancelled`]. Where the density fails otherwise, at points that it was not made for, nothing is named.
+pub fn of_counts(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    counts: &Counts,
+    [samples, of]: [&str; 2],
+    kinds: Kinds,
+) -> Result<Option<String>> {
+    let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of], kinds));
+    unless_cancelled(explained)
+}
+
+/// In words, how wide the samples and the pdf are, where no mistake explains that they differ.
+///
+/// # Errors
+/// As [`of_counts`].
+pub fn widths(domain: &dyn Domain, density: &dyn Density, counts: &Counts, names: [&str; 2]) -> Result<Option<String>> {
+    let told = Table::new(domain, density, counts).and_then(|table| table.widths(names));
+    unless_cancelled(told)
+}
+
+/// Which mistakes are tried.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kinds {
+    /// All.
+    All,
+    /// Those that change values where they are: of counts that are no numbers of independent samples.
+    Local,
+}
+
+/// Whether counts say if they differ from the shape of what is expected: so clearly that a mistake can be named, or not at all.
+pub fn is_clear(counts: &Counts) -> bool {
+    let cells = counts.grid.len();
+    let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
+    let shares = shares_of(expected);
+    let is_told = observed.iter().sum::<u64>() >= TOLD;
+    excess(observed, &shares, FEWEST)
+        .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
+}
+
+/// Whether more samples would not tell better by what mistake they differ from the pdf.
+pub fn can_name(counts: &Counts) -> bool {
+    let cells = counts.grid.len();
+    let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
+    let is_large = excess(observed, &shares, 1).is_none_or(|[excess, spread]| excess >= CLEAR * spread);
+    is_large || observed.iter().sum::<u64>() >= TOLD
+}
+
+/// Whether nothing is expected: counts are compared with the smallest number in place of 0.
+fn is_zero(expected: f64) -> bool {
+    expected <= f64::MIN_POSITIVE
+}
+
+/// The shares that the density expects.
+fn shares_of(expected: &[f64]) -> Vec<Option<f64>> {
+    expected.iter().map(|&expected| Some(if is_zero(expected) { 0.0 } else { expected })).collect()
+}
+
+/// Statistic minus degrees of freedom of counts against shares, and the standard deviation of that. Cells without a share are
+/// left out, and there must be at least `fewest` degrees of freedom.
+fn excess(observed: &[u64], shares: &[Option<f64>], fewest: usize) -> Option<[f64; 2]> {
+    let known: Vec<(u64, f64)> = observed.iter().zip(shares).filter_map(|(n, share)| Some((*n, (*share)?))).collect();
+    let (observed, shares): (Vec<u64>, Vec<f64>) = known.into_iter().unzip();
+    let (total, sum) = (observed.iter().sum::<u64>() as f64, shares.iter().sum::<f64>());
+    let is_valid = shares.iter().all(|share| share.is_finite() && *share >= 0.0) && sum > 0.0;
+    let expected: Vec<f64> = shares.iter().map(|share| (share / sum * total).at_least(f64::MIN_POSITIVE)).collect();
+    let test = chi_square(&observed, &expected).filter(|test| is_valid && test.dof >= fewest)?;
+    Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
+}
+
+/// What a mistake leaves unexplained of the statistic, the standard deviation of that by chance, and its rank among others of the
+/// same shape.
+struct Explained {
+    left: f64,
+    spread: f64,
+    rank: usize,
+    name: String,
+}
+
+/// The rank of factors that make the integral another one.
+const OTHER_FACTOR: usize = 2;
+
+/// The counts of the cells, with points of them.
+struct Table<'a> {
+    domain: &'a dyn Domain,
+    density: &'a dyn Density,
+    observed: &'a [u64],
+    expected: &'a [f64],
+    /// Observed and expected counts of atoms, then of "no sample".
+    others: Vec<(u64, f64)>,
+    total: f64,
+    /// Midpoints of parts of the cells, graded so that wide cells have more of them near narrow ones.
+    points: Vec<Point>,
+    /// For each, the number of its cell and the area that it stands for.
+    places: Vec<(usize, f64)>,
+    /// The pdf there.
+    pdfs: Vec<f64>,
+}
+
+impl<'a> Table<'a> {
+    fn new(domain: &'a dyn Domain, density: &'a dyn Density, counts: &'a Counts) -> Result<Self> {
+        let cells = counts.grid.len();
+        let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
+        let others = counts.observed[cells..].iter().copied().zip(counts.expected[cells..].iter().copied()).collect();
+        let graded = if domain.outcomes().is_some() { counts.grid.clone() } else { counts.grid.graded() };
+        let (mut points, mut places) = (Vec::new(), Vec::new());
+        let shape = if domain.is_plane() { POINTS } else { [POINTS[0] * POINTS[1], 1] };
+        for part in graded.cells().filter(|_| graded.len() <= MOST_CELLS) {
+            let cell = counts.grid.find(part.place([0.0, 0.0]));
+            points.extend(midpoints(&part, shape).map(|at| domain.point_at(at)));
+            places.resize(points.len(), (cell, part.area()));
+        }
+        let pdfs = asked(density, &points)?;
+        let total = observed.iter().sum::<u64>() as f64;
+        Ok(Self { domain, density, observed, expected, others, total, points, places, pdfs })
+    }
+
+    fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
+        excess(self.observed, shares, FEWEST)
+    }
+
+    /// Sums over the points of each cell of `values` times the areas.
+    fn sums(&self, values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.observed.len()];
+        values.into_iter().zip(&self.places).for_each(|(value, (cell, area))| sums[*cell] += value * area);
+        sums
+    }
+
+    /// The shares of cells by the density's `values` at the points, NaN where it is not known. Integrals are sums over the
+    /// midpoints; where values are the pdf's own, changed, they are in proportion to the pdf's known integrals.
+    fn shares(&self, values: &[f64], is_local: bool) -> Vec<Option<f64>> {
+        let [of_values, of_pdf] = [values, &self.pdfs].map(|values| self.sums(values.iter().copied()));
+        let share = |i: usize| match is_local {
+            true if is_zero(self.expected[i]) => 0.0,
+            true => self.expected[i] * of_values[i] / of_pdf[i],
+            false => of_values[i],
+        };
+        // Where no point meets the pdf, or one of them has none, the share is not known.
+        let known = |i: usize| Some(share(i)).filter(|share| !share.is_nan() && !of_values[i].is_nan());
+        (0..of_values.len()).map(known).collect()
+    }
+
+    /// What shares leave unexplained, if that is as little as chance leaves, or little of `of_pdf`, the excess of the pdf.
+    fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2]) -> bool {
+        let most = (LEFT_BY_CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(self.total));
+        left <= most
+    }
+
+    fn explanation(&self, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<Explained>> {
+        let values = mistake.values(self.density, &self.points, &self.pdfs)?;
+        let is_local = mistake.is_local();
+        let shares = self.shares(&values, is_local);
+        let sum = shares.iter().flatten().sum::<f64>();
+        let keeps_integral = is_local && (self.total / sum).ln().abs() < SCALE;
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
+        // Factors that make the integral right, then densities, then factors of another integral, then powers
+        let rank = match mistake.follows {
+            Follows::Times(_) if keeps_integral => 0,
+            Follows::Times(_) => OTHER_FACTOR,
+            _ => 1,
+        };
+        Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
+    }
+
+    /// The amount by which a family explains the counts, if one does.
+    fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<String>> {
+        let mut own = String::new();
+        let (limits, values): ([f64; 2], Box<dyn Fn(f64) -> Result<Vec<f64>> + '_>) = match &family.follows {
+            Follows::Moved { limits, place } => {
+                let moved =
+                    |amount: f64| self.pdf_at(&self.points.iter().map(|&at| place(amount, at)).collect::<Vec<_>>());
+                (*limits, Box::new(moved))
+            }
+            Follows::Mixed(parts) => {
+                let batches = self.points.chunks(BATCH).map(parts).collect::<Result<Vec<_>>>()?;
+                let both: [Vec<f64>; 2] =
+                    [0, 1].map(|part| batches.iter().flat_map(|batch| &batch[part]).copied().collect());
+                let integral = |values: &Vec<f64>| self.sums(values.iter().copied()).iter().sum::<f64>();
+                let of_part = both.each_ref().map(integral);
+                own = format!(", not {:.3},", of_part[0] / (of_part[0] + of_part[1]));
+                let mixed = move |share: f64| {
+                    let [of_first, of_second] = [share / of_part[0], (1.0 - share) / of_part[1]];
+                    Ok(both[0].iter().zip(&both[1]).map(|(a, b)| of_first * a + of_second * b).collect())
+                };
+                ([0.0, 1.0], Box::new(mixed))
+            }
+            Follows::Power => {
+                let ends = [0, POWERS.len() - 1].map(|i| POWERS[i].0);
+                let powers = |power: f64| Ok(self.pdfs.iter().map(|pdf| pdf.powf(power)).collect());
+                ([0.5 * ends[0], 1.5 * ends[1]], Box::new(powers))
+            }
+            _ => return Ok(None),
+        };
+        let is_local = family.is_local();
+        let left_by = |amount: f64| -> Result<[f64; 2]> {
+            let shares = self.shares(&values(amount)?, is_local);
+            let found = self.excess(&shares).filter(|_| self.held(&shares) >= MOST_HELD);
+            Ok(found.unwrap_or([f64::INFINITY, 0.0]))
+        };
+        // The best of equal steps, then between its neighbours by golden sections
+        let step = (limits[1] - limits[0]) / STEPS as f64;
+        let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
+        let all = steps.map(|amount| Ok((amount, left_by(amount)?[0]))).collect::<Result<Vec<(f64, f64)>>>()?;
+        let best = all.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(best) = best.filter(|(_, left)| left.is_finite()) else { return Ok(None) };
+        let (mut low, mut high) = (best.0 - step, best.0 + step);
+        let [mut first, mut second] = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
+        let [mut by_first, mut by_second] = [left_by(first)?[0], left_by(second)?[0]];
+        for _ in 0..SECTIONS {
+            if by_first < by_second {
+                (high, second, by_second) = (second, first, by_first);
+                first = low + GOLDEN * (high - low);
+                by_first = left_by(first)?[0];
+            } else {
+                (low, first, by_first) = (first, second, by_second);
+                second = high - GOLDEN * (high - low);
+                by_second = left_by(second)?[0];
+            }
+        }
+        let amount = 0.5 * (low + high);
+        let power = |(power, _): &&(f64, &str)| (amount / power - 1.0).abs() <= SAME_POWER;
+        let text = match family.follows {
+            Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
+            _ => Some(significant(amount, 3)),
+        };
+        let Some(text) = text else { return Ok(None) };
+        let is_explained = is_fitted(left_by(amount)?, of_pdf);
+        Ok(is_explained.then(|| family.told(of).replace("{}", &(text + &own))))
+    }
+
+    /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
+    fn turned(&self, from: Axis, of_pdf: f64, of: &str) -> Result<Option<String>> {
+        // The samples of a cell lie in it evenly, to begin with, and then as the turned pdf does.
+        let (mut to, mut values) = (None, vec![1.0; self.points.len()]);
+        for _ in 0..TURNS {
+            let coordinate = |axis: usize| {
+                let coordinates = self.points.iter().map(|&at| Direction::from(at)[axis]);
+                self.sums(coordinates.zip(&values).map(|(at, value)| at * value))
+            };
+            let (sums, all) = ([0, 1, 2].map(coordinate), self.sums(values.iter().copied()));
+            let mean = |(i, n): (usize, &u64)| ([0, 1, 2].map(|axis| sums[axis][i] / all[i]), *n as f64);
+            let means =
+                self.observed.iter().enumerate().map(mean).filter(|(mean, _)| mean.iter().all(|x| x.is_finite()));
+            to = axis::mean(means).map(|(to, _)| to).or(to);
+            let Some(to) = to else { return Ok(None) };
+            let place = |&at: &Point| axis::turn_to(to, from.direction, at.into()).into();
+            values = self.pdf_at(&self.points.iter().map(place).collect::<Vec<_>>())?;
+        }
+        let Some(to) = to else { return Ok(None) };
+        let shares = self.shares(&values, false);
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, of_pdf));
+        let name = || format!("{of} around {} in place of its axis {}", axis::name(to), from.name());
+        Ok(found.map(|_| name()))
+    }
+
+    /// What shares of the draws are wrong, of atoms, "no sample" and the rest, where nothing else is.
+    fn of_draws(&self, [samples, of]: [&str; 2]) -> Option<String> {
+        let names = self.density.atom_names().into_iter().chain(["no sample".to_owned()]);
+        let rest = (self.total as u64, self.expected.iter().sum::<f64>());
+        let all = names.zip(self.others.iter().copied()).chain([("the other samples".to_owned(), rest)]);
+        let all: Vec<(String, (u64, f64))> = all.filter(|(_, (n, expected))| *n > 0 || *expected > 0.5).collect();
+        let draws = all.iter().map(|(_, (n, _))| *n as f64).sum::<f64>();
+        let is_wrong = |(n, expected): (u64, f64)| (n as f64 - expected).abs() > WRONG * expected.at_least(1.0).sqrt();
+        let wrong: Vec<&(String, (u64, f64))> = all.iter().filter(|(_, counts)| is_wrong(*counts)).collect();
+        let told = |(name, (n, expected)): &&(String, (u64, f64))| {
+            format!("{name} has a share of {:.4}, not {:.4}", *n as f64 / draws, expected / draws)
+        };
+        let first = |rest: &str| format!("{samples} follow {of}, and {rest}");
+        match wrong[..] {
+            [] => None,
+            [(a, (n, m)), (b, (k, l))] if !is_wrong((*n, *l)) && !is_wrong((*k, *m)) => {
+                Some(first(&format!("the probabilities of {a} and of {b} are exchanged")))
+            }
+            _ => Some(first(&wrong.iter().take(TOLD_SHARES).map(told).collect::<Vec<_>>().join(", "))),
+        }
+    }
+
+    /// The pdf at places; NaN where they are outside of the domain.
+    fn pdf_at(&self, places: &[Point]) -> Result<Vec<f64>> {
+        let inside: Vec<bool> = places.iter().map(|&place| self.domain.to_chart(place).is_some()).collect();
+        let known: Vec<Point> = places.iter().zip(&inside).filter(|(_, inside)| **inside).map(|(at, _)| *at).collect();
+        let mut values = asked(self.density, &known)?.into_iter();
+        Ok(inside.iter().map(|inside| if *inside { values.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect())
+    }
+
+    /// The share of samples that lie in cells with a share.
+    fn held(&self, shares: &[Option<f64>]) -> f64 {
+        let held = shares.iter().zip(self.observed).filter(|(share, _)| share.is_some());
+        held.map(|(_, n)| *n as f64).sum::<f64>() / self.total
+    }
+
+    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<String>> {
+        let all_of = shares_of(self.expected);
+        let Some([of_pdf, spread]) = excess(self.observed, &all_of, 1).filter(|_| !self.points.is_empty()) else {
+            // Where atoms and "no sample" are all there is, their shares are all that can be wrong.
+            return Ok((self.total == 0.0).then(|| self.of_draws([samples, of])).flatten());
+        };
+        let (atoms, none) = self.others.split_at(self.others.len() - 1);
+        if of_pdf <= CHANCE * spread && (!atoms.is_empty() || none[0].0 > 0) {
+            return Ok(self.of_draws([samples, of]));
+        }
+        if of_pdf <= CHANCE * spread {
+            // What chance hides of the shape must be little beside the factor.
+            let ratio = self.expected.iter().sum::<f64>() / self.total;
+            let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
+            let ratio = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
+            let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio} times as large");
+            return Ok(is_factor.then(told));
+        }
+        if of_pdf.is_nan() || of_pdf < CLEAR * spread {
+            return Ok(None);
+        }
+        let mut all = all(self.domain, self.density);
+        let own_axis = self.axis()?;
+        all.extend(own_axis.into_iter().flat_map(Axis::mistakes));
+        all.extend(self.mean().map(spread_about));
+        // Mistakes that need no other values of the pdf come first, and those with an amount last.
+        let is_tried = |mistake: &Mistake| !mistake.needs_exact_numbers && (kinds == Kinds::All || mistake.is_local());
+        let (families, others): (Vec<Mistake>, Vec<Mistake>) =
+            all.into_iter().filter(is_tried).partition(Mistake::is_family);
+        let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
+        let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
+            others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
+        let follow = |name: String| Ok(Some(format!("{samples} follow {name}, not {of}")));
+        for (group, is_place) in [(known, false), (places, true), (asked, false)] {
+            let found =
+                group.iter().map(|mistake| self.explanation(mistake, of_pdf, of)).collect::<Result<Vec<_>>>()?;
+            let mut found: Vec<Explained> = found.into_iter().flatten().collect();
+            let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
+            found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
+            // Places that a symmetry makes equal are all named; of densities of one shape, the one of the first rank.
+            if is_place && !found.is_empty() {
+                return follow(found.into_iter().map(|explained| explained.name).collect::<Vec<_>>().join(" or "));
+            }
+            if let Some(first) = found.into_iter().min_by_key(|explained| explained.rank) {
+                let proportional = if first.rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
+                return follow(format!("{proportional}{}", first.name));
+            }
+        }
+        for family in &families {
+            if let Some(name) = self.fitted(family, of_pdf, of)? {
+                return follow(name);
+            }
+        }
+        let turned = match own_axis.filter(|_| kinds == Kinds::All) {
+            Some(from) => self.turned(from, of_pdf, of)?,
+            None => None,
+        };
+        turned.map_or(Ok(None), follow)
+    }
+
+    /// The axis about which the pdf is symmetric, if there is one.
+    fn axis(&self) -> Result<Option<Axis>> {
+        let masses: Vec<f64> = self.pdfs.iter().zip(&self.places).map(|(pdf, (_, area))| pdf * area).collect();
+        axis::of(self.domain, &self.points, &masses, |places| self.pdf_at(places))
+    }
+
+    /// The mean of the pdf of a number.
+    fn mean(&self) -> Option<f64> {
+        let is_number = !self.domain.is_plane() && self.domain.outcomes().is_none();
+        let mean = is_number.then(|| self.mean_of(&|x| x.into(), false));
+        mean.filter(|mean| mean.is_finite())
+    }
+
+    /// The mean of a quantity by the pdf, or over samples that lie in each cell as the pdf does.
+    fn mean_of(&self, quantity: &dyn Fn(Point) -> f64, is_of_samples: bool) -> f64 {
+        let values = self.points.iter().zip(&self.pdfs).map(|(&point, pdf)| pdf * quantity(point));
+        let (sums, all) = (self.sums(values), self.sums(self.pdfs.iter().copied()));
+        if !is_of_samples {
+            return sums.iter().sum::<f64>() / all.iter().sum::<f64>();
+        }
+        let of_cell = |(i, n): (usize, &u64)| if *n > 0 { sums[i] / all[i] * *n as f64 } else { 0.0 };
+        self.observed.iter().enumerate().map(of_cell).sum::<f64>() / self.total
+    }
+
+    /// In words, how wide samples and pdf are: the mean and the standard deviation of a number, the mean angle with the axis of a pdf of
+    /// directions. Samples lie in cells as the pdf does.
+    fn widths(&self, [samples, of]: [&str; 2]) -> Result<Option<String>> {
+        if let Some(centre) = self.mean() {
+            let moments = |is_of_samples: bool| {
+                let first = self.mean_of(&|x| f64::from(x) - centre, is_of_samples);
+                let second = self.mean_of(&|x| (f64::from(x) - centre).powi(2), is_of_samples);
+                format!(
+                    "{} and {}",
+                    significant(centre + first, 4),
+                    significant((second - first * first).at_least(0.0).sqrt(), 4)
+                )
+            };
+            let told =
+                format!("{samples} have mean and standard deviation {}, {of} has {}", moments(true), moments(false));
+            return Ok(Some(told).filter(|told| !told.contains("NaN")));
+        }
+        let Some(axis) = self.axis()? else { return Ok(None) };
+        let angle = |w: Point| axis::dot(w.into(), axis.direction).within(-1.0, 1.0).acos().to_degrees();
+        let (found, expected) = (self.mean_of(&angle, true), self.mean_of(&angle, false));
+        let told = || {
+            format!(
+                "{samples} have a mean angle of {found:.2}° with the axis {} of {of}, not {expected:.2}°",
+                axis.name()
+            )
+        };
+        Ok((found - expected).is_finite().then(told))
+    }
+}
+
+/// A pdf of numbers that is wider or narrower about its mean.
+fn spread_about<'a>(mean: f64) -> Mistake<'a> {
+    let name = format!("with distances from its mean, {}, {{}} times as large", significant(mean, 4));
+    Mistake::moved(&name, SCALES, move |scale, x| (mean + (f64::from(x) - mean) / scale).into())
+}
+
+/// A number with that many significant digits.
+fn significant(x: f64, digits: i32) -> String {
+    let after = f64::from(digits - 1) - x.abs().at_least(f64::MIN_POSITIVE).log10().floor();
+    let text = format!("{x:.*}", after.within(0.0, 9.0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Whether amounts, which can be had for many errors, leave so little: they must explain more than what has none.
+fn is_fitted([left, spread]: [f64; 2], of_pdf: f64) -> bool {
+    left <= (LEFT_BY_CHANCE * spread).at_most(MOST_FITTED * of_pdf)
+}
+
+/// The midpoints of the parts of a cell.
+fn midpoints(cell: &Cell, parts: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let (Cell { x, y }, [columns, rows]) = (*cell, parts);
+    let at = |[from, to]: [f64; 2], i: usize, n: usize| from + (to - from) * (i as f64 + 0.5) / n as f64;
+    (0..columns * rows).map(move |i| [at(x, i / rows, columns), at(y, i % rows, rows)])
+}

@@ -1,0 +1,63 @@
+//! Mistakes of samplers that choose one coordinate of the plane, and then the other by its conditional pdf.
+
+use super::{Mistake, asked};
+use crate::domain::{Domain, Point};
+use crate::error::Result;
+use crate::sampler::Density;
+use std::collections::BTreeMap;
+
+/// Midpoints of a mean along a line; most columns of a table divide this number. And most lines.
+const MIDPOINTS: usize = 240;
+const MOST_LINES: usize = 1 << 10;
+/// Chart coordinates that differ by less are one.
+const SAME: f64 = 1e-9;
+
+/// The mean of the density along the chart's `axis`, through each of the points; NaN where there are too many lines.
+fn means(domain: &dyn Domain, density: &dyn Density, points: &[Point], axis: usize) -> Result<Vec<f64>> {
+    let across = |&point: &Point| domain.to_chart(point).map(|at| at[1 - axis]);
+    let key = |at: f64| (at / SAME).round() as i64;
+    let places: Vec<Option<f64>> = points.iter().map(across).collect();
+    let lines: BTreeMap<i64, f64> = places.iter().flatten().map(|&at| (key(at), at)).collect();
+    if lines.len() > MOST_LINES {
+        return Ok(vec![f64::NAN; points.len()]);
+    }
+    let along = |&at: &f64| {
+        (0..MIDPOINTS).map(move |i| {
+            let t = (i as f64 + 0.5) / MIDPOINTS as f64;
+            domain.point_at(if axis == 0 { [t, at] } else { [at, t] })
+        })
+    };
+    let values = asked(density, &lines.values().flat_map(along).collect::<Vec<_>>())?;
+    let of_line = |values: &[f64]| values.iter().sum::<f64>() / MIDPOINTS as f64;
+    let means: BTreeMap<i64, f64> = lines.into_keys().zip(values.chunks_exact(MIDPOINTS).map(of_line)).collect();
+    Ok(places.iter().map(|at| at.map_or(f64::NAN, |at| means[&key(at)])).collect())
+}
+
+/// The mistakes of a density over a domain with two axes.
+pub fn mistakes<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>> {
+    let [x, y] = domain.coordinates();
+    let mean = move |points: &[Point], axis: usize| means(domain, density, points, axis);
+    let with = |name: String, values: Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>| Mistake::asked(&name, values);
+    // A conditional pdf beside a uniform one, and one that does not depend on the other coordinate
+    let conditional = move |points: &[Point], axis: usize| {
+        let (all, means) = (asked(density, points)?, mean(points, axis)?);
+        Ok(all.iter().zip(means).map(|(pdf, mean)| if mean > 0.0 { pdf / mean } else { 0.0 }).collect())
+    };
+    let product = move |points: &[Point]| {
+        let (of_x, of_y) = (mean(points, 1)?, mean(points, 0)?);
+        Ok(of_x.iter().zip(of_y).map(|(x, y)| x * y).collect())
+    };
+    vec![
+        with(format!("with {y} uniform"), Box::new(move |points| mean(points, 1))),
+        with(format!("with {x} uniform"), Box::new(move |points| mean(points, 0))),
+        with(format!("as if {x} and {y} were independent (the product of its marginals)"), Box::new(product)),
+        with(
+            format!("with {x} uniform, and {y} by its conditional pdf"),
+            Box::new(move |points| conditional(points, 1)),
+        ),
+        with(
+            format!("with {y} uniform, and {x} by its conditional pdf"),
+            Box::new(move |points| conditional(points, 0)),
+        ),
+    ]
+}

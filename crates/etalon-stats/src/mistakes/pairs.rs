@@ -1,0 +1,206 @@
+//! The mistake that makes numbers other than they should be: the pdfs that samples carry, and values of BSDFs.
+
+use super::{Follows, MOST_CELLS, Variable, all, asked, number, unless_cancelled, variables};
+use crate::domain::{Domain, Point};
+use crate::error::Result;
+use crate::extremes::Extremes;
+use crate::sampler::Density;
+
+/// The share of pairs that must have a ratio.
+const MOST_PAIRS: f64 = 0.9;
+
+/// A point, with what was found there and what should be: the pdf that a sample carries, and the density's.
+pub type Pair = (Point, [f64; 2]);
+
+/// Relative differences of numbers that differ by rounding.
+const ROUNDED: f64 = 1e-6;
+/// Relative differences of ratios that count as equal.
+pub const EQUAL: f64 = 1e-4;
+/// Fewer pairs say nothing.
+pub const FEWEST_PAIRS: usize = 32;
+
+/// The mistake that makes `found` another number than `of` at all of `pairs`, of which `density` has the second: "[what samples
+/// carry] is π times [the pdf]".
+///
+/// # Errors
+/// As [`of_counts`].
+pub fn of_pairs(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    pairs: &[Pair],
+    [found, of]: [&str; 2],
+) -> Result<Option<String>> {
+    let explained = explained_pairs(domain, density, pairs, of);
+    unless_cancelled(explained.map(|name| name.map(|name| format!("{found} {name}"))))
+}
+
+fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Option<String>> {
+    let pairs = both_not_zero(pairs);
+    let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
+    let known: Vec<f64> = values.iter().map(|[_, known]| *known).collect();
+    let factor_of = |values_of: &[f64]| {
+        let ratios = values.iter().zip(values_of).map(|([found, _], value)| found / value);
+        let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
+        let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * values.len() as f64;
+        common_factor(&ratios).filter(|_| enough)
+    };
+    let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
+    if let Some(factor) = factor_of(&known) {
+        return Ok((!is_one(factor)).then(|| format!("is {} times {of}", number(factor))));
+    }
+    // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
+    let (mut exact, mut shape) = (Vec::new(), None);
+    let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
+    for mistake in all(domain, density).into_iter().filter(|mistake| !mistake.is_family()) {
+        let Some(factor) = factor_of(&mistake.values(density, &points, &known)?) else { continue };
+        let name = mistake.told(of);
+        match mistake.follows {
+            Follows::Density(_) if is_positive => shape = shape.or(Some(format!("has the shape of {name}"))),
+            Follows::Density(_) => {}
+            _ if is_one(factor) => exact.push(name),
+            _ => shape = shape.or(Some(format!("is {} times {name}", number(factor)))),
+        }
+    }
+    if !exact.is_empty() {
+        return Ok(Some(format!("is {}", exact.join(" or "))));
+    }
+    // The power by the largest and the least value, if it holds for all
+    let ln: Vec<[f64; 2]> =
+        values.iter().map(|both| both.map(f64::ln)).filter(|both| both[0].is_finite() && both[1].is_finite()).collect();
+    let end = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+    if let (None, Some(least), Some(most)) = (&shape, ln.iter().min_by(end), ln.iter().max_by(end)) {
+        let power = (most[0] - least[0]) / (most[1] - least[1]);
+        let powers: Vec<f64> = known.iter().map(|known| known.powf(power)).collect();
+        if let Some(factor) = factor_of(&powers).filter(|_| power.is_finite() && power.abs() > EQUAL) {
+            let factor = if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) };
+            return Ok(Some(format!("is {factor}{of} to the power of {}", number(power))));
+        }
+    }
+    // The pdf of another outcome
+    if let Some(n) = domain.outcomes().filter(|n| *n <= MOST_CELLS) {
+        let mut all = asked(density, &(0..n).map(Point::from).collect::<Vec<_>>())?;
+        all.sort_unstable_by(f64::total_cmp);
+        let near = |found: f64| {
+            let i = all.partition_point(|pdf| *pdf < found * (1.0 - ROUNDED));
+            all.get(i).is_some_and(|pdf| *pdf <= found * (1.0 + ROUNDED))
+        };
+        if values.len() >= FEWEST_PAIRS && values.iter().all(|[found, _]| near(*found)) {
+            return Ok(Some(format!("is {of} of other outcomes")));
+        }
+    }
+    if shape.is_some() {
+        return Ok(shape);
+    }
+    let told = logarithms(&pairs).and_then(|ratios| powers(&ratios, &variables(domain, density)));
+    Ok(told.map(|told| format!("is {}", told.replace("{}", of))))
+}
+
+/// The variable of which alone the ratio of the numbers is a function, if there is one: less than a mistake, and not looked for
+/// where there is one.
+pub fn of_one_variable(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    pairs: &[Pair],
+    [found, of]: [&str; 2],
+) -> Option<String> {
+    let told = function(&logarithms(&both_not_zero(pairs))?, &variables(domain, density))?;
+    Some(format!("{found} is {of} times a function of {told}"))
+}
+
+/// Pairs that have a ratio, or where one number alone is 0.
+fn both_not_zero(pairs: &[Pair]) -> Vec<Pair> {
+    pairs.iter().copied().filter(|(_, both)| *both != [0.0; 2]).collect()
+}
+
+/// The logarithms of the ratios, if nearly all have one.
+fn logarithms(pairs: &[Pair]) -> Option<Vec<(Point, f64)>> {
+    let ratios = pairs.iter().map(|(point, [found, known])| (*point, (found / known).ln()));
+    let ratios: Vec<(Point, f64)> = ratios.filter(|(_, ratio)| ratio.is_finite()).collect();
+    let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * pairs.len() as f64;
+    enough.then_some(ratios)
+}
+
+/// The largest power of a variable, and the variance of its logarithm that must be its own.
+const MOST_POWER: f64 = 4.0;
+const OWN: f64 = 1e-6;
+/// How much the logarithm of a ratio goes up and down in all, in units of its range, if it is a function of the variable; and the
+/// least range.
+const UP_AND_DOWN: f64 = 3.0;
+const LEAST_RANGE: f64 = 10.0 * EQUAL;
+
+/// The product of a factor and powers of variables, multiples of ½, that ratios with these logarithms are.
+fn powers(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
+    let centred = |values: Vec<f64>| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.into_iter().map(|value| value - mean).collect::<Vec<f64>>()
+    };
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let logarithms =
+        |variable: &Variable| ratios.iter().map(|(point, _)| (variable.at)(*point).abs().ln()).collect::<Vec<f64>>();
+    let columns = variables.iter().map(|variable| (variable.name, logarithms(variable)));
+    let columns = columns.filter(|(_, column)| column.iter().all(|value| value.is_finite()));
+    let (names, columns): (Vec<&str>, Vec<Vec<f64>>) = columns.unzip();
+    // Least squares by Gram and Schmidt's orthogonal vectors; a variable that others make up is left out.
+    let mut vectors: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::new();
+    for (i, column) in columns.iter().enumerate() {
+        let mut rest = centred(column.clone());
+        let size = product(&rest, &rest);
+        let mut shares = Vec::new();
+        for (_, vector, _) in &vectors {
+            let share = product(vector, &rest) / product(vector, vector);
+            rest.iter_mut().zip(vector).for_each(|(rest, value)| *rest -= share * value);
+            shares.push(share);
+        }
+        if product(&rest, &rest) > OWN * size.at_least(OWN) {
+            vectors.push((i, rest, shares));
+        }
+    }
+    let found = centred(ratios.iter().map(|(_, ratio)| *ratio).collect());
+    let mut exponents: Vec<f64> =
+        vectors.iter().map(|(_, vector, _)| product(vector, &found) / product(vector, vector)).collect();
+    for k in (0..vectors.len()).rev() {
+        let exponent = exponents[k];
+        vectors[k].2.iter().enumerate().for_each(|(j, share)| exponents[j] -= share * exponent);
+    }
+    let exponents: Vec<f64> = exponents.into_iter().map(|exponent| 0.5 * (2.0 * exponent).round()).collect();
+    let used: Vec<(usize, f64)> = vectors.iter().map(|(i, ..)| *i).zip(exponents).filter(|(_, e)| *e != 0.0).collect();
+    if used.is_empty() || used.iter().any(|(_, exponent)| exponent.is_nan() || exponent.abs() > MOST_POWER) {
+        return None;
+    }
+    let left = |(row, (_, ratio)): (usize, &(Point, f64))| {
+        (ratio - used.iter().map(|(i, exponent)| exponent * columns[*i][row]).sum::<f64>()).exp()
+    };
+    let factor = common_factor(&ratios.iter().enumerate().map(left).collect::<Vec<f64>>())?;
+    let told = |(i, exponent): &(usize, f64)| {
+        let verb = if *exponent > 0.0 { "times" } else { "divided by" };
+        let power = if exponent.abs() == 1.0 { String::new() } else { format!("^{}", exponent.abs()) };
+        format!("{verb} {}{power}", names[*i])
+    };
+    let factor = if (factor - 1.0).abs() <= EQUAL { String::new() } else { format!("{} times ", number(factor)) };
+    Some(format!("{factor}{{}} {}", used.iter().map(told).collect::<Vec<_>>().join(", ")))
+}
+
+/// The variable of which alone ratios with these logarithms are a function; all of them, where they are functions of each other.
+fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
+    let of = |variable: &Variable| {
+        let mut sorted: Vec<[f64; 2]> = ratios.iter().map(|(at, ratio)| [(variable.at)(*at), *ratio]).collect();
+        sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let ends =
+            [f64::at_most, f64::at_least].map(|end| sorted.iter().map(|at| at[1]).reduce(end).unwrap_or(f64::NAN));
+        let range = ends[1] - ends[0];
+        let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
+        let is_function = range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
+        let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
+        let told = |[at, ratio]: &[f64; 2]| format!("{:.3} at {at:.3}", ratio.exp());
+        let hint = if what.is_empty() { String::new() } else { format!(", as {what} is") };
+        is_function.then(|| format!("{} alone ({}, {}{hint})", variable.name, told(first), told(last)))
+    };
+    let all: Vec<String> = variables.iter().filter_map(of).collect();
+    (!all.is_empty()).then(|| all.join(", or of "))
+}
+
+/// The least of `ratios`, if all are equal to it.
+pub fn common_factor(ratios: &[f64]) -> Option<f64> {
+    let [least, most] = [f64::at_most, f64::at_least].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
+    (most <= least * (1.0 + EQUAL)).then_some(least)
+}
