@@ -291,8 +291,8 @@ impl Domain for Line {
         ];
         for (end, at) in [("lower", self.from), ("upper", self.to)] {
             let name = format!("with distances from the {end} end that are {{}} times as large");
-            let scaled = move |scale: f64, point: Point| (at + (f64::from(point) - at) / scale).into();
-            all.push(Mistake::moved(&name, SCALES, scaled));
+            let scaled = move |scale: f64, point: Point| ((at + (f64::from(point) - at) / scale).into(), 1.0);
+            all.push(Mistake::scaled(&name, scaled));
         }
         let powers = [(1.0, "d"), (2.0, "d²"), (0.5, "√d"), (-0.5, "1/√d")];
         for (end, at, sign) in [("lower", self.from, 1.0), ("upper", self.to, -1.0)] {
@@ -318,9 +318,6 @@ impl Domain for Line {
         format!("x {from:.5}..{to:.5}")
     }
 }
-
-/// Factors by which distances may be too large.
-pub const SCALES: [f64; 2] = [0.2, 5.0];
 
 /// Pairs of numbers from 0 to 1; μ is area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -56,7 +56,7 @@ fn faults_of_maps_and_of_directions_are_named() {
     check(
         &sphere,
         [(&texel, &with_sine), (&texel, &without)],
-        "samples follow a density in proportion to the pdf divided by sin θ, not the pdf",
+        "samples follow the pdf divided by sin θ, not the pdf",
     );
 
     // Cosine-weighted samples with the pdf of uniform ones: raytracing.github.io 933

@@ -81,6 +81,7 @@ pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
     };
     vec![
         Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs()).of("a Fresnel term"),
+        Variable::new("(wi · wm)", move |wi| dot(wi.into(), normal(wi)).abs()),
         Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of("a distribution of normals"),
         Variable::new("sin θm", sin),
         Variable::new("cos α, α the angle with the mirror direction", move |wi| dot([-x, -y, z], wi.into()).abs())

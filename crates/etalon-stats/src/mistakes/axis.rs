@@ -19,6 +19,8 @@ const SAME: f64 = 0.01;
 const CAPS: usize = 3;
 const CAP: usize = 64;
 const NOTHING: f64 = 1e-6;
+/// The cosine below which slopes are too large.
+const FLAT: f64 = 1e-3;
 /// The share of the mean sine that is too near to the axis.
 const LEAST: f64 = 0.15;
 
@@ -145,22 +147,32 @@ impl Axis {
             all.extend(Mistake::factor(&format!("cos γ, γ the angle with {axis}"), move |w| cos(w).abs()));
             all.extend(Mistake::factor(&format!("sin γ, γ the angle with {axis}"), sin));
         }
-        let scaled = move |scale: f64, point: Point| {
+        // The place at another angle with the axis
+        let at_angle = move |point: Point, of: &dyn Fn(f64) -> f64| {
             let w = Direction::from(point);
             let (across, angle) = (cross(direction, w), sin(point).atan2(cos(point)));
             let length = dot(across, across).sqrt();
-            let is_known = length > 0.0 && angle / scale <= PI;
-            let place = if is_known {
-                turned(w, across.map(|x| x / length), angle / scale - angle)
-            } else if length > 0.0 {
-                [f64::NAN; 3]
-            } else {
-                w
-            };
-            place.into()
+            match of(angle) {
+                _ if length == 0.0 => w,
+                other => turned(w, across.map(|x| x / length), other - angle),
+            }
+        };
+        let by_slope = move |scale: f64, point: Point| {
+            if cos(point) < FLAT {
+                return (direction.into(), 0.0);
+            }
+            let place = at_angle(point, &|angle| (angle.tan() / scale).atan());
+            // Areas of slopes are solid angles over cos³ γ.
+            (place.into(), (dot(place, direction) / cos(point)).powi(3))
+        };
+        let name = format!("with slopes about {axis} that are {{}} times as large");
+        all.push(Mistake::scaled(&name, by_slope));
+        let by_angle = move |scale: f64, point: Point| {
+            let place = at_angle(point, &|angle| (angle / scale).at_most(PI));
+            (place.into(), f64::from(sin(point).atan2(cos(point)) <= PI * scale))
         };
         let name = format!("with angles to {axis} that are {{}} times as large");
-        all.push(Mistake::moved(&name, [0.2, 5.0], scaled));
+        all.push(Mistake::scaled(&name, by_angle));
         all
     }
 }

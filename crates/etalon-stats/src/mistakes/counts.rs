@@ -2,7 +2,7 @@
 
 use super::axis::{self, Axis, Direction};
 use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, unless_cancelled};
-use crate::domain::{Domain, Point, SCALES};
+use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::grid::Cell;
@@ -10,8 +10,9 @@ use crate::outcome::Counts;
 use crate::power::chi_square;
 use crate::sampler::Density;
 
-/// Points of each cell at which densities are compared, along the two axes.
-const POINTS: [usize; 2] = [8, 4];
+/// Points of each cell at which densities are compared, and the step of their lattice (Fibonacci's numbers).
+const POINTS: usize = 34;
+const LATTICE: usize = 21;
 /// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
 /// 100 %): midpoints are not exact, and samples may have small errors besides.
 const LEFT: f64 = 0.002;
@@ -38,7 +39,7 @@ const SECTIONS: usize = 12;
 const GOLDEN: f64 = 0.381_966_011_250_105;
 /// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
 const HELD: f64 = 0.5;
-const MOST_HELD: f64 = 0.9;
+const MOST_HELD: f64 = 0.97;
 /// The logarithm of a factor that counts as 1.
 const SCALE: f64 = 0.02;
 /// Steps by which the axis of samples is found.
@@ -123,6 +124,15 @@ fn excess(observed: &[u64], shares: &[Option<f64>], fewest: usize) -> Option<[f6
     Some([test.statistic - test.dof as f64, (2.0 * test.dof as f64).sqrt()])
 }
 
+/// Twice the logarithm of the likelihood ratio of counts against shares: what is least for the likeliest amount.
+fn deviance(observed: &[u64], shares: &[Option<f64>]) -> f64 {
+    let known = || observed.iter().zip(shares).filter_map(|(n, share)| Some((*n as f64, (*share)?)));
+    let (total, sum) = known().fold((0.0, 0.0), |(total, sum), (n, share)| (total + n, sum + share));
+    let term = |(n, share): (f64, f64)| if n > 0.0 { 2.0 * n * (n * sum / (share * total)).ln() } else { 0.0 };
+    let deviance = known().map(term).sum::<f64>();
+    if total > 0.0 && deviance.is_finite() { deviance } else { f64::INFINITY }
+}
+
 /// What a mistake leaves unexplained of the statistic, the standard deviation of that by chance, and its rank among others of the
 /// same shape.
 struct Explained {
@@ -144,7 +154,7 @@ struct Table<'a> {
     /// Observed and expected counts of atoms, then of "no sample".
     others: Vec<(u64, f64)>,
     total: f64,
-    /// Midpoints of parts of the cells, graded so that wide cells have more of them near narrow ones.
+    /// Points of parts of the cells, graded so that wide cells have more of them near narrow ones.
     points: Vec<Point>,
     /// For each, the number of its cell and the area that it stands for.
     places: Vec<(usize, f64)>,
@@ -159,10 +169,9 @@ impl<'a> Table<'a> {
         let others = counts.observed[cells..].iter().copied().zip(counts.expected[cells..].iter().copied()).collect();
         let graded = if domain.outcomes().is_some() { counts.grid.clone() } else { counts.grid.graded() };
         let (mut points, mut places) = (Vec::new(), Vec::new());
-        let shape = if domain.is_plane() { POINTS } else { [POINTS[0] * POINTS[1], 1] };
         for part in graded.cells().filter(|_| graded.len() <= MOST_CELLS) {
             let cell = counts.grid.find(part.place([0.0, 0.0]));
-            points.extend(midpoints(&part, shape).map(|at| domain.point_at(at)));
+            points.extend(lattice(&part).map(|at| domain.point_at(at)));
             places.resize(points.len(), (cell, part.area()));
         }
         let pdfs = asked(density, &points)?;
@@ -182,7 +191,7 @@ impl<'a> Table<'a> {
     }
 
     /// The shares of cells by the density's `values` at the points, NaN where it is not known. Integrals are sums over the
-    /// midpoints; where values are the pdf's own, changed, they are in proportion to the pdf's known integrals.
+    /// points; where values are the pdf's own, changed, they are in proportion to the pdf's known integrals.
     fn shares(&self, values: &[f64], is_local: bool) -> Vec<Option<f64>> {
         let [of_values, of_pdf] = [values, &self.pdfs].map(|values| self.sums(values.iter().copied()));
         let share = |i: usize| match is_local {
@@ -217,14 +226,17 @@ impl<'a> Table<'a> {
         Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
     }
 
-    /// The amount by which a family explains the counts, if one does.
-    fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<String>> {
+    /// What a family leaves unexplained with the amount that explains most, if that is little, and its name.
+    fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<(f64, String)>> {
         let mut own = String::new();
-        let (limits, values): ([f64; 2], Box<dyn Fn(f64) -> Result<Vec<f64>> + '_>) = match &family.follows {
-            Follows::Moved { limits, place } => {
-                let moved =
-                    |amount: f64| self.pdf_at(&self.points.iter().map(|&at| place(amount, at)).collect::<Vec<_>>());
-                (*limits, Box::new(moved))
+        let (limits, rest, values): ([f64; 2], f64, Box<dyn Fn(f64) -> Result<Vec<f64>> + '_>) = match &family.follows {
+            Follows::Moved { limits, rest, place } => {
+                let moved = |amount: f64| {
+                    let (places, factors): (Vec<Point>, Vec<f64>) =
+                        self.points.iter().map(|&at| place(amount, at)).unzip();
+                    Ok(self.pdf_at(&places)?.into_iter().zip(factors).map(|(pdf, factor)| pdf * factor).collect())
+                };
+                (*limits, *rest, Box::new(moved))
             }
             Follows::Mixed(parts) => {
                 let batches = self.points.chunks(BATCH).map(parts).collect::<Result<Vec<_>>>()?;
@@ -237,39 +249,44 @@ impl<'a> Table<'a> {
                     let [of_first, of_second] = [share / of_part[0], (1.0 - share) / of_part[1]];
                     Ok(both[0].iter().zip(&both[1]).map(|(a, b)| of_first * a + of_second * b).collect())
                 };
-                ([0.0, 1.0], Box::new(mixed))
+                ([0.0, 1.0], 0.5, Box::new(mixed))
             }
             Follows::Power => {
                 let ends = [0, POWERS.len() - 1].map(|i| POWERS[i].0);
                 let powers = |power: f64| Ok(self.pdfs.iter().map(|pdf| pdf.powf(power)).collect());
-                ([0.5 * ends[0], 1.5 * ends[1]], Box::new(powers))
+                ([0.5 * ends[0], 1.5 * ends[1]], 1.0, Box::new(powers))
             }
             _ => return Ok(None),
         };
         let is_local = family.is_local();
-        let left_by = |amount: f64| -> Result<[f64; 2]> {
+        let shares = |amount: f64| -> Result<Vec<Option<f64>>> {
             let shares = self.shares(&values(amount)?, is_local);
-            let found = self.excess(&shares).filter(|_| self.held(&shares) >= MOST_HELD);
-            Ok(found.unwrap_or([f64::INFINITY, 0.0]))
+            Ok(if self.held(&shares) >= MOST_HELD { shares } else { vec![None; shares.len()] })
         };
-        // The best of equal steps, then between its neighbours by golden sections
+        let left_by = |amount: f64| Ok(deviance(self.observed, &shares(amount)?));
+        // The best of equal steps, of those that a symmetry makes equal the one that moves least; then between its neighbours by
+        // golden sections
         let step = (limits[1] - limits[0]) / STEPS as f64;
         let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
-        let all = steps.map(|amount| Ok((amount, left_by(amount)?[0]))).collect::<Result<Vec<(f64, f64)>>>()?;
-        let best = all.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some(best) = best.filter(|(_, left)| left.is_finite()) else { return Ok(None) };
+        let all = steps.map(|amount| Ok((amount, left_by(amount)?))).collect::<Result<Vec<(f64, f64)>>>()?;
+        let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
+        let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
+        let equal = all.into_iter().filter(|(_, left)| *left <= least + chance && left.is_finite());
+        let Some(best) = equal.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs())) else {
+            return Ok(None);
+        };
         let (mut low, mut high) = (best.0 - step, best.0 + step);
         let [mut first, mut second] = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
-        let [mut by_first, mut by_second] = [left_by(first)?[0], left_by(second)?[0]];
+        let [mut by_first, mut by_second] = [left_by(first)?, left_by(second)?];
         for _ in 0..SECTIONS {
             if by_first < by_second {
                 (high, second, by_second) = (second, first, by_first);
                 first = low + GOLDEN * (high - low);
-                by_first = left_by(first)?[0];
+                by_first = left_by(first)?;
             } else {
                 (low, first, by_first) = (first, second, by_second);
                 second = high - GOLDEN * (high - low);
-                by_second = left_by(second)?[0];
+                by_second = left_by(second)?;
             }
         }
         let amount = 0.5 * (low + high);
@@ -279,8 +296,8 @@ impl<'a> Table<'a> {
             _ => Some(significant(amount, 3)),
         };
         let Some(text) = text else { return Ok(None) };
-        let is_explained = is_fitted(left_by(amount)?, of_pdf);
-        Ok(is_explained.then(|| family.told(of).replace("{}", &(text + &own))))
+        let left = self.excess(&shares(amount)?).filter(|left| is_fitted(*left, of_pdf));
+        Ok(left.map(|[left, _]| (left, family.told(of).replace("{}", &(text + &own)))))
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
@@ -312,22 +329,29 @@ impl<'a> Table<'a> {
     fn of_draws(&self, [samples, of]: [&str; 2]) -> Option<String> {
         let names = self.density.atom_names().into_iter().chain(["no sample".to_owned()]);
         let rest = (self.total as u64, self.expected.iter().sum::<f64>());
-        let all = names.zip(self.others.iter().copied()).chain([("the other samples".to_owned(), rest)]);
+        let all = names.zip(self.others.iter().copied()).chain([("all other samples".to_owned(), rest)]);
         let all: Vec<(String, (u64, f64))> = all.filter(|(_, (n, expected))| *n > 0 || *expected > 0.5).collect();
         let draws = all.iter().map(|(_, (n, _))| *n as f64).sum::<f64>();
         let is_wrong = |(n, expected): (u64, f64)| (n as f64 - expected).abs() > WRONG * expected.at_least(1.0).sqrt();
+        // Where expected probabilities do not add to 1, they are no probabilities.
+        if is_wrong((draws as u64, all.iter().map(|(_, (_, expected))| expected).sum())) {
+            return None;
+        }
         let wrong: Vec<&(String, (u64, f64))> = all.iter().filter(|(_, counts)| is_wrong(*counts)).collect();
         let told = |(name, (n, expected)): &&(String, (u64, f64))| {
-            format!("{name} has a share of {:.4}, not {:.4}", *n as f64 / draws, expected / draws)
+            format!("that of {name} is {:.4}, not {:.4}", *n as f64 / draws, expected / draws)
         };
-        let first = |rest: &str| format!("{samples} follow {of}, and {rest}");
-        match wrong[..] {
-            [] => None,
+        let what = match wrong[..] {
+            [] => return None,
             [(a, (n, m)), (b, (k, l))] if !is_wrong((*n, *l)) && !is_wrong((*k, *m)) => {
-                Some(first(&format!("the probabilities of {a} and of {b} are exchanged")))
+                format!("the probabilities of {a} and of {b} are exchanged")
             }
-            _ => Some(first(&wrong.iter().take(TOLD_SHARES).map(told).collect::<Vec<_>>().join(", "))),
-        }
+            _ => format!(
+                "probabilities are wrong: {}",
+                wrong.iter().take(TOLD_SHARES).map(told).collect::<Vec<_>>().join(", ")
+            ),
+        };
+        Some(format!("{samples} follow {of}, and {what}"))
     }
 
     /// The pdf at places; NaN where they are outside of the domain.
@@ -346,13 +370,13 @@ impl<'a> Table<'a> {
 
     fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<String>> {
         let all_of = shares_of(self.expected);
+        let of_draws = || if kinds == Kinds::All { self.of_draws([samples, of]) } else { None };
         let Some([of_pdf, spread]) = excess(self.observed, &all_of, 1).filter(|_| !self.points.is_empty()) else {
-            // Where atoms and "no sample" are all there is, their shares are all that can be wrong.
-            return Ok((self.total == 0.0).then(|| self.of_draws([samples, of])).flatten());
+            // Where atoms and "no sample" are all there is, their probabilities are all that can be wrong.
+            return Ok(if self.total == 0.0 { of_draws() } else { None });
         };
-        let (atoms, none) = self.others.split_at(self.others.len() - 1);
-        if of_pdf <= CHANCE * spread && (!atoms.is_empty() || none[0].0 > 0) {
-            return Ok(self.of_draws([samples, of]));
+        if of_pdf <= CHANCE * spread && self.others.iter().any(|(n, _)| *n > 0) {
+            return Ok(of_draws());
         }
         if of_pdf <= CHANCE * spread {
             // What chance hides of the shape must be little beside the factor.
@@ -392,10 +416,9 @@ impl<'a> Table<'a> {
                 return follow(format!("{proportional}{}", first.name));
             }
         }
-        for family in &families {
-            if let Some(name) = self.fitted(family, of_pdf, of)? {
-                return follow(name);
-            }
+        let fitted = families.iter().map(|family| self.fitted(family, of_pdf, of)).collect::<Result<Vec<_>>>()?;
+        if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
+            return follow(name);
         }
         let turned = match own_axis.filter(|_| kinds == Kinds::All) {
             Some(from) => self.turned(from, of_pdf, of)?,
@@ -461,7 +484,7 @@ impl<'a> Table<'a> {
 /// A pdf of numbers that is wider or narrower about its mean.
 fn spread_about<'a>(mean: f64) -> Mistake<'a> {
     let name = format!("with distances from its mean, {}, {{}} times as large", significant(mean, 4));
-    Mistake::moved(&name, SCALES, move |scale, x| (mean + (f64::from(x) - mean) / scale).into())
+    Mistake::scaled(&name, move |scale, x| ((mean + (f64::from(x) - mean) / scale).into(), 1.0))
 }
 
 /// A number with that many significant digits.
@@ -476,9 +499,9 @@ fn is_fitted([left, spread]: [f64; 2], of_pdf: f64) -> bool {
     left <= (LEFT_BY_CHANCE * spread).at_most(MOST_FITTED * of_pdf)
 }
 
-/// The midpoints of the parts of a cell.
-fn midpoints(cell: &Cell, parts: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
-    let (Cell { x, y }, [columns, rows]) = (*cell, parts);
-    let at = |[from, to]: [f64; 2], i: usize, n: usize| from + (to - from) * (i as f64 + 0.5) / n as f64;
-    (0..columns * rows).map(move |i| [at(x, i / rows, columns), at(y, i % rows, rows)])
+/// Points that fill a cell evenly: each axis has a different one of as many midpoints.
+fn lattice(cell: &Cell) -> impl Iterator<Item = [f64; 2]> {
+    let Cell { x, y } = *cell;
+    let at = |[from, to]: [f64; 2], i: usize| from + (to - from) * (i as f64 + 0.5) / POINTS as f64;
+    (0..POINTS).map(move |i| [at(x, i), at(y, LATTICE * i % POINTS)])
 }
