@@ -494,7 +494,7 @@ impl Domain for Directions {
 
     fn variables(&self) -> Vec<Variable<'_>> {
         vec![
-            Variable::new("cos θ", |w| self.cos(w).abs()).of(""),
+            Variable::new("cos θ", |w| self.cos(w).abs()).of(|_| String::new()),
             Variable::new("sin θ", |w| (1.0 - self.cos(w).powi(2)).at_least(0.0).sqrt()),
         ]
     }

@@ -53,11 +53,7 @@ fn faults_of_maps_and_of_directions_are_named() {
     let lines = || (1..64).map(|i| 0.5 * (1.0 - (PI * f64::from(i) / 64.0).cos())).collect::<Vec<f64>>();
     let with_sine = density(move |w: [f64; 3]| per_angle(w) / w[0].hypot(w[2]));
     let without = density(per_angle).with_steps([lines(), Vec::new()]);
-    check(
-        &sphere,
-        [(&texel, &with_sine), (&texel, &without)],
-        "samples follow the pdf divided by sin θ, not the pdf",
-    );
+    check(&sphere, [(&texel, &with_sine), (&texel, &without)], "samples follow the pdf divided by sin θ, not the pdf");
 
     // Cosine-weighted samples with the pdf of uniform ones: raytracing.github.io 933
     let cosine = sampler(2, |u| Some(Sample::new(direction((1.0 - u[0]).sqrt(), u[1]))));

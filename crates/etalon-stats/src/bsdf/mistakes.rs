@@ -1,10 +1,10 @@
 //! Usual mistakes of BSDFs, by which a pdf or a value differs from what it should be.
 
 use super::contract::{Direction, Pair};
-use super::subject::{Subject, channel_of, directions, dot, length, same_side, sphere};
+use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::mistakes::{Mistake, Pair as Compared, Variable, of_one_variable, of_pairs};
+use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
 /// The pdf of a BSDF, and its light, in messages.
@@ -80,29 +80,67 @@ pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
         x.hypot(y)
     };
     vec![
-        Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs()).of("a Fresnel term"),
+        Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs())
+            .of(|_| ", as a Fresnel term is".to_owned()),
         Variable::new("(wi · wm)", move |wi| dot(wi.into(), normal(wi)).abs()),
-        Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of("a distribution of normals"),
+        Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of(of_normals),
         Variable::new("sin θm", sin),
         Variable::new("cos α, α the angle with the mirror direction", move |wi| dot([-x, -y, z], wi.into()).abs())
-            .of("a lobe around it"),
+            .of(|_| ", as a lobe around it is".to_owned()),
     ]
 }
 
-/// The arguments of a function in the other order.
-fn exchanged<'a>(subject: &'a Subject, function: impl Fn(&[Pair]) -> Result<Vec<f64>> + 'a) -> Mistake<'a> {
-    let wo = subject.wo;
-    let values = move |wis: &[Point]| {
-        let pairs: Vec<Pair> = directions(wis).into_iter().map(|wi| [wi, wo]).collect();
-        function(&pairs)
-    };
-    Mistake::asked("with wo and wi exchanged", values)
+/// Other arguments of a function of a pair of directions.
+const OTHERS: [(&str, fn(Pair) -> Pair); 4] = [
+    ("with wo and wi exchanged", |[wo, wi]| [wi, wo]),
+    ("with x and y of both directions exchanged", |pair| pair.map(|[x, y, z]| [y, x, z])),
+    ("with both directions on the other side", |pair| pair.map(|[x, y, z]| [x, y, -z])),
+    ("with -wo for wo", |[wo, wi]| [wo.map(|x| -x), wi]),
+];
+
+/// A function of a pair of directions at other arguments, each of [`OTHERS`].
+fn elsewhere<'a>(
+    subject: &'a Subject,
+    function: impl Fn(&[Pair]) -> Result<Vec<f64>> + Copy + 'a,
+) -> impl Iterator<Item = Mistake<'a>> {
+    OTHERS.into_iter().map(move |(name, other)| {
+        let pairs = move |wis: &[Point]| subject.pairs(&directions(wis)).into_iter().map(other).collect::<Vec<Pair>>();
+        Mistake::asked(name, move |wis| function(&pairs(wis)))
+    })
+}
+
+/// Whether a function of cos θm is the ratio of two GGX distributions of normals, and of which: ((1 + q c)/(1 + p c))² up to a
+/// factor, with c = cos² θm, p = α² − 1 of the first and q of the second. Its root is linear in three unknown numbers.
+fn of_normals(function: &[[f64; 2]]) -> String {
+    let rows: Vec<([f64; 3], f64)> = function
+        .iter()
+        .map(|[cos, ln]| {
+            let (c, root) = (cos * cos, (0.5 * ln).exp());
+            ([1.0, c, -c * root], root)
+        })
+        .collect();
+    // The normal equations, by Cramer's rule
+    let sum = |i: usize, j: usize| rows.iter().map(|(row, _)| row[i] * row[j]).sum::<f64>();
+    let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| sum(i, j)));
+    let right = [0, 1, 2].map(|i| rows.iter().map(|(row, root)| row[i] * root).sum::<f64>());
+    let of = |m: [Direction; 3]| dot(m[0], cross(m[1], m[2]));
+    let [k, m, p] = [0, 1, 2].map(|column| {
+        let mut other = matrix;
+        (0..3).for_each(|row| other[row][column] = right[row]);
+        of(other) / of(matrix)
+    });
+    let is_exact = rows.iter().all(|(row, root)| (dot(*row, [k, m, p]) - root).abs() <= EQUAL * root);
+    let [found, expected] = [p, m / k].map(|p| (1.0 + p).sqrt());
+    if is_exact && found > 0.0 && expected > 0.0 {
+        return format!(", as GGX normals of α = {found:.3} differ from those of α = {expected:.3}");
+    }
+    ", as a distribution of normals is".to_owned()
 }
 
 /// The mistakes of the pdf.
 pub fn of_pdf<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     let mut all = factors(subject);
-    all.push(exchanged(subject, |pairs| subject.bsdf.pdf(pairs)));
+    all.extend(elsewhere(subject, |pairs| subject.bsdf.pdf(pairs)));
     if subject.bsdf.lobes() == 2 {
         let lobes = |wis: &[Point]| {
             let pairs = subject.pairs(&directions(wis));
@@ -195,9 +233,7 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Density for Values<'_, F>
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let Self { subject, function, channel, is_exchanged } = self;
         let mut all = factors(subject);
-        if !is_exchanged {
-            all.push(exchanged(subject, move |pairs| function(pairs, *channel)));
-        }
+        all.extend(elsewhere(subject, move |pairs| function(pairs, *channel)).skip(usize::from(*is_exchanged)));
         let others = (0..subject.properties.channels).filter(|other| other != channel);
         all.extend(others.map(|other| {
             let name = format!("of channel {other} in channel {channel}");

@@ -186,7 +186,13 @@ impl Bsdf for Wrong {
 #[test]
 fn usual_mistakes_of_bsdfs_are_named() {
     let exchanged = |wo, wi, pdf: f64| UNDER.pdf(wi, wo) / pdf;
-    let all: [(Wrong, &[&str]); 12] = [
+    // Of GGX, the density of normals with α = 0.16 for 0.4
+    let normals = |wo, wi, _: f64| {
+        let of = |alpha: f64, cos: f64| alpha * alpha / (cos * cos * (alpha * alpha - 1.0) + 1.0).powi(2);
+        let cos = half(wo, wi)[2];
+        of(0.16, cos) / of(0.4, cos)
+    };
+    let all: [(Wrong, &[&str]); 15] = [
         (RIGHT, &[]),
         (
             Wrong { pdf: |wo, wi, _| 4.0 * dot(wo, half(wo, wi)), ..RIGHT },
@@ -196,6 +202,18 @@ fn usual_mistakes_of_bsdfs_are_named() {
         (Wrong { pdf: |_, _, _| 1.0 / PI, ..RIGHT }, &["the density of samples is 3.141593 = π times the pdf"]),
         (Wrong { pdf: exchanged, ..RIGHT }, &["the density of samples is the pdf with wo and wi exchanged"]),
         (Wrong { carried: exchanged, ..RIGHT }, &["what samples carry is the pdf with wo and wi exchanged"]),
+        (
+            Wrong { carried: |wo, wi, _| dot(wo, half(wo, wi)).sqrt() / wi[2], ..RIGHT },
+            &["what samples carry is the pdf times (wo · wm)^0.5, divided by cos θ"],
+        ),
+        (
+            Wrong { carried: normals, ..RIGHT },
+            &["alone (", ", as GGX normals of α = 0.160 differ from those of α = 0.400)"],
+        ),
+        (
+            Wrong { weight: |wo, wi, _| 0.1 + 0.9 * (1.0 - dot(wo, half(wo, wi))).powi(5), ..RIGHT },
+            &["weight · pdf is f |cos θi| times a function of (wo · wm) alone", ", as a Fresnel term is"],
+        ),
         (Wrong { carried: |_, _, _| 2.0 * PI, ..RIGHT }, &["what samples carry is 6.283185 = 2π times the pdf"]),
         (Wrong { f: |_, wi, _| wi[2], ..RIGHT }, &["f(wo, wi) η² is f(wi, wo) times cos θi/cos θo"]),
         (Wrong { f: |wo, _, _| 1.0 / wo[2], ..RIGHT }, &["f(wo, wi) η² is f(wi, wo) times cos θi/cos θo"]),
@@ -256,6 +274,38 @@ fn the_books_page_has_every_factor() {
         let name = name.split(" where light").next().unwrap();
         assert!(page.contains(&format!("*{name}")), "{name}");
     }
+}
+
+/// A mirror whose weight is not divided by the probability of its lobe, beside another lobe in the same direction.
+struct Half;
+
+impl Bsdf for Half {
+    fn properties(&self) -> Properties {
+        Properties { energy: Energy::AtMostOne, ..Mirror.properties() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        Mirror.eval(wo, wi, u)
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        Mirror.pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let mirror = Mirror.sample(wo, u).filter(|_| u[0] < 0.4)?;
+        Some(BsdfSample { density: Density::Delta(0.4), weight: [0.9; 3], ..mirror })
+    }
+
+    fn delta_lobes(&self, wo: Direction) -> Vec<DeltaLobe> {
+        Mirror.delta_lobes(wo).into_iter().map(|l| DeltaLobe { probability: 0.4, throughput: [0.9; 3], ..l }).collect()
+    }
+}
+
+#[test]
+fn weights_of_delta_lobes_are_named() {
+    let text = test("half", &Half, &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("the weight of a sampled delta lobe is not divided by its probability"), "{text}");
 }
 
 /// A mirror.

@@ -265,6 +265,7 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
 }
 
 fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> Result<()> {
+    let [mut of_probability, mut of_weight] = [Names::default(), Names::default()];
     for sample in samples {
         let (at, &(_, &BsdfSample { wi, weight, .. }, probability)) = (|| at(subject, sample), sample);
         let Some(lobe) = subject.deltas.iter().find(|lobe| sphere().same(lobe.wi.into(), wi.into())) else {
@@ -286,13 +287,55 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         let mut compare = |numbers: [f64; 2], what: &str| {
             found.near(&[numbers], |_| subject.last_places(numbers[1]), |_| format!("{} ({what})", at()))
         };
-        compare([probability, lobe.probability], "probability of the sample, of the delta lobe")?;
+        if !compare([probability, lobe.probability], "probability of the sample, of the delta lobe")? {
+            let others = [(1.0, "1"), (1.0 - lobe.probability, "1 - that of the lobe"), (0.5, "1/2")];
+            of_probability.add(
+                probability,
+                &others.map(|(value, name)| (value, format!("the probability of a sampled delta lobe is {name}"))),
+            );
+        }
+        let (eta2, cos) = (subject.eta2(wi), wi[2].abs());
         for (channel, weight) in weight.iter().enumerate().take(subject.properties.channels) {
             let product = weight * lobe.probability;
-            compare([product, lobe.throughput[channel]], "weight · probability, throughput")?;
+            if !compare([product, lobe.throughput[channel]], "weight · probability, throughput")? {
+                let right = lobe.throughput[channel] / lobe.probability;
+                let others = [
+                    (lobe.throughput[channel], "not divided by its probability"),
+                    (right / lobe.probability, "divided by its probability twice"),
+                    (right * eta2, "times η²"),
+                    (right / eta2, "divided by η²"),
+                    (right * cos, "times |cos θi|"),
+                    (right / cos, "divided by |cos θi|"),
+                ];
+                of_weight.add(
+                    *weight,
+                    &others.map(|(value, name)| (value, format!("the weight of a sampled delta lobe is {name}"))),
+                );
+            }
         }
     }
+    for names in [of_probability, of_weight] {
+        found.named(names.left.filter(|names| !names.is_empty()).map(|names| names.join(" or ")));
+    }
     Ok(())
+}
+
+/// Names of mistakes, of which those are left that explain all numbers.
+#[derive(Default)]
+struct Names {
+    left: Option<Vec<String>>,
+}
+
+impl Names {
+    /// Keeps the names whose value is the number.
+    fn add(&mut self, number: f64, others: &[(f64, String)]) {
+        let equal = others.iter().filter(|(value, _)| relative_difference(number, *value) <= EQUAL);
+        let names: Vec<String> = equal.map(|(_, name)| name.clone()).collect();
+        match &mut self.left {
+            Some(left) => left.retain(|name| names.contains(name)),
+            None => self.left = Some(names),
+        }
+    }
 }
 
 /// Adds the pdfs of all lobes, each times the lobe's probability, and compares the sum with the pdf.

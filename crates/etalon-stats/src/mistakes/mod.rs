@@ -168,14 +168,18 @@ impl<'a> Mistake<'a> {
     }
 }
 
+/// What a function is, by pairs of the variable, ascending, and the logarithm of the function.
+type Hint = fn(&[[f64; 2]]) -> String;
+
 /// A quantity of points, whose powers pdfs and values of functions lack, or have besides.
 pub struct Variable<'a> {
     /// As factors are named: "cos θ".
     pub name: &'static str,
     /// The quantity.
     pub at: Box<dyn Fn(Point) -> f64 + 'a>,
-    /// What depends on nothing else, if there is such a thing: "a Fresnel term".
-    pub of: Option<&'static str>,
+    /// What a factor is that depends on nothing else, ", as a Fresnel term is", by values and logarithms of the factor; `None` if it is not
+    /// looked for.
+    pub of: Option<Hint>,
 }
 
 impl<'a> Variable<'a> {
@@ -184,9 +188,9 @@ impl<'a> Variable<'a> {
         Self { name, at: Box::new(at), of: None }
     }
 
-    /// A quantity on which a factor depends alone.
+    /// A quantity on which a factor may depend alone.
     #[must_use]
-    pub fn of(self, what: &'static str) -> Self {
+    pub fn of(self, what: Hint) -> Self {
         Self { of: Some(what), ..self }
     }
 }

@@ -192,7 +192,7 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
         let is_function = range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
         let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
         let told = |[at, ratio]: &[f64; 2]| format!("{:.3} at {at:.3}", ratio.exp());
-        let hint = if what.is_empty() { String::new() } else { format!(", as {what} is") };
+        let hint = what(&sorted);
         is_function.then(|| format!("{} alone ({}, {}{hint})", variable.name, told(first), told(last)))
     };
     let all: Vec<String> = variables.iter().filter_map(of).collect();
