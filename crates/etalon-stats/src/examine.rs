@@ -10,13 +10,14 @@ use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::looks::Looks;
 use crate::mass::Integral;
-use crate::mistakes;
+use crate::mistakes::{self, Kinds, Named};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
 use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
+use std::cell::RefCell;
 use std::time::Instant;
 
 /// How many samples a test takes.
@@ -213,17 +214,26 @@ pub fn examine(
         risk: RISK * protocol.own_level() / looks.count(),
         looks,
     };
+    // What the first look that rejects named, and its samples
+    let named: RefCell<Option<(u64, Option<Named>)>> = RefCell::new(None);
     let rejects = |counted: &Counted| {
-        let Findings { p, violation, is_mass_wrong, counts, .. } = test.find(counted, false);
+        let Findings { p, violation, is_mass_wrong, counts, samples, .. } = test.find(counted, false);
         let by_counts = p.is_some_and(|p| p < protocol.own_level());
         match violation {
             // A wrong mass ends the test when counts tell what else is wrong.
             Some(_) => !is_mass_wrong || mistakes::is_clear(&counts),
-            None => by_counts && mistakes::can_name(&counts),
+            None if !by_counts || mistakes::are_few(&counts) => false,
+            // A fitted amount explains few samples by chance: the test goes on, and looks for the name again at the end.
+            None => {
+                let found = || mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All).unwrap_or_default();
+                let mut named = named.borrow_mut();
+                let (_, found) = named.get_or_insert_with(|| (samples, found()));
+                found.as_ref().is_none_or(|named| !named.is_fitted) || samples >= mistakes::TOLD
+            }
         }
     };
     let counted = counting.run(&pilot, round, rejects)?;
-    let outcome = test.outcome(counted)?;
+    let outcome = test.outcome(counted, named.into_inner())?;
     Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
@@ -242,6 +252,9 @@ struct Test<'a> {
     atoms: &'a [Atom],
     looks: Looks,
 }
+
+/// What is counted, and what it is compared with.
+const NAMES: [&str; 2] = ["samples", "the pdf"];
 
 /// What counts show.
 struct Findings {
@@ -370,7 +383,7 @@ impl Test<'_> {
     }
 
     /// The outcome of the look at which the test ended, its verdict still open.
-    fn outcome(&self, counted: Counted) -> Result<Outcome> {
+    fn outcome(&self, counted: Counted, named: Option<(u64, Option<Named>)>) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
         let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
             self.find(&counted, true);
@@ -423,13 +436,16 @@ impl Test<'_> {
             mistakes.extend(mistake.or_else(|| mistakes::of_one_variable(domain, density, pairs, names)));
         }
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
-        let (names, mut width) = (["samples", "the pdf"], None);
+        let mut width = None;
         if is_suspect && mass.is_some() {
-            let mistake = mistakes::of_counts(domain, density, &counts, names, mistakes::Kinds::All)?;
+            let mistake = match named {
+                Some((at, found)) if at == samples => found,
+                _ => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
+            };
             if mistake.is_none() {
-                width = mistakes::widths(domain, density, &counts, names)?;
+                width = mistakes::widths(domain, density, &counts, NAMES)?;
             }
-            mistakes.extend(mistake);
+            mistakes.extend(mistake.map(|named| named.name));
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);

@@ -220,7 +220,8 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     if let Some((counts, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
         diagnosis = diagnose(&sphere(), counts);
         if subject.is_deterministic() {
-            mistake = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT], Kinds::Local)?;
+            let named = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT], Kinds::Local)?;
+            mistake = named.map(|named| named.name);
         }
     }
     Ok(Some(Outcome {

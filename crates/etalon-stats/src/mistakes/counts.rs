@@ -20,7 +20,7 @@ const LEFT: f64 = 0.002;
 const MOST: f64 = 0.1;
 /// Samples after which an excess within chance says that the shape is right, and for which a test that rejects goes on if they are
 /// to name the mistake.
-const TOLD: u64 = 1 << 16;
+pub const TOLD: u64 = 1 << 16;
 /// The same of a shift or a turn, whose amounts can be had for many errors, and of a factor.
 const MOST_FITTED: f64 = 0.02;
 /// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
@@ -34,8 +34,8 @@ const POWERS: [(f64, &str); 6] =
 /// The relative error of a power that counts as one of these.
 const SAME_POWER: f64 = 0.02;
 /// Steps and golden sections of the search for an amount, with the smaller part of a section.
-const STEPS: usize = 36;
-const SECTIONS: usize = 12;
+const STEPS: usize = 24;
+const SECTIONS: usize = 9;
 const GOLDEN: f64 = 0.381_966_011_250_105;
 /// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
 const HELD: f64 = 0.5;
@@ -61,9 +61,23 @@ pub fn of_counts(
     counts: &Counts,
     [samples, of]: [&str; 2],
     kinds: Kinds,
-) -> Result<Option<String>> {
+) -> Result<Option<Named>> {
     let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of], kinds));
     unless_cancelled(explained)
+}
+
+/// A mistake that explains counts.
+pub struct Named {
+    /// What samples follow.
+    pub name: String,
+    /// Whether it has an amount that was fitted, so that few samples may follow it by chance.
+    pub is_fitted: bool,
+}
+
+impl Named {
+    fn new(name: String) -> Self {
+        Self { name, is_fitted: false }
+    }
 }
 
 /// In words, how wide the samples and the pdf are, where no mistake explains that they differ.
@@ -94,12 +108,12 @@ pub fn is_clear(counts: &Counts) -> bool {
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
 
-/// Whether more samples would not tell better by what mistake they differ from the pdf.
-pub fn can_name(counts: &Counts) -> bool {
+/// Whether counts are too few to name the mistake by which they differ from the pdf.
+pub fn are_few(counts: &Counts) -> bool {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
-    let is_large = excess(observed, &shares, 1).is_none_or(|[excess, spread]| excess >= CLEAR * spread);
-    is_large || observed.iter().sum::<u64>() >= TOLD
+    let is_small = excess(observed, &shares, 1).is_some_and(|[excess, spread]| excess < CLEAR * spread);
+    is_small && observed.iter().sum::<u64>() < TOLD
 }
 
 /// Whether nothing is expected: counts are compared with the smallest number in place of 0.
@@ -368,9 +382,9 @@ impl<'a> Table<'a> {
         held.map(|(_, n)| *n as f64).sum::<f64>() / self.total
     }
 
-    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<String>> {
+    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<Named>> {
         let all_of = shares_of(self.expected);
-        let of_draws = || if kinds == Kinds::All { self.of_draws([samples, of]) } else { None };
+        let of_draws = || self.of_draws([samples, of]).filter(|_| kinds == Kinds::All).map(Named::new);
         let Some([of_pdf, spread]) = excess(self.observed, &all_of, 1).filter(|_| !self.points.is_empty()) else {
             // Where atoms and "no sample" are all there is, their probabilities are all that can be wrong.
             return Ok(if self.total == 0.0 { of_draws() } else { None });
@@ -384,7 +398,7 @@ impl<'a> Table<'a> {
             let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
             let ratio = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
             let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio} times as large");
-            return Ok(is_factor.then(told));
+            return Ok(is_factor.then(told).map(Named::new));
         }
         if of_pdf.is_nan() || of_pdf < CLEAR * spread {
             return Ok(None);
@@ -400,7 +414,8 @@ impl<'a> Table<'a> {
         let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
-        let follow = |name: String| Ok(Some(format!("{samples} follow {name}, not {of}")));
+        let follow = |name: String| Ok(Some(Named::new(format!("{samples} follow {name}, not {of}"))));
+        let follow_amount = |name: String| Ok(follow(name)?.map(|named| Named { is_fitted: true, ..named }));
         for (group, is_place) in [(known, false), (places, true), (asked, false)] {
             let found =
                 group.iter().map(|mistake| self.explanation(mistake, of_pdf, of)).collect::<Result<Vec<_>>>()?;
@@ -418,13 +433,13 @@ impl<'a> Table<'a> {
         }
         let fitted = families.iter().map(|family| self.fitted(family, of_pdf, of)).collect::<Result<Vec<_>>>()?;
         if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            return follow(name);
+            return follow_amount(name);
         }
         let turned = match own_axis.filter(|_| kinds == Kinds::All) {
             Some(from) => self.turned(from, of_pdf, of)?,
             None => None,
         };
-        turned.map_or(Ok(None), follow)
+        turned.map_or(Ok(None), follow_amount)
     }
 
     /// The axis about which the pdf is symmetric, if there is one.
