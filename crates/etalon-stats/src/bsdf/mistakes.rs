@@ -4,7 +4,7 @@ use super::contract::{Direction, Pair};
 use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, of_one_variable, of_pairs};
+use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
 /// The pdf of a BSDF, and its light, in messages.
@@ -132,7 +132,7 @@ fn of_normals(function: &[[f64; 2]]) -> String {
     let is_exact = rows.iter().all(|(row, root)| (dot(*row, [k, m, p]) - root).abs() <= EQUAL * root);
     let [found, expected] = [p, m / k].map(|p| (1.0 + p).sqrt());
     if is_exact && found > 0.0 && expected > 0.0 {
-        return format!(", as GGX normals of α = {found:.3} differ from those of α = {expected:.3}");
+        return format!(", as GGX normals of α = {} differ from those of α = {}", number(found), number(expected));
     }
     ", as a distribution of normals is".to_owned()
 }
