@@ -426,6 +426,32 @@ impl Directions {
         if self.pole == Pole::Z { z } else { y }
     }
 
+    /// The pdf in the frames whose axes are other ones, or point the other way: those of a hemisphere have its pole.
+    fn frames(&self) -> Vec<Mistake<'_>> {
+        const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
+        let pole = if self.pole == Pole::Z { 2 } else { 1 };
+        let is_kept = |order: [usize; 3], signs: [f64; 3]| !self.half || order[pole] == pole && signs[pole] > 0.0;
+        let mut all = Vec::new();
+        for (order, bits) in ORDERS.into_iter().flat_map(|order| (0..8).map(move |bits| (order, bits))).skip(1) {
+            let signs = [0, 1, 2].map(|i| if bits >> i & 1 == 0 { 1.0 } else { -1.0 });
+            let [x, y, z] =
+                [0, 1, 2].map(|i| format!("{}{}", if signs[i] < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[i]]));
+            let name = match (order, bits) {
+                ([0, 1, 2], 7) => "at the opposite direction".to_owned(),
+                ([1, 0, 2], 0) => "with x and y exchanged".to_owned(),
+                ([0, 2, 1], 0) => "with y and z exchanged".to_owned(),
+                ([2, 1, 0], 0) => "with x and z exchanged".to_owned(),
+                _ => format!("at ({x}, {y}, {z})"),
+            };
+            let place = move |point: Point| {
+                let w: [f64; 3] = point.into();
+                [0, 1, 2].map(|i| signs[i] * w[order[i]]).into()
+            };
+            all.extend(is_kept(order, signs).then(|| Mistake::at(&name, place)));
+        }
+        all
+    }
+
     /// The angles with the pole, in degrees, at the ends of a range of the chart's first coordinate.
     fn theta(&self, range: [f64; 2]) -> [f64; 2] {
         // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
@@ -523,33 +549,7 @@ impl Domain for Directions {
         if !self.half {
             all.push(Mistake::density("a uniform density over the hemisphere", move |w| f64::from(cos(w) > 0.0)));
         }
-        let mut places: Vec<Place<3>> = Vec::new();
-        if !self.half {
-            places.push(("at the opposite direction", |w| w.map(|x| -x)));
-            places.push(match self.pole {
-                Pole::Z => ("at (x, y, -z)", |[x, y, z]| [x, y, -z]),
-                Pole::Y => ("at (x, -y, z)", |[x, y, z]| [x, -y, z]),
-            });
-        }
-        places.extend(match self.pole {
-            Pole::Z => [
-                ("with x and y exchanged", (|[x, y, z]| [y, x, z]) as fn([f64; 3]) -> [f64; 3]),
-                ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
-                ("at (x, -y, z)", |[x, y, z]| [x, -y, z]),
-                ("at (-x, -y, z)", |[x, y, z]| [-x, -y, z]),
-                ("a quarter turn about z ahead", |[x, y, z]| [-y, x, z]),
-                ("a quarter turn about z behind", |[x, y, z]| [y, -x, z]),
-            ],
-            Pole::Y => [
-                ("with x and z exchanged", (|[x, y, z]| [z, y, x]) as fn([f64; 3]) -> [f64; 3]),
-                ("at (-x, y, z)", |[x, y, z]| [-x, y, z]),
-                ("at (x, y, -z)", |[x, y, z]| [x, y, -z]),
-                ("at (-x, y, -z)", |[x, y, z]| [-x, y, -z]),
-                ("a quarter turn about y ahead", |[x, y, z]| [z, y, -x]),
-                ("a quarter turn about y behind", |[x, y, z]| [-z, y, x]),
-            ],
-        });
-        all.extend(places.into_iter().map(|(name, place)| Mistake::at(name, move |w| place(w.into()).into())));
+        all.extend(self.frames());
         let turned = move |degrees: f64, w: Point| {
             let ([x, y, z], (sin, cos)) = (w.into(), degrees.to_radians().sin_cos());
             let back: [f64; 3] = match self.pole {

@@ -304,9 +304,10 @@ impl Test<'_> {
             Mass::Exactly(m) => (1.0 - m, (mass.value - m).abs().may_exceed(tolerated)),
             Mass::AtMostOne => {
                 // Where the integral is not exact, "no sample" is never known to be impossible.
-                let least = if mass.error > 0.0 { 0.5 / n } else { 0.0 };
+                let is_wrong = mass.value.may_exceed(1.0 + tolerated);
+                let least = if mass.error > 0.0 && !is_wrong { 0.5 / n } else { 0.0 };
                 let rest = 1.0 - self.at_atoms() - values.iter().sum::<f64>();
-                (rest.at_least(least), mass.value.may_exceed(1.0 + tolerated))
+                (rest.at_least(least), is_wrong)
             }
             Mass::Unknown => (0.0, false),
         };
@@ -436,14 +437,14 @@ impl Test<'_> {
             mistakes.extend(mistake.or_else(|| mistakes::of_one_variable(domain, density, pairs, names)));
         }
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
-        let mut width = None;
+        let mut fact = None;
         if is_suspect && mass.is_some() {
             let mistake = match named {
                 Some((at, found)) if at == samples => found,
                 _ => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
             };
             if mistake.is_none() {
-                width = mistakes::widths(domain, density, &counts, NAMES)?;
+                fact = mistakes::facts(domain, density, &counts, NAMES)?;
             }
             mistakes.extend(mistake.map(|named| named.name));
         }
@@ -454,7 +455,8 @@ impl Test<'_> {
             }
         }
         let places = is_suspect.then(|| diagnose(domain, &counts)).flatten();
-        let words = places.into_iter().chain(width).chain(words);
+        let told = [fact, places].into_iter().flatten().collect::<Vec<_>>().join(": ");
+        let words = Some(told).filter(|told| !told.is_empty()).into_iter().chain(words);
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),
             dof: test.map_or(0, |test| test.dof),

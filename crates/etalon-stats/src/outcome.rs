@@ -248,6 +248,14 @@ pub struct Finding<'a> {
     pub outcome: &'a Outcome,
 }
 
+/// Whether `one` is among the mistakes that are left `open`, "A or B", of which the first has what all begin with.
+fn has(open: &str, one: &str) -> bool {
+    let open: Vec<&str> = open.split(" or ").collect();
+    let one: Vec<&str> = one.split(" or ").collect();
+    let is_open = |one: &&str| open.iter().any(|open| one.ends_with(open) || open.ends_with(one));
+    open.len() > one.len() && one.iter().all(is_open)
+}
+
 /// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind whose mistakes, or findings
 /// where none is named, differ in numbers alone have one line, which is that of the first.
 #[must_use]
@@ -265,6 +273,24 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
         match groups.iter_mut().find(|group| cause(group[0]) == cause(finding)) {
             Some(group) => group.push(finding),
             None => groups.push(vec![finding]),
+        }
+    }
+    // Where one direction leaves several mistakes open of which another direction has one, that one is told.
+    let mistake = |group: &[&Finding]| group[0].outcome.mistake.clone();
+    let mut i = 0;
+    while i < groups.len() {
+        let open = mistake(&groups[i]);
+        let narrower = (0..groups.len()).find(|&other| {
+            let is_of_one_kind = other != i && groups[other][0].kind == groups[i][0].kind;
+            is_of_one_kind
+                && open.as_deref().zip(mistake(&groups[other]).as_deref()).is_some_and(|(open, one)| has(open, one))
+        });
+        match narrower {
+            Some(other) => {
+                let group = groups.remove(i);
+                groups[if other > i { other - 1 } else { other }].extend(group);
+            }
+            None => i += 1,
         }
     }
     let rank = |outcome: &Outcome| (outcome.verdict != Verdict::Reject, outcome.mistake.is_none());

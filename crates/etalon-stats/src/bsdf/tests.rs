@@ -335,6 +335,40 @@ impl Bsdf for Mirror {
     }
 }
 
+/// A Lambertian surface whose samples follow cos^n θ: few of them, of any weight, are near the horizon.
+struct Narrow(i32);
+
+impl Bsdf for Narrow {
+    fn properties(&self) -> Properties {
+        Properties { dimension: 2, map: Some([0, 1]), ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        Lambertian(Fault::None).eval(wo, wi, u)
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        let n = f64::from(self.0);
+        if wo[2] > 0.0 && wi[2] > 0.0 { (n + 1.0) / TAU * wi[2].powi(self.0) } else { 0.0 }
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let (z, phi) = ((1.0 - u[0]).powf(1.0 / (f64::from(self.0) + 1.0)), TAU * u[1]);
+        let r = (1.0 - z * z).sqrt();
+        let wi = [r * phi.cos(), r * phi.sin(), z];
+        let (f, pdf) = (self.eval(wo, wi, &[])[0], self.pdf(wo, wi));
+        (wo[2] > 0.0 && pdf > 0.0).then(|| BsdfSample::new(wi, [f * z / pdf; 3], Density::Pdf(pdf)))
+    }
+}
+
+#[test]
+fn weights_of_rare_samples_are_no_reason_to_reject() {
+    for n in [4, 8, 20, 60] {
+        let text = test("narrow", &Narrow(n), &[towards(40.0)], &Protocol::default()).unwrap().to_string();
+        assert!(text.contains(" 0 reject"), "{n}: {text}");
+    }
+}
+
 /// A conductor in single precision.
 struct Single(Conductor);
 

@@ -5,12 +5,12 @@
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind, Properties, Spectrum};
 use super::mistakes::{LIGHT, PDF, explain, light};
 use super::sampling::Scattering;
-use super::subject::{Comparison, Subject, length, sphere};
+use super::subject::{Comparison, Subject, length, same_side, sphere};
 use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
-use crate::mistakes::{EQUAL, FEWEST_PAIRS};
+use crate::mistakes::{EQUAL, FEWEST_PAIRS, number};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -281,7 +281,8 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
                 (is_lobe([-x, -y, z]), "sampled delta lobes are turned by half about the normal"),
                 (is(wi, subject.wo), "sampled delta lobes point to wo"),
             ];
-            found.named(changed.into_iter().find(|(is_changed, _)| *is_changed).map(|(_, name)| name.to_owned()));
+            let changed = changed.into_iter().find(|(is_changed, _)| *is_changed).map(|(_, name)| name.to_owned());
+            found.named(changed.or_else(|| of_refraction(subject, wi)));
             continue;
         };
         let mut compare = |numbers: [f64; 2], what: &str| {
@@ -318,6 +319,19 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         found.named(names.left.filter(|names| !names.is_empty()).map(|names| names.join(" or ")));
     }
     Ok(())
+}
+
+/// What sampled and declared transmission make of the sine of `wo`.
+fn of_refraction(subject: &Subject, wi: Direction) -> Option<String> {
+    let sine = |w: Direction| w[0].hypot(w[1]);
+    let (wo, transmits) = (subject.wo, |wi: Direction| !same_side(subject.wo, wi));
+    let is_refraction = |wi: Direction| transmits(wi) && (wo[0] * wi[1] - wo[1] * wi[0]).abs() <= EQUAL * sine(wo);
+    let declared = subject.deltas.iter().map(|lobe| lobe.wi).find(|wi| is_refraction(*wi))?;
+    let known = sine(wo) > EQUAL && is_refraction(wi);
+    let [sampled, declared] = [wi, declared].map(|wi| number(sine(wi) / sine(wo)));
+    known.then(|| {
+        format!("sampled transmission has {sampled} times the sine of wo, the declared delta lobe {declared} times")
+    })
 }
 
 /// Names of mistakes, of which those are left that explain all numbers.

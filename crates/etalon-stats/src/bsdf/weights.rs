@@ -143,15 +143,16 @@ impl Cells {
         })
     }
 
-    /// The same as counts: effective numbers of samples, observed and expected.
-    fn counts(&self, grid: Grid, atoms: Vec<String>) -> Counts {
-        let expected: Vec<f64> =
-            self.terms.iter().map(|term| term.effective(self.ratio).at_least(f64::MIN_POSITIVE)).collect();
+    /// The same as counts, observed and expected: `size` is the number of samples that is expected of a term.
+    fn counts(&self, grid: Grid, mut atoms: Vec<String>, size: impl Fn(&Term) -> f64) -> Counts {
+        let expected: Vec<f64> = self.terms.iter().map(|term| size(term).at_least(f64::MIN_POSITIVE)).collect();
         let observed = |(term, expected): (&Term, &f64)| match term.expected > 0.0 {
             true => (expected * term.found.sum / term.expected).round() as u64,
             false => (term.found.sum / self.ratio.at_least(f64::MIN_POSITIVE)).round() as u64,
         };
-        let observed = self.terms.iter().zip(&expected).map(observed).collect();
+        let observed = self.terms.iter().zip(&expected).map(observed).chain([0]).collect();
+        atoms.push("delta lobes that are not declared".to_owned());
+        let expected = expected.into_iter().chain([f64::MIN_POSITIVE]).collect();
         Counts { axes: sphere().axes(), grid, observed, expected, atoms }
     }
 }
@@ -215,13 +216,17 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
             format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w)
         })
     };
-    let counts = worst.as_ref().map(|(_, cells, channel)| (cells.counts(grid, subject.delta_names()), *channel));
+    let counts = worst.as_ref().map(|(_, cells, channel)| {
+        let of = |size: &dyn Fn(&Term) -> f64| cells.counts(grid.clone(), subject.delta_names(), size);
+        // Effective numbers of samples tell chance, and light tells sizes.
+        (of(&|term| term.effective(cells.ratio)), of(&|term| term.expected / cells.ratio), *channel)
+    });
     let (mut mistake, mut diagnosis) = (None, None);
-    if let Some((counts, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
-        diagnosis = diagnose(&sphere(), counts);
+    if let Some((counts, light_of_cells, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
+        diagnosis = diagnose(&sphere(), light_of_cells);
         if subject.is_deterministic() {
             let named = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT], Kinds::Local)?;
-            mistake = named.map(|named| named.name);
+            mistake = named.map(|named| named.name + &subject.channel(*channel));
         }
     }
     Ok(Some(Outcome {
@@ -235,7 +240,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
         inconclusive_reason: reason,
         mistake,
         diagnosis,
-        counts: counts.map(|(counts, _)| counts),
+        counts: counts.map(|(counts, ..)| counts),
         ..Outcome::open(count)
     }))
 }

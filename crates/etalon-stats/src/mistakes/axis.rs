@@ -10,8 +10,8 @@ pub type Direction = [f64; 3];
 /// Points at which the symmetry is looked at, the angles of turns in radians, and the mean relative change that is allowed: edges
 /// of a cone meet it, where the axis is not exact.
 const PLACES: usize = 256;
-const TURNS: [f64; 3] = [0.7, 2.1, 4.0];
-const CHANGE: f64 = 0.05;
+pub const TURNS: [f64; 3] = [0.7, 2.1, 4.0];
+pub const CHANGE: f64 = 0.05;
 /// The length of the mean direction from which an axis is clear, and the distance at which axes count as equal.
 const CLEAR: f64 = 0.05;
 const SAME: f64 = 0.01;

@@ -1,11 +1,12 @@
 //! The mistake that explains counts of cells: samples follow its density as well as chance lets them.
 
 use super::axis::{self, Axis, Direction};
+use super::centre;
 use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
-use crate::grid::Cell;
+use crate::grid::{Cell, Grid};
 use crate::outcome::Counts;
 use crate::power::chi_square;
 use crate::sampler::Density;
@@ -37,6 +38,9 @@ const SAME_POWER: f64 = 0.02;
 const STEPS: usize = 24;
 const SECTIONS: usize = 9;
 const GOLDEN: f64 = 0.381_966_011_250_105;
+/// The relative step by which the error of an amount is found, and the least relative error: cells have sums in place of integrals.
+const NEAR: f64 = 0.02;
+const PRECISION: f64 = 0.005;
 /// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
 const HELD: f64 = 0.5;
 const MOST_HELD: f64 = 0.97;
@@ -80,12 +84,15 @@ impl Named {
     }
 }
 
-/// In words, how wide the samples and the pdf are, where no mistake explains that they differ.
+/// In words, which of two coordinates is wrong, else how wide samples and pdf are, where no mistake explains that they differ.
 ///
 /// # Errors
 /// As [`of_counts`].
-pub fn widths(domain: &dyn Domain, density: &dyn Density, counts: &Counts, names: [&str; 2]) -> Result<Option<String>> {
-    let told = Table::new(domain, density, counts).and_then(|table| table.widths(names));
+pub fn facts(domain: &dyn Domain, density: &dyn Density, counts: &Counts, names: [&str; 2]) -> Result<Option<String>> {
+    let told = Table::new(domain, density, counts).and_then(|table| match table.coordinates(names[1]) {
+        None => table.widths(names),
+        told => Ok(told),
+    });
     unless_cancelled(told)
 }
 
@@ -163,6 +170,7 @@ const OTHER_FACTOR: usize = 2;
 struct Table<'a> {
     domain: &'a dyn Domain,
     density: &'a dyn Density,
+    grid: &'a Grid,
     observed: &'a [u64],
     expected: &'a [f64],
     /// Observed and expected counts of atoms, then of "no sample".
@@ -190,7 +198,8 @@ impl<'a> Table<'a> {
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        Ok(Self { domain, density, observed, expected, others, total, points, places, pdfs })
+        let grid = &counts.grid;
+        Ok(Self { domain, density, grid, observed, expected, others, total, points, places, pdfs })
     }
 
     fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
@@ -307,7 +316,15 @@ impl<'a> Table<'a> {
         let power = |(power, _): &&(f64, &str)| (amount / power - 1.0).abs() <= SAME_POWER;
         let text = match family.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
-            _ => Some(significant(amount, 3)),
+            _ => {
+                // Where the deviance is larger by 1, one standard deviation away
+                let near = NEAR * amount.abs().at_least(step);
+                let around = left_by(amount - near)? + left_by(amount + near)? - 2.0 * left_by(amount)?;
+                let error = near * (2.0 / around).sqrt();
+                let error = if error.is_finite() { error.at_least(PRECISION * amount.abs()) } else { near };
+                let digits = (-error.log10()).ceil().within(0.0, 9.0) as usize;
+                Some(format!("{amount:.digits$} ± {error:.digits$}"))
+            }
         };
         let Some(text) = text else { return Ok(None) };
         let left = self.excess(&shares(amount)?).filter(|left| is_fitted(*left, of_pdf));
@@ -407,6 +424,7 @@ impl<'a> Table<'a> {
         let own_axis = self.axis()?;
         all.extend(own_axis.into_iter().flat_map(Axis::mistakes));
         all.extend(self.mean().map(spread_about));
+        all.extend(self.centre()?.into_iter().flat_map(centre::mistakes));
         // Mistakes that need no other values of the pdf come first, and those with an amount last.
         let is_tried = |mistake: &Mistake| !mistake.needs_exact_numbers && (kinds == Kinds::All || mistake.is_local());
         let (families, others): (Vec<Mistake>, Vec<Mistake>) =
@@ -444,8 +462,49 @@ impl<'a> Table<'a> {
 
     /// The axis about which the pdf is symmetric, if there is one.
     fn axis(&self) -> Result<Option<Axis>> {
-        let masses: Vec<f64> = self.pdfs.iter().zip(&self.places).map(|(pdf, (_, area))| pdf * area).collect();
-        axis::of(self.domain, &self.points, &masses, |places| self.pdf_at(places))
+        axis::of(self.domain, &self.points, &self.masses(), |places| self.pdf_at(places))
+    }
+
+    /// The centre about which a pdf of the square is symmetric, if there is one.
+    fn centre(&self) -> Result<Option<[f64; 2]>> {
+        centre::of(&self.points, &self.masses(), |places| self.pdf_at(places))
+    }
+
+    /// The pdf's share at each point.
+    fn masses(&self) -> Vec<f64> {
+        self.pdfs.iter().zip(&self.places).map(|(pdf, (_, area))| pdf * area).collect()
+    }
+
+    /// In words, which of two coordinates is wrong: by the rows of the cells and, where all rows have the same, by their columns.
+    fn coordinates(&self, of: &str) -> Option<String> {
+        let [x, y] = self.domain.coordinates();
+        let (rows, columns) = self.grid.ends();
+        let is_right = |group: &dyn Fn(usize) -> usize, groups: usize| {
+            let (mut observed, mut shares) = (vec![0; groups], vec![0.0; groups]);
+            for i in 0..self.observed.len() {
+                (observed[group(i)], shares[group(i)]) =
+                    (observed[group(i)] + self.observed[i], shares[group(i)] + self.expected[i]);
+            }
+            let found = excess(&observed, &shares_of(&shares), 1);
+            found.is_some_and(|[excess, spread]| excess <= CHANCE * spread)
+        };
+        let ends: Vec<usize> = (1..rows.len()).map(|row| self.grid.number(row - 1, 0)).collect();
+        let row = |i: usize| ends.partition_point(|first| *first <= i) - 1;
+        let of_rows = is_right(&row, rows.len() - 1);
+        let is_product = columns.iter().all(|other| *other == columns[0]);
+        let width = columns[0].len() - 1;
+        let of_columns = is_product && is_right(&|i| i % width, width);
+        let is_clear = excess(self.observed, &shares_of(self.expected), 1);
+        if !self.domain.is_plane() || is_clear.is_some_and(|[excess, spread]| excess < CLEAR * spread) {
+            return None;
+        }
+        let told = match (of_rows, of_columns) {
+            (true, true) => format!("{x} and {y} follow {of} each, but not together"),
+            (true, false) => format!("{x} follows {of}, and {y} for given {x} does not"),
+            (false, true) => format!("{y} follows {of}, and {x} for given {y} does not"),
+            (false, false) => return None,
+        };
+        Some(told)
     }
 
     /// The mean of the pdf of a number.
