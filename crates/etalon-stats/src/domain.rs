@@ -431,8 +431,10 @@ impl Directions {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
         let pole = if self.pole == Pole::Z { 2 } else { 1 };
         let is_kept = |order: [usize; 3], signs: [f64; 3]| !self.half || order[pole] == pole && signs[pole] > 0.0;
+        // The usual ones first: the opposite direction, then those with few signs
+        const SIGNS: [usize; 8] = [0, 7, 1, 2, 4, 3, 5, 6];
         let mut all = Vec::new();
-        for (order, bits) in ORDERS.into_iter().flat_map(|order| (0..8).map(move |bits| (order, bits))).skip(1) {
+        for (order, bits) in ORDERS.into_iter().flat_map(|order| SIGNS.map(|bits| (order, bits))).skip(1) {
             let signs = [0, 1, 2].map(|i| if bits >> i & 1 == 0 { 1.0 } else { -1.0 });
             let [x, y, z] =
                 [0, 1, 2].map(|i| format!("{}{}", if signs[i] < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[i]]));

@@ -225,7 +225,7 @@ pub fn examine(
             None if !by_counts || mistakes::are_few(&counts) => false,
             // A fitted amount explains few samples by chance: the test goes on, and looks for the name again at the end.
             None => {
-                let found = || mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All).unwrap_or_default();
+                let found = || mistakes::of_counts(domain, density, &counts, NAMES, Kinds::Early).unwrap_or_default();
                 let mut named = named.borrow_mut();
                 let (_, found) = named.get_or_insert_with(|| (samples, found()));
                 found.as_ref().is_none_or(|named| !named.is_fitted) || samples >= mistakes::TOLD
@@ -440,7 +440,7 @@ impl Test<'_> {
         let mut fact = None;
         if is_suspect && mass.is_some() {
             let mistake = match named {
-                Some((at, found)) if at == samples => found,
+                Some((at, found)) if at == samples && found.as_ref().is_none_or(|named| !named.is_fitted) => found,
                 _ => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
             };
             if mistake.is_none() {

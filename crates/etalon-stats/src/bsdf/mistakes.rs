@@ -85,7 +85,6 @@ pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
         Variable::new("(wi · wm)", move |wi| dot(wi.into(), normal(wi)).abs()),
         Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of(of_normals),
         Variable::new("sin θm", sin),
-        Variable::new("cos θ", |wi| Direction::from(wi)[2].abs()).of(|_| ", as the masking of wi is".to_owned()),
         Variable::new("cos α, α the angle with the mirror direction", move |wi| dot([-x, -y, z], wi.into()).abs())
             .of(|_| ", as a lobe around it is".to_owned()),
     ]

@@ -38,6 +38,8 @@ const SAME_POWER: f64 = 0.02;
 const STEPS: usize = 24;
 const SECTIONS: usize = 9;
 const GOLDEN: f64 = 0.381_966_011_250_105;
+/// The least share of a part of the pdf, and of the rest.
+const PART: f64 = 0.02;
 /// The relative step by which the error of an amount is found, and the least relative error: cells have sums in place of integrals.
 const NEAR: f64 = 0.02;
 const PRECISION: f64 = 0.005;
@@ -101,6 +103,8 @@ pub fn facts(domain: &dyn Domain, density: &dyn Density, counts: &Counts, names:
 pub enum Kinds {
     /// All.
     All,
+    /// All, where more samples follow: amounts may explain less.
+    Early,
     /// Those that change values where they are: of counts that are no numbers of independent samples.
     Local,
 }
@@ -250,7 +254,7 @@ impl<'a> Table<'a> {
     }
 
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name.
-    fn fitted(&self, family: &Mistake, of_pdf: f64, of: &str) -> Result<Option<(f64, String)>> {
+    fn fitted(&self, family: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
         let mut own = String::new();
         let (limits, rest, values): ([f64; 2], f64, Box<dyn Fn(f64) -> Result<Vec<f64>> + '_>) = match &family.follows {
             Follows::Moved { limits, rest, place } => {
@@ -313,6 +317,10 @@ impl<'a> Table<'a> {
             }
         }
         let amount = 0.5 * (low + high);
+        // A pdf of one part is no mixture.
+        if matches!(family.follows, Follows::Mixed(_)) && !(PART..1.0 - PART).contains(&amount) {
+            return Ok(None);
+        }
         let power = |(power, _): &&(f64, &str)| (amount / power - 1.0).abs() <= SAME_POWER;
         let text = match family.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
@@ -327,12 +335,12 @@ impl<'a> Table<'a> {
             }
         };
         let Some(text) = text else { return Ok(None) };
-        let left = self.excess(&shares(amount)?).filter(|left| is_fitted(*left, of_pdf));
+        let left = self.excess(&shares(amount)?).filter(|left| is_fitted(*left, most));
         Ok(left.map(|[left, _]| (left, family.told(of).replace("{}", &(text + &own)))))
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
-    fn turned(&self, from: Axis, of_pdf: f64, of: &str) -> Result<Option<String>> {
+    fn turned(&self, from: Axis, most: f64, of: &str) -> Result<Option<String>> {
         // The samples of a cell lie in it evenly, to begin with, and then as the turned pdf does.
         let (mut to, mut values) = (None, vec![1.0; self.points.len()]);
         for _ in 0..TURNS {
@@ -351,7 +359,7 @@ impl<'a> Table<'a> {
         }
         let Some(to) = to else { return Ok(None) };
         let shares = self.shares(&values, false);
-        let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, of_pdf));
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, most));
         let name = || format!("{of} around {} in place of its axis {}", axis::name(to), from.name());
         Ok(found.map(|_| name()))
     }
@@ -401,7 +409,7 @@ impl<'a> Table<'a> {
 
     fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<Named>> {
         let all_of = shares_of(self.expected);
-        let of_draws = || self.of_draws([samples, of]).filter(|_| kinds == Kinds::All).map(Named::new);
+        let of_draws = || self.of_draws([samples, of]).filter(|_| kinds != Kinds::Local).map(Named::new);
         let Some([of_pdf, spread]) = excess(self.observed, &all_of, 1).filter(|_| !self.points.is_empty()) else {
             // Where atoms and "no sample" are all there is, their probabilities are all that can be wrong.
             return Ok(if self.total == 0.0 { of_draws() } else { None });
@@ -424,9 +432,11 @@ impl<'a> Table<'a> {
         let own_axis = self.axis()?;
         all.extend(own_axis.into_iter().flat_map(Axis::mistakes));
         all.extend(self.mean().map(spread_about));
+        all.extend(self.backgrounds());
         all.extend(self.centre()?.into_iter().flat_map(centre::mistakes));
         // Mistakes that need no other values of the pdf come first, and those with an amount last.
-        let is_tried = |mistake: &Mistake| !mistake.needs_exact_numbers && (kinds == Kinds::All || mistake.is_local());
+        let is_tried =
+            |mistake: &Mistake| !mistake.needs_exact_numbers && (kinds != Kinds::Local || mistake.is_local());
         let (families, others): (Vec<Mistake>, Vec<Mistake>) =
             all.into_iter().filter(is_tried).partition(Mistake::is_family);
         let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
@@ -440,21 +450,22 @@ impl<'a> Table<'a> {
             let mut found: Vec<Explained> = found.into_iter().flatten().collect();
             let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
-            // Places that a symmetry makes equal are all named; of densities of one shape, the one of the first rank.
+            // Places that a symmetry makes equal are named together; of densities of one shape, the one of the first rank.
             if is_place && !found.is_empty() {
-                return follow(found.into_iter().map(|explained| explained.name).collect::<Vec<_>>().join(" or "));
+                return follow(alternatives(found.into_iter().map(|explained| explained.name).collect()));
             }
             if let Some(first) = found.into_iter().min_by_key(|explained| explained.rank) {
                 let proportional = if first.rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
                 return follow(format!("{proportional}{}", first.name));
             }
         }
-        let fitted = families.iter().map(|family| self.fitted(family, of_pdf, of)).collect::<Result<Vec<_>>>()?;
+        let most = of_pdf * if kinds == Kinds::Early { MOST } else { MOST_FITTED };
+        let fitted = families.iter().map(|family| self.fitted(family, most, of)).collect::<Result<Vec<_>>>()?;
         if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
             return follow_amount(name);
         }
-        let turned = match own_axis.filter(|_| kinds == Kinds::All) {
-            Some(from) => self.turned(from, of_pdf, of)?,
+        let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
+            Some(from) => self.turned(from, most, of)?,
             None => None,
         };
         turned.map_or(Ok(None), follow_amount)
@@ -463,6 +474,28 @@ impl<'a> Table<'a> {
     /// The axis about which the pdf is symmetric, if there is one.
     fn axis(&self) -> Result<Option<Axis>> {
         axis::of(self.domain, &self.points, &self.masses(), |places| self.pdf_at(places))
+    }
+
+    /// Mixtures of a uniform or a cosine-weighted part with the rest of the pdf, with other shares.
+    fn backgrounds(&self) -> impl Iterator<Item = Mistake<'_>> {
+        let pole: Direction = self.domain.point_at([0.0; 2]).into();
+        let cos = move |point: Point| axis::dot(point.into(), pole).at_least(0.0);
+        [self.background("uniform", |_| 1.0), self.background("cosine-weighted", cos)].into_iter().flatten()
+    }
+
+    /// The largest part of the pdf that is in proportion to a density, as the first of two with another share.
+    fn background<'b>(&'b self, name: &str, density: impl Fn(Point) -> f64 + 'b) -> Option<Mistake<'b>> {
+        let ratios = self.points.iter().zip(&self.pdfs).map(|(&point, pdf)| pdf / density(point));
+        let least = ratios.filter(|ratio| ratio.is_finite()).fold(f64::INFINITY, f64::at_most);
+        let of_part = self.sums(self.points.iter().map(|&point| least * density(point))).iter().sum::<f64>();
+        let share = of_part / self.masses().iter().sum::<f64>();
+        let parts = move |points: &[Point]| {
+            let first: Vec<f64> = points.iter().map(|&point| least * density(point)).collect();
+            let rest = asked(self.density, points)?.iter().zip(&first).map(|(pdf, first)| pdf - first).collect();
+            Ok([first, rest])
+        };
+        let name = format!("with a share of {{}} for its {name} part");
+        (PART..1.0 - PART).contains(&share).then(|| Mistake::mixed(&name, parts))
     }
 
     /// The centre about which a pdf of the square is symmetric, if there is one.
@@ -565,12 +598,22 @@ fn spread_about<'a>(mean: f64) -> Mistake<'a> {
 fn significant(x: f64, digits: i32) -> String {
     let after = f64::from(digits - 1) - x.abs().at_least(f64::MIN_POSITIVE).log10().floor();
     let text = format!("{x:.*}", after.within(0.0, 9.0) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// Mistakes that are equal because of a symmetry, the first of them by name.
+pub fn alternatives(mut names: Vec<String>) -> String {
+    const NAMED: usize = 3;
+    let more = names.len().saturating_sub(NAMED);
+    names.truncate(NAMED);
+    let more = if more > 0 { format!(" or {more} more that a symmetry makes equal") } else { String::new() };
+    names.join(" or ") + &more
 }
 
 /// Whether amounts, which can be had for many errors, leave so little: they must explain more than what has none.
-fn is_fitted([left, spread]: [f64; 2], of_pdf: f64) -> bool {
-    left <= (LEFT_BY_CHANCE * spread).at_most(MOST_FITTED * of_pdf)
+fn is_fitted([left, spread]: [f64; 2], most: f64) -> bool {
+    left <= (LEFT_BY_CHANCE * spread).at_most(most)
 }
 
 /// Points that fill a cell evenly: each axis has a different one of as many midpoints.

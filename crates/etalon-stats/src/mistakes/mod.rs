@@ -198,11 +198,7 @@ impl<'a> Variable<'a> {
 
 /// The variables of a density and of its domain.
 fn variables<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Variable<'a>> {
-    let mut all = density.variables();
-    let of_domain = domain.variables().into_iter();
-    let more: Vec<Variable> = of_domain.filter(|other| all.iter().all(|known| known.name != other.name)).collect();
-    all.extend(more);
-    all
+    density.variables().into_iter().chain(domain.variables()).collect()
 }
 
 /// Factors by which distances may be too large.
@@ -527,6 +523,10 @@ mod tests {
         let half = crate::density(|_: f64| 0.6).with_atoms(vec![crate::Atom::new(0.5, 0.4)]);
         let text = told(&Line::UNIT, &mixed, &half);
         assert!(text.contains("samples follow the pdf, and probabilities are wrong: that of atom 0 is 0.3"), "{text}");
+        // A mixture with a uniform part
+        let lobe = sampler(2, |u: &[f64]| Some(Sample::new(if u[0] < 0.3 { u[1] } else { u[1].sqrt().sqrt() })));
+        let text = told(&Line::UNIT, &lobe, &crate::density(|x: f64| 0.5 + 2.0 * x.powi(3)));
+        assert!(text.contains("samples follow the pdf with a share of 0.3") && text.contains("not 0.5"), "{text}");
         let other = crate::density(|_: f64| 0.3).with_atoms(vec![crate::Atom::new(0.5, 0.7)]);
         let text = told(&Line::UNIT, &mixed, &other);
         assert!(text.contains("the probabilities of atom 0 and of all other samples are exchanged"), "{text}");

@@ -1,5 +1,6 @@
 //! The mistake that makes numbers other than they should be: the pdfs that samples carry, and values of BSDFs.
 
+use super::counts::alternatives;
 use super::{Follows, MOST_CELLS, Variable, all, asked, number, unless_cancelled, variables};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
@@ -62,7 +63,7 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         }
     }
     if !exact.is_empty() {
-        return Ok(Some(format!("is {}", exact.join(" or "))));
+        return Ok(Some(format!("is {}", alternatives(exact))));
     }
     // The power by the largest and the least value, if it holds for all
     let ln: Vec<[f64; 2]> =
