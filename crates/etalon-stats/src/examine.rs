@@ -456,7 +456,10 @@ impl Test<'_> {
         }
         let places = is_suspect.then(|| diagnose(domain, &counts)).flatten();
         let told = [fact, places].into_iter().flatten().collect::<Vec<_>>().join(": ");
-        let words = Some(told).filter(|told| !told.is_empty()).into_iter().chain(words);
+        let told = Some(told).filter(|told| !told.is_empty());
+        let words = told.into_iter().chain(words).collect::<Vec<_>>();
+        let nowhere = || "counts differ from what the pdf predicts, in no place clearly".to_owned();
+        let words = if words.is_empty() && is_suspect { vec![nowhere()] } else { words };
         Ok(Outcome {
             statistic: test.map_or(0.0, |test| test.statistic),
             dof: test.map_or(0, |test| test.dof),
@@ -469,7 +472,7 @@ impl Test<'_> {
             mistake: Some(mistakes.join("; ")).filter(|text| !text.is_empty()),
             violation,
             inconclusive_reason,
-            diagnosis: Some(words.collect::<Vec<_>>().join("; ")).filter(|words| is_suspect && !words.is_empty()),
+            diagnosis: Some(words.join("; ")).filter(|words| is_suspect && !words.is_empty()),
             scales,
             remarks,
             counts: Some(counts),

@@ -4,6 +4,7 @@ use super::contract::{Direction, Pair};
 use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
@@ -80,18 +81,20 @@ pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
         x.hypot(y)
     };
     vec![
-        Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs())
-            .of(|_| ", as a Fresnel term is".to_owned()),
+        Variable::new("(wo · wm)", move |wi| dot(subject.wo, normal(wi)).abs()).of(of_facets),
         Variable::new("(wi · wm)", move |wi| dot(wi.into(), normal(wi)).abs()),
         Variable::new("cos θm", move |wi| normal(wi)[2].abs()).of(of_normals),
         Variable::new("sin θm", sin),
         Variable::new("cos α, α the angle with the mirror direction", move |wi| dot([-x, -y, z], wi.into()).abs())
-            .of(|_| ", as a lobe around it is".to_owned()),
+            .of(|_| String::new()),
     ]
 }
 
+/// What a pair of directions is changed to.
+type Elsewhere = fn(Pair) -> Pair;
+
 /// Other arguments of a function of a pair of directions.
-const OTHERS: [(&str, fn(Pair) -> Pair); 4] = [
+const OTHERS: [(&str, Elsewhere); 4] = [
     ("with wo and wi exchanged", |[wo, wi]| [wi, wo]),
     ("with x and y of both directions exchanged", |pair| pair.map(|[x, y, z]| [y, x, z])),
     ("with both directions on the other side", |pair| pair.map(|[x, y, z]| [x, y, -z])),
@@ -107,6 +110,16 @@ fn elsewhere<'a>(
         let pairs = move |wis: &[Point]| subject.pairs(&directions(wis)).into_iter().map(other).collect::<Vec<Pair>>();
         Mistake::asked(name, move |wis| function(&pairs(wis)))
     })
+}
+
+/// Whether a function of (wo · wm) can be a reflectance, or divide by one: it is nowhere both above and below 1, nor very large.
+fn of_facets(function: &[[f64; 2]]) -> String {
+    const LARGEST: f64 = 1e3;
+    let ends =
+        [f64::at_most, f64::at_least].map(|end| function.iter().map(|[_, ln]| *ln).reduce(end).unwrap_or(f64::NAN));
+    let is_one_side = ends[1] <= EQUAL || ends[0] >= -EQUAL;
+    let is_reflectance = is_one_side && ends.iter().all(|ln| ln.abs() <= LARGEST.ln());
+    if is_reflectance { ", as a Fresnel term is".to_owned() } else { String::new() }
 }
 
 /// Whether a function of cos θm is the ratio of two GGX distributions of normals, and of which: ((1 + q c)/(1 + p c))² up to a
@@ -134,7 +147,7 @@ fn of_normals(function: &[[f64; 2]]) -> String {
     if is_exact && found > 0.0 && expected > 0.0 {
         return format!(", as GGX normals of α = {} differ from those of α = {}", number(found), number(expected));
     }
-    ", as a distribution of normals is".to_owned()
+    String::new()
 }
 
 /// The mistakes of the pdf.

@@ -170,6 +170,9 @@ struct Explained {
 /// The rank of factors that make the integral another one.
 const OTHER_FACTOR: usize = 2;
 
+/// The values of a family at the points, by the amount.
+type ByAmount<'a> = Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>;
+
 /// The counts of the cells, with points of them.
 struct Table<'a> {
     domain: &'a dyn Domain,
@@ -256,7 +259,7 @@ impl<'a> Table<'a> {
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name.
     fn fitted(&self, family: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
         let mut own = String::new();
-        let (limits, rest, values): ([f64; 2], f64, Box<dyn Fn(f64) -> Result<Vec<f64>> + '_>) = match &family.follows {
+        let (limits, rest, values): ([f64; 2], f64, ByAmount) = match &family.follows {
             Follows::Moved { limits, rest, place } => {
                 let moved = |amount: f64| {
                     let (places, factors): (Vec<Point>, Vec<f64>) =

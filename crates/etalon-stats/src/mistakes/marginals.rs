@@ -37,7 +37,6 @@ fn means(domain: &dyn Domain, density: &dyn Density, points: &[Point], axis: usi
 pub fn mistakes<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>> {
     let [x, y] = domain.coordinates();
     let mean = move |points: &[Point], axis: usize| means(domain, density, points, axis);
-    let with = |name: String, values: Box<dyn Fn(&[Point]) -> Result<Vec<f64>> + 'a>| Mistake::asked(&name, values);
     // A conditional pdf beside a uniform one, and one that does not depend on the other coordinate
     let conditional = move |points: &[Point], axis: usize| {
         let (all, means) = (asked(density, points)?, mean(points, axis)?);
@@ -48,16 +47,14 @@ pub fn mistakes<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mis
         Ok(of_x.iter().zip(of_y).map(|(x, y)| x * y).collect())
     };
     vec![
-        with(format!("with {y} uniform"), Box::new(move |points| mean(points, 1))),
-        with(format!("with {x} uniform"), Box::new(move |points| mean(points, 0))),
-        with(format!("as if {x} and {y} were independent (the product of its marginals)"), Box::new(product)),
-        with(
-            format!("with {x} uniform, and {y} by its conditional pdf"),
-            Box::new(move |points| conditional(points, 1)),
-        ),
-        with(
-            format!("with {y} uniform, and {x} by its conditional pdf"),
-            Box::new(move |points| conditional(points, 0)),
-        ),
+        Mistake::asked(&format!("with {y} uniform"), move |points| mean(points, 1)),
+        Mistake::asked(&format!("with {x} uniform"), move |points| mean(points, 0)),
+        Mistake::asked(&format!("as if {x} and {y} were independent (the product of its marginals)"), product),
+        Mistake::asked(&format!("with {x} uniform, and {y} by its conditional pdf"), move |points| {
+            conditional(points, 1)
+        }),
+        Mistake::asked(&format!("with {y} uniform, and {x} by its conditional pdf"), move |points| {
+            conditional(points, 0)
+        }),
     ]
 }

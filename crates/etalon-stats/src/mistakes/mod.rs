@@ -16,6 +16,7 @@ use crate::domain::{Domain, Point};
 use crate::error::{Error, Result};
 use crate::sampler::Density;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::rc::Rc;
 
 /// Values of a density, in batches that may fail.
@@ -250,31 +251,31 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     all
 }
 
-/// Indices of a finite set that are off by one, around its ends or kept within them.
-fn of_sets<'a>(density: &'a dyn Density, n: usize) -> Vec<Mistake<'a>> {
+/// The outcomes of so many that end at one of them.
+type EndAt = fn(usize, usize) -> Range<usize>;
+
+/// Indices of a finite set that are off by one, around its ends or kept within them; and sums for single outcomes.
+fn of_sets(density: &dyn Density, n: usize) -> Vec<Mistake<'_>> {
     let mut all = Vec::new();
     for (by, towards) in [(1, "next"), (n.max(1) - 1, "previous")] {
         let name = format!("of the {towards} outcome");
         all.push(Mistake::at(&name, move |point| ((usize::from(point) + by) % n).into()));
     }
-    // The outcomes that end at `i`
-    let (last, up_to) = (n.saturating_sub(1), |i: usize| (0..i).map(Point::from).collect::<Vec<_>>());
-    let low = move |i: usize| if i == 0 { vec![0, 1] } else { vec![i + 1] };
-    let high = move |i: usize| if i == last { vec![last - 1, last] } else { i.checked_sub(1).into_iter().collect() };
-    let kept: [(&str, Box<dyn Fn(usize) -> Vec<usize> + 'a>); 3] = [
-        ("with indices that are one too low, kept at 0", Box::new(low)),
-        ("with indices that are one too high, kept at the last", Box::new(high)),
-        ("summed up to each outcome", Box::new(|i| (0..=i).collect())),
+    let kept: [(&str, EndAt); 3] = [
+        ("with indices that are one too low, kept at 0", |i, n| if i == 0 { 0..2 } else { i + 1..n.min(i + 2) }),
+        ("with indices that are one too high, kept at the last", |i, n| match i + 1 == n {
+            true => n - 2..n,
+            false => i.saturating_sub(1)..i,
+        }),
+        ("summed up to each outcome", |i, _| 0..i + 1),
     ];
-    if (2..=MOST_CELLS).contains(&n) {
-        all.extend(kept.map(|(name, from)| {
-            Mistake::asked(name, move |points| {
-                let pdf = asked(density, &up_to(n))?;
-                let sum = |&point: &Point| from(usize::from(point)).into_iter().filter_map(|i| pdf.get(i)).sum();
-                Ok(points.iter().map(sum).collect())
-            })
-        }));
-    }
+    let sums = |(name, end_at): (&str, EndAt)| {
+        Mistake::asked(name, move |points| {
+            let pdf = asked(density, &(0..n).map(Point::from).collect::<Vec<_>>())?;
+            Ok(points.iter().map(|&point| pdf[end_at(usize::from(point), n)].iter().sum()).collect())
+        })
+    };
+    all.extend(kept.into_iter().filter(|_| (2..=MOST_CELLS).contains(&n)).map(sums));
     all
 }
 

@@ -174,8 +174,13 @@ fn powers(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
     let factor = common_factor(&ratios.iter().enumerate().map(left).collect::<Vec<f64>>())?;
     let told = |(i, exponent): &(usize, f64)| {
         let verb = if *exponent > 0.0 { "times" } else { "divided by" };
-        let power = if exponent.abs() == 1.0 { String::new() } else { format!("^{}", exponent.abs()) };
-        format!("{verb} {}{power}", names[*i])
+        if exponent.abs() == 1.0 {
+            return format!("{verb} {}", names[*i]);
+        }
+        // "cos α, α the angle …" is (cos α)^2, α the angle …
+        let (name, what) = names[*i].split_at(names[*i].find(',').unwrap_or(names[*i].len()));
+        let name = if name.starts_with('(') { name.to_owned() } else { format!("({name})") };
+        format!("{verb} {name}^{}{what}", exponent.abs())
     };
     let factor = if (factor - 1.0).abs() <= EQUAL { String::new() } else { format!("{} times ", number(factor)) };
     Some(format!("{factor}{{}} {}", used.iter().map(told).collect::<Vec<_>>().join(", ")))
@@ -192,7 +197,7 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
         let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
         let is_function = range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
         let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
-        let told = |[at, ratio]: &[f64; 2]| format!("{:.3} at {at:.3}", ratio.exp());
+        let told = |[at, ratio]: &[f64; 2]| format!("{} at {at:.3}", number(ratio.exp()));
         let hint = what(&sorted);
         is_function.then(|| format!("{} alone ({}, {}{hint})", variable.name, told(first), told(last)))
     };
