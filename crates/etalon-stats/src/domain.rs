@@ -573,7 +573,7 @@ impl Domain for Directions {
         let [t0, t1] = self.theta(cell.x);
         let horizon = |t: f64| (t - 90.0).abs() < 1e-6;
         if *cell == Cell::WHOLE {
-            return "everywhere".to_owned();
+            return "in total".to_owned();
         }
         let place = match (cell.x == [0.0, 1.0], t0 == 0.0, cell.x[1] == 1.0 && !self.half) {
             (true, ..) => "for all theta".to_owned(),

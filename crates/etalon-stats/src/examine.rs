@@ -437,14 +437,14 @@ impl Test<'_> {
             mistakes.extend(mistake.or_else(|| mistakes::of_one_variable(domain, density, pairs, names)));
         }
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
-        let mut fact = None;
+        let [mut coordinates, mut widths] = [None, None];
         if is_suspect && mass.is_some() {
             let mistake = match named {
                 Some((at, found)) if at == samples && found.as_ref().is_none_or(|named| !named.is_fitted) => found,
                 _ => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
             };
             if mistake.is_none() {
-                fact = mistakes::facts(domain, density, &counts, NAMES)?;
+                [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
             mistakes.extend(mistake.map(|named| named.name));
         }
@@ -455,9 +455,9 @@ impl Test<'_> {
             }
         }
         let places = is_suspect.then(|| diagnose(domain, &counts)).flatten();
-        let told = [fact, places].into_iter().flatten().collect::<Vec<_>>().join(": ");
+        let told = [coordinates, places].into_iter().flatten().collect::<Vec<_>>().join(": ");
         let told = Some(told).filter(|told| !told.is_empty());
-        let words = told.into_iter().chain(words).collect::<Vec<_>>();
+        let words = told.into_iter().chain(widths).chain(words).collect::<Vec<_>>();
         let nowhere = || "counts differ from what the pdf predicts, in no place clearly".to_owned();
         let words = if words.is_empty() && is_suspect { vec![nowhere()] } else { words };
         Ok(Outcome {

@@ -195,8 +195,12 @@ pub struct Comparison {
     differences: Vec<f64>,
     /// The largest difference, infinite where something does not hold, and what it is.
     worst: Option<(f64, String)>,
+    /// How many of what was compared are numbers, and how many of those failed.
+    numbers: [u64; 2],
     /// The usual mistakes that explain all, each with the channels in which they do.
     mistakes: Vec<(String, Vec<usize>)>,
+    /// The channels whose differences no mistake explains.
+    unexplained: Vec<usize>,
     /// The channels that were compared, where a mistake may be that of one.
     channels: usize,
 }
@@ -212,6 +216,7 @@ impl Comparison {
         message: impl Fn(usize) -> String,
     ) -> Result<bool> {
         self.compared += numbers.len() as u64;
+        self.numbers[0] += numbers.len() as u64;
         let difference = |i: usize| (numbers[i][0] - numbers[i][1]).abs();
         let mut tolerated: Vec<f64> = (0..numbers.len()).map(quick).collect();
         let is_close = |i: &usize| difference(*i) <= tolerated[*i];
@@ -224,6 +229,7 @@ impl Comparison {
                 let (difference, [found, expected]) = (difference(i), numbers[i]);
                 if difference.is_nan() || difference > tolerated[i] {
                     failed = true;
+                    self.numbers[1] += 1;
                     relative[i] = relative_difference(found, expected);
                     let [found, expected] = different(found, expected);
                     self.fail(relative[i], || format!("{}: {found} and {expected}", message(i)));
@@ -259,7 +265,7 @@ impl Comparison {
     /// The usual mistake that explains what was just compared in this channel of so many.
     pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<String>) {
         self.channels = self.channels.max(channels);
-        let Some(mistake) = mistake else { return };
+        let Some(mistake) = mistake else { return self.unexplained.push(channel) };
         match self.mistakes.iter_mut().find(|(known, _)| *known == mistake) {
             Some((_, channels)) => channels.push(channel),
             None => self.mistakes.push((mistake, vec![channel])),
@@ -268,13 +274,15 @@ impl Comparison {
 
     /// The mistakes, with their channels where others do not have them.
     fn told(&self) -> Option<String> {
+        let list = |channels: &[usize]| channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let told = |(mistake, of): &(String, Vec<usize>)| {
-            let channels: Vec<String> = of.iter().map(ToString::to_string).collect();
             let is_of_all = of.len() >= self.channels || self.channels == 1;
-            if is_of_all { mistake.clone() } else { format!("{mistake}, in channel {}", channels.join(" and ")) }
+            if is_of_all { mistake.clone() } else { format!("{mistake}, in channel {}", list(of)) }
         };
+        let others = (self.channels > 1 && !self.unexplained.is_empty())
+            .then(|| format!("other differences in channel {}", list(&self.unexplained)));
         let all: Vec<String> = self.mistakes.iter().map(told).collect();
-        (!all.is_empty()).then(|| all.join("; "))
+        (!all.is_empty()).then(|| all.into_iter().chain(others).collect::<Vec<_>>().join("; "))
     }
 
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.
@@ -307,8 +315,9 @@ impl Comparison {
         self.differences.sort_by(f64::total_cmp);
         let detectable = self.tolerated.get((FOUND * self.tolerated.len() as f64) as usize).copied().unwrap_or(0.0);
         let mistake = self.told();
-        let Self { compared, failed, worst, differences, .. } = self;
+        let Self { compared, failed, numbers, worst, differences, .. } = self;
         let message = |(largest, worst): (f64, String)| {
+            let [compared, failed] = if largest.is_finite() { numbers } else { [compared, failed] };
             let times = count(compared, "comparison", "comparisons");
             let size = if largest.is_finite() {
                 let hint = if largest <= SINGLE_PRECISION { AS_SINGLE } else { "" };

@@ -6,14 +6,18 @@ use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
-use crate::grid::{Cell, Grid};
+use crate::grid::Cell;
 use crate::outcome::Counts;
 use crate::power::chi_square;
 use crate::sampler::Density;
 
-/// Points of each cell at which densities are compared, and the step of their lattice (Fibonacci's numbers).
-const POINTS: usize = 34;
-const LATTICE: usize = 21;
+/// Points of each cell at which densities are compared, and the step of their lattice (Fibonacci's numbers); those of a first look, which
+/// leaves out what explains so little that more points would not change it.
+const POINTS: [usize; 2] = [34, 21];
+const FEW_POINTS: [usize; 2] = [8, 5];
+const FIRST_LOOK: f64 = 0.3;
+/// The share of the pdf's deviance that the best step of an amount may leave.
+const FIRST_STEP: f64 = 0.9;
 /// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
 /// 100 %): midpoints are not exact, and samples may have small errors besides.
 const LEFT: f64 = 0.002;
@@ -68,7 +72,7 @@ pub fn of_counts(
     [samples, of]: [&str; 2],
     kinds: Kinds,
 ) -> Result<Option<Named>> {
-    let explained = Table::new(domain, density, counts).and_then(|table| table.explained([samples, of], kinds));
+    let explained = Table::new(domain, density, counts, POINTS).and_then(|table| table.explained([samples, of], kinds));
     unless_cancelled(explained)
 }
 
@@ -86,16 +90,19 @@ impl Named {
     }
 }
 
-/// In words, which of two coordinates is wrong, else how wide samples and pdf are, where no mistake explains that they differ.
+/// In words, where no mistake explains that samples and pdf differ: which of two coordinates is wrong; and how wide both are.
 ///
 /// # Errors
 /// As [`of_counts`].
-pub fn facts(domain: &dyn Domain, density: &dyn Density, counts: &Counts, names: [&str; 2]) -> Result<Option<String>> {
-    let told = Table::new(domain, density, counts).and_then(|table| match table.coordinates(names[1]) {
-        None => table.widths(names),
-        told => Ok(told),
-    });
-    unless_cancelled(told)
+pub fn facts(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    counts: &Counts,
+    names: [&str; 2],
+) -> Result<[Option<String>; 2]> {
+    let table = Table::new(domain, density, counts, POINTS);
+    let told = table.and_then(|table| Ok(Some([table.coordinates(names[1]), table.widths(names)?])));
+    Ok(unless_cancelled(told)?.unwrap_or_default())
 }
 
 /// Which mistakes are tried.
@@ -153,7 +160,9 @@ fn excess(observed: &[u64], shares: &[Option<f64>], fewest: usize) -> Option<[f6
 fn deviance(observed: &[u64], shares: &[Option<f64>]) -> f64 {
     let known = || observed.iter().zip(shares).filter_map(|(n, share)| Some((*n as f64, (*share)?)));
     let (total, sum) = known().fold((0.0, 0.0), |(total, sum), (n, share)| (total + n, sum + share));
-    let term = |(n, share): (f64, f64)| if n > 0.0 { 2.0 * n * (n * sum / (share * total)).ln() } else { 0.0 };
+    // Points miss a little of an edge: what they do not meet counts as half a sample.
+    let expected = |share: f64| (share / sum * total).at_least(0.5);
+    let term = |(n, share): (f64, f64)| if n > 0.0 { 2.0 * n * (n / expected(share)).ln() } else { 0.0 };
     let deviance = known().map(term).sum::<f64>();
     if total > 0.0 && deviance.is_finite() { deviance } else { f64::INFINITY }
 }
@@ -170,14 +179,25 @@ struct Explained {
 /// The rank of factors that make the integral another one.
 const OTHER_FACTOR: usize = 2;
 
-/// The values of a family at the points, by the amount.
-type ByAmount<'a> = Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>;
+/// A mistake with an amount, at the points of a table.
+struct Family<'a> {
+    /// The least and the largest amount.
+    limits: [f64; 2],
+    /// The amount that changes nothing.
+    rest: f64,
+    /// Whether values are the pdf's, changed where they are.
+    is_local: bool,
+    /// The values by the amount.
+    values: Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>,
+    /// What follows the amount in words.
+    own: String,
+}
 
 /// The counts of the cells, with points of them.
 struct Table<'a> {
     domain: &'a dyn Domain,
     density: &'a dyn Density,
-    grid: &'a Grid,
+    counts: &'a Counts,
     observed: &'a [u64],
     expected: &'a [f64],
     /// Observed and expected counts of atoms, then of "no sample".
@@ -192,7 +212,7 @@ struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    fn new(domain: &'a dyn Domain, density: &'a dyn Density, counts: &'a Counts) -> Result<Self> {
+    fn new(domain: &'a dyn Domain, density: &'a dyn Density, counts: &'a Counts, lattice: [usize; 2]) -> Result<Self> {
         let cells = counts.grid.len();
         let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
         let others = counts.observed[cells..].iter().copied().zip(counts.expected[cells..].iter().copied()).collect();
@@ -200,13 +220,12 @@ impl<'a> Table<'a> {
         let (mut points, mut places) = (Vec::new(), Vec::new());
         for part in graded.cells().filter(|_| graded.len() <= MOST_CELLS) {
             let cell = counts.grid.find(part.place([0.0, 0.0]));
-            points.extend(lattice(&part).map(|at| domain.point_at(at)));
+            points.extend(points_of(&part, lattice).map(|at| domain.point_at(at)));
             places.resize(points.len(), (cell, part.area()));
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        let grid = &counts.grid;
-        Ok(Self { domain, density, grid, observed, expected, others, total, points, places, pdfs })
+        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs })
     }
 
     fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
@@ -240,6 +259,14 @@ impl<'a> Table<'a> {
         left <= most
     }
 
+    /// Whether a mistake may explain the counts, by the points of a first look.
+    fn may_explain(&self, mistake: &Mistake, of_pdf: f64) -> Result<bool> {
+        let shares = self.shares(&mistake.values(self.density, &self.points, &self.pdfs)?, mistake.is_local());
+        Ok(self
+            .excess(&shares)
+            .is_some_and(|[left, spread]| left <= (FIRST_LOOK * of_pdf).at_least(LEFT_BY_CHANCE * spread)))
+    }
+
     fn explanation(&self, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<Explained>> {
         let values = mistake.values(self.density, &self.points, &self.pdfs)?;
         let is_local = mistake.is_local();
@@ -256,17 +283,18 @@ impl<'a> Table<'a> {
         Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
     }
 
-    /// What a family leaves unexplained with the amount that explains most, if that is little, and its name.
-    fn fitted(&self, family: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
-        let mut own = String::new();
-        let (limits, rest, values): ([f64; 2], f64, ByAmount) = match &family.follows {
-            Follows::Moved { limits, rest, place } => {
-                let moved = |amount: f64| {
+    /// A mistake with an amount, if it is one.
+    fn family<'b>(&'b self, mistake: &'b Mistake) -> Result<Option<Family<'b>>> {
+        let is_local = mistake.is_local();
+        let (limits, rest, values, own): ([f64; 2], f64, Box<dyn Fn(f64) -> Result<Vec<f64>>>, String);
+        match &mistake.follows {
+            Follows::Moved { limits: all, rest: own_rest, place } => {
+                (limits, rest, own) = (*all, *own_rest, String::new());
+                values = Box::new(|amount: f64| {
                     let (places, factors): (Vec<Point>, Vec<f64>) =
                         self.points.iter().map(|&at| place(amount, at)).unzip();
                     Ok(self.pdf_at(&places)?.into_iter().zip(factors).map(|(pdf, factor)| pdf * factor).collect())
-                };
-                (*limits, *rest, Box::new(moved))
+                });
             }
             Follows::Mixed(parts) => {
                 let batches = self.points.chunks(BATCH).map(parts).collect::<Result<Vec<_>>>()?;
@@ -274,38 +302,61 @@ impl<'a> Table<'a> {
                     [0, 1].map(|part| batches.iter().flat_map(|batch| &batch[part]).copied().collect());
                 let integral = |values: &Vec<f64>| self.sums(values.iter().copied()).iter().sum::<f64>();
                 let of_part = both.each_ref().map(integral);
+                (limits, rest) = ([0.0, 1.0], 0.5);
                 own = format!(", not {:.3},", of_part[0] / (of_part[0] + of_part[1]));
-                let mixed = move |share: f64| {
+                values = Box::new(move |share: f64| {
                     let [of_first, of_second] = [share / of_part[0], (1.0 - share) / of_part[1]];
                     Ok(both[0].iter().zip(&both[1]).map(|(a, b)| of_first * a + of_second * b).collect())
-                };
-                ([0.0, 1.0], 0.5, Box::new(mixed))
+                });
             }
             Follows::Power => {
                 let ends = [0, POWERS.len() - 1].map(|i| POWERS[i].0);
-                let powers = |power: f64| Ok(self.pdfs.iter().map(|pdf| pdf.powf(power)).collect());
-                ([0.5 * ends[0], 1.5 * ends[1]], 1.0, Box::new(powers))
+                (limits, rest, own) = ([0.5 * ends[0], 1.5 * ends[1]], 1.0, String::new());
+                values = Box::new(|power: f64| Ok(self.pdfs.iter().map(|pdf| pdf.powf(power)).collect()));
             }
             _ => return Ok(None),
-        };
-        let is_local = family.is_local();
-        let shares = |amount: f64| -> Result<Vec<Option<f64>>> {
-            let shares = self.shares(&values(amount)?, is_local);
-            Ok(if self.held(&shares) >= MOST_HELD { shares } else { vec![None; shares.len()] })
-        };
-        let left_by = |amount: f64| Ok(deviance(self.observed, &shares(amount)?));
-        // The best of equal steps, of those that a symmetry makes equal the one that moves least; then between its neighbours by
-        // golden sections
+        }
+        Ok(Some(Family { limits, rest, is_local, values, own }))
+    }
+
+    /// The shares of cells with some amount; none where too few are known.
+    fn shares_with(&self, family: &Family, amount: f64) -> Result<Vec<Option<f64>>> {
+        let shares = self.shares(&(family.values)(amount)?, family.is_local);
+        Ok(if self.held(&shares) >= MOST_HELD { shares } else { vec![None; shares.len()] })
+    }
+
+    /// The deviance with some amount.
+    fn left_by(&self, family: &Family, amount: f64) -> Result<f64> {
+        Ok(deviance(self.observed, &self.shares_with(family, amount)?))
+    }
+
+    /// The best of equally distant amounts, of those that a symmetry makes equal the one that changes least, and their distance; `None`
+    /// where it explains little of the deviance of the pdf.
+    fn best_step(&self, family: &Family) -> Result<Option<[f64; 2]>> {
+        let Family { limits, rest, .. } = family;
         let step = (limits[1] - limits[0]) / STEPS as f64;
         let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
-        let all = steps.map(|amount| Ok((amount, left_by(amount)?))).collect::<Result<Vec<(f64, f64)>>>()?;
+        let all =
+            steps.map(|amount| Ok((amount, self.left_by(family, amount)?))).collect::<Result<Vec<(f64, f64)>>>()?;
         let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
+        let most = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
         let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
-        let equal = all.into_iter().filter(|(_, left)| *left <= least + chance && left.is_finite());
-        let Some(best) = equal.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs())) else {
-            return Ok(None);
+        let equal = all.into_iter().filter(|(_, left)| *left <= (least + chance).at_most(most) && left.is_finite());
+        let best = equal.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs()));
+        Ok(best.map(|(amount, _)| [amount, step]))
+    }
+
+    /// What a family leaves unexplained with the amount that explains most, if that is little, and its name. `few` has few points, for
+    /// a first look.
+    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
+        let best = match few.family(mistake)? {
+            Some(family) => few.best_step(&family)?,
+            None => None,
         };
-        let (mut low, mut high) = (best.0 - step, best.0 + step);
+        let (Some([best, step]), Some(family)) = (best, self.family(mistake)?) else { return Ok(None) };
+        let left_by = |amount: f64| self.left_by(&family, amount);
+        // Between the neighbours of the best step by golden sections
+        let (mut low, mut high) = (best - step, best + step);
         let [mut first, mut second] = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)];
         let [mut by_first, mut by_second] = [left_by(first)?, left_by(second)?];
         for _ in 0..SECTIONS {
@@ -321,11 +372,11 @@ impl<'a> Table<'a> {
         }
         let amount = 0.5 * (low + high);
         // A pdf of one part is no mixture.
-        if matches!(family.follows, Follows::Mixed(_)) && !(PART..1.0 - PART).contains(&amount) {
+        if matches!(mistake.follows, Follows::Mixed(_)) && !(PART..1.0 - PART).contains(&amount) {
             return Ok(None);
         }
         let power = |(power, _): &&(f64, &str)| (amount / power - 1.0).abs() <= SAME_POWER;
-        let text = match family.follows {
+        let text = match mistake.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
             _ => {
                 // Where the deviance is larger by 1, one standard deviation away
@@ -338,8 +389,8 @@ impl<'a> Table<'a> {
             }
         };
         let Some(text) = text else { return Ok(None) };
-        let left = self.excess(&shares(amount)?).filter(|left| is_fitted(*left, most));
-        Ok(left.map(|[left, _]| (left, family.told(of).replace("{}", &(text + &own)))))
+        let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
+        Ok(left.map(|[left, _]| (left, mistake.told(of).replace("{}", &(text + &family.own)))))
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
@@ -447,10 +498,15 @@ impl<'a> Table<'a> {
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
         let follow = |name: String| Ok(Some(Named::new(format!("{samples} follow {name}, not {of}"))));
         let follow_amount = |name: String| Ok(follow(name)?.map(|named| Named { is_fitted: true, ..named }));
+        let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;
         for (group, is_place) in [(known, false), (places, true), (asked, false)] {
-            let found =
-                group.iter().map(|mistake| self.explanation(mistake, of_pdf, of)).collect::<Result<Vec<_>>>()?;
-            let mut found: Vec<Explained> = found.into_iter().flatten().collect();
+            let mut found = Vec::new();
+            for mistake in &group {
+                // What is not known at the points is asked at few of them first.
+                if mistake.is_known() || few.may_explain(mistake, of_pdf)? {
+                    found.extend(self.explanation(mistake, of_pdf, of)?);
+                }
+            }
             let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
             // Places that a symmetry makes equal are named together; of densities of one shape, the one of the first rank.
@@ -463,7 +519,7 @@ impl<'a> Table<'a> {
             }
         }
         let most = of_pdf * if kinds == Kinds::Early { MOST } else { MOST_FITTED };
-        let fitted = families.iter().map(|family| self.fitted(family, most, of)).collect::<Result<Vec<_>>>()?;
+        let fitted = families.iter().map(|family| self.fitted(&few, family, most, of)).collect::<Result<Vec<_>>>()?;
         if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
             return follow_amount(name);
         }
@@ -514,7 +570,7 @@ impl<'a> Table<'a> {
     /// In words, which of two coordinates is wrong: by the rows of the cells and, where all rows have the same, by their columns.
     fn coordinates(&self, of: &str) -> Option<String> {
         let [x, y] = self.domain.coordinates();
-        let (rows, columns) = self.grid.ends();
+        let (rows, columns) = self.counts.grid.ends();
         let is_right = |group: &dyn Fn(usize) -> usize, groups: usize| {
             let (mut observed, mut shares) = (vec![0; groups], vec![0.0; groups]);
             for i in 0..self.observed.len() {
@@ -524,7 +580,7 @@ impl<'a> Table<'a> {
             let found = excess(&observed, &shares_of(&shares), 1);
             found.is_some_and(|[excess, spread]| excess <= CHANCE * spread)
         };
-        let ends: Vec<usize> = (1..rows.len()).map(|row| self.grid.number(row - 1, 0)).collect();
+        let ends: Vec<usize> = (1..rows.len()).map(|row| self.counts.grid.number(row - 1, 0)).collect();
         let row = |i: usize| ends.partition_point(|first| *first <= i) - 1;
         let of_rows = is_right(&row, rows.len() - 1);
         let is_product = columns.iter().all(|other| *other == columns[0]);
@@ -620,8 +676,8 @@ fn is_fitted([left, spread]: [f64; 2], most: f64) -> bool {
 }
 
 /// Points that fill a cell evenly: each axis has a different one of as many midpoints.
-fn lattice(cell: &Cell) -> impl Iterator<Item = [f64; 2]> {
+fn points_of(cell: &Cell, [count, step]: [usize; 2]) -> impl Iterator<Item = [f64; 2]> {
     let Cell { x, y } = *cell;
-    let at = |[from, to]: [f64; 2], i: usize| from + (to - from) * (i as f64 + 0.5) / POINTS as f64;
-    (0..POINTS).map(move |i| [at(x, i), at(y, LATTICE * i % POINTS)])
+    let at = move |[from, to]: [f64; 2], i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
+    (0..count).map(move |i| [at(x, i), at(y, step * i % count)])
 }
