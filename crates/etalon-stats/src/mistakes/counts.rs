@@ -36,8 +36,6 @@ const CLEAR: f64 = 10.0;
 /// Powers that exponents which are wrong by a simple factor make, and their names.
 const POWERS: [(f64, &str); 6] =
     [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
-/// The relative error of a power that counts as one of these.
-const SAME_POWER: f64 = 0.02;
 /// Steps and golden sections of the search for an amount, with the smaller part of a section.
 const STEPS: usize = 24;
 const SECTIONS: usize = 9;
@@ -179,6 +177,9 @@ struct Explained {
 /// The rank of factors that make the integral another one.
 const OTHER_FACTOR: usize = 2;
 
+/// Values at points, by an amount.
+type ByAmount<'a> = Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>;
+
 /// A mistake with an amount, at the points of a table.
 struct Family<'a> {
     /// The least and the largest amount.
@@ -188,7 +189,7 @@ struct Family<'a> {
     /// Whether values are the pdf's, changed where they are.
     is_local: bool,
     /// The values by the amount.
-    values: Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>,
+    values: ByAmount<'a>,
     /// What follows the amount in words.
     own: String,
 }
@@ -286,7 +287,7 @@ impl<'a> Table<'a> {
     /// A mistake with an amount, if it is one.
     fn family<'b>(&'b self, mistake: &'b Mistake) -> Result<Option<Family<'b>>> {
         let is_local = mistake.is_local();
-        let (limits, rest, values, own): ([f64; 2], f64, Box<dyn Fn(f64) -> Result<Vec<f64>>>, String);
+        let (limits, rest, values, own): ([f64; 2], f64, ByAmount, String);
         match &mistake.follows {
             Follows::Moved { limits: all, rest: own_rest, place } => {
                 (limits, rest, own) = (*all, *own_rest, String::new());
@@ -375,18 +376,16 @@ impl<'a> Table<'a> {
         if matches!(mistake.follows, Follows::Mixed(_)) && !(PART..1.0 - PART).contains(&amount) {
             return Ok(None);
         }
-        let power = |(power, _): &&(f64, &str)| (amount / power - 1.0).abs() <= SAME_POWER;
+        // Where the deviance is larger by 1, one standard deviation away
+        let near = NEAR * amount.abs().at_least(step);
+        let around = left_by(amount - near)? + left_by(amount + near)? - 2.0 * left_by(amount)?;
+        let error = near * (2.0 / around).sqrt();
+        let error = if error.is_finite() { error.at_least(PRECISION * amount.abs()) } else { near };
+        let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= CHANCE * error;
+        let digits = (-error.log10()).ceil().within(0.0, 9.0) as usize;
         let text = match mistake.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
-            _ => {
-                // Where the deviance is larger by 1, one standard deviation away
-                let near = NEAR * amount.abs().at_least(step);
-                let around = left_by(amount - near)? + left_by(amount + near)? - 2.0 * left_by(amount)?;
-                let error = near * (2.0 / around).sqrt();
-                let error = if error.is_finite() { error.at_least(PRECISION * amount.abs()) } else { near };
-                let digits = (-error.log10()).ceil().within(0.0, 9.0) as usize;
-                Some(format!("{amount:.digits$} ± {error:.digits$}"))
-            }
+            _ => Some(format!("{amount:.digits$} ± {error:.digits$}")),
         };
         let Some(text) = text else { return Ok(None) };
         let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
@@ -663,10 +662,10 @@ fn significant(x: f64, digits: i32) -> String {
 
 /// Mistakes that are equal because of a symmetry, the first of them by name.
 pub fn alternatives(mut names: Vec<String>) -> String {
-    const NAMED: usize = 3;
+    const NAMED: usize = 2;
     let more = names.len().saturating_sub(NAMED);
     names.truncate(NAMED);
-    let more = if more > 0 { format!(" or {more} more that a symmetry makes equal") } else { String::new() };
+    let more = if more > 0 { format!(" or {more} more that explain as much") } else { String::new() };
     names.join(" or ") + &more
 }
 

@@ -123,7 +123,7 @@ fn all() -> Vec<Mistaken> {
                 (1.0 + G * G - s * s) / (2.0 * G)
             }),
             density: Box::new(density(|w: [f64; 3]| henyey_greenstein(-w[2]))),
-            follows: "the pdf at the opposite direction or the pdf at (x, y, -z)",
+            follows: "the pdf at the opposite direction or the pdf at (x, y, -z) or 6 more that explain as much",
         },
         Mistaken {
             mistake: "u² for √u",
