@@ -256,6 +256,9 @@ fn has(open: &str, one: &str) -> bool {
     open.len() > one.len() && one.iter().all(is_open)
 }
 
+/// The check of BSDFs that finds mistakes of pdfs alone, exactly.
+const OF_PDF: &str = "jacobian";
+
 /// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind whose mistakes, or findings
 /// where none is named, differ in numbers alone have one line, which is that of the first.
 #[must_use]
@@ -293,8 +296,11 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
             None => i += 1,
         }
     }
-    let rank = |outcome: &Outcome| (outcome.verdict != Verdict::Reject, outcome.mistake.is_none());
-    groups.sort_by_key(|group| rank(group[0].outcome));
+    // Weights are wrong by what the pdf is wrong by, whose mistake says more.
+    let rank = |Finding { kind, outcome, .. }: &Finding| {
+        (outcome.verdict != Verdict::Reject, outcome.mistake.is_none(), !kind.ends_with(OF_PDF))
+    };
+    groups.sort_by_key(|group| rank(group[0]));
     let line = |group: Vec<&Finding>| {
         let (first, others) = (group[0], &group[1..]);
         let also: Vec<&str> = others.iter().map(|finding| finding.name).collect();

@@ -82,12 +82,6 @@ pub const ALL: [Check; 10] = [
         run: values::values,
     },
     Check {
-        name: "jacobian",
-        finds: "pdfs of a lobe that are not its probability over the Jacobian of its map from random numbers to directions",
-        is_statistical: false,
-        run: sampling::jacobian,
-    },
-    Check {
         name: "formula",
         finds: "weights other than f |cos| / pdf; samples that carry another pdf than `pdf` returns",
         is_statistical: false,
@@ -104,6 +98,12 @@ pub const ALL: [Check; 10] = [
         finds: "values and weights for importance that are not those for radiance times η²",
         is_statistical: false,
         run: adjoint::adjoint,
+    },
+    Check {
+        name: "jacobian",
+        finds: "pdfs of a lobe that are not its probability over the Jacobian of its map from random numbers to directions",
+        is_statistical: false,
+        run: sampling::jacobian,
     },
     Check {
         name: "partition",
