@@ -86,7 +86,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     if let Some(unresolved) = pilot.unresolved(subject)? {
         return Ok(Some(unresolved));
     }
-    let (_, integrals) = integrals(subject, &pilot, true)?;
+    let (grid, integrals) = integrals(subject, &pilot, true)?;
     let declared = subject.bsdf.albedo(&[subject.wo])?.swap_remove(0);
     let level = sidak(subject.protocol.own_level(), integrals.len());
     let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
@@ -107,8 +107,19 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let not = if claim.is_upper_bound { "more than" } else { "not" };
             let (wo, error, albedo) = (place(subject.wo), uncertainty.systematic + ROUNDING, claim.albedo);
             let deviation = uncertainty.deviation;
+            // What is on the side of `wo`, on the other, and in delta lobes
+            let on_side = |is_above: bool| {
+                let cells = grid.cells().zip(&integrals.values);
+                cells.filter(|(cell, _)| (cell.x[0] < 0.5) == is_above).map(|(_, value)| value).sum::<f64>()
+            };
+            let is_above = subject.wo[2] > 0.0;
+            let parts =
+                [(on_side(is_above), "reflected"), (on_side(!is_above), "transmitted"), (deltas, "in delta lobes")];
+            let parts = parts.into_iter().filter(|(part, _)| *part > ROUNDING);
+            let parts: Vec<String> = parts.map(|(part, name)| format!("{part:.4} {name}")).collect();
+            let parts = if parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
             format!(
-                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}, {not} {albedo:.5}{}",
+                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}{parts}, {not} {albedo:.5}{}",
                 if claim.is_upper_bound {
                     String::new()
                 } else {

@@ -302,6 +302,34 @@ impl Bsdf for Half {
     }
 }
 
+/// A conductor whose values have its colours to the power of 2.2, as encoded for a screen.
+struct Encoded;
+
+impl Bsdf for Encoded {
+    fn properties(&self) -> Properties {
+        RIGHT.properties()
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        let [f, ..] = UNDER.eval(wo, wi, u);
+        [0.9f64, 0.6, 0.3].map(|colour| colour.powf(2.2) * f)
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        RIGHT.pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        RIGHT.sample(wo, u)
+    }
+}
+
+#[test]
+fn encoded_colours_are_named() {
+    let text = test("encoded", &Encoded, &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("the colour of f is that of the weights to the power of 2.2"), "{text}");
+}
+
 #[test]
 fn weights_of_delta_lobes_are_named() {
     let text = test("half", &Half, &[towards(40.0)], &quick()).unwrap().to_string();

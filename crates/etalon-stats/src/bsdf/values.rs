@@ -10,7 +10,7 @@ use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
-use crate::mistakes::{EQUAL, FEWEST_PAIRS, number};
+use crate::mistakes::{EQUAL, FEWEST_PAIRS, common_factor, number};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -219,6 +219,7 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
     let Subject { bsdf, properties, .. } = subject;
     let pairs = pairs(subject, spread);
     let values = bsdf.eval(&pairs, &[])?;
+    found.named(of_colours(spread, &values, properties.channels));
     for channel in 0..properties.channels {
         let both = spread.iter().zip(&values);
         let numbers: Vec<[f64; 2]> =
@@ -262,6 +263,21 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
         }
     }
     Ok(())
+}
+
+/// The power of the colours of weights that the colours of values are, if these differ: colours are ratios of channels.
+fn of_colours(spread: &[Drawn], values: &[Spectrum], channels: usize) -> Option<String> {
+    let colour = |of: &dyn Fn(usize) -> Spectrum, channel: usize| {
+        let ratios: Vec<f64> = (0..spread.len()).map(|i| of(i)[channel] / of(i)[0]).filter(|r| r.is_finite()).collect();
+        common_factor(&ratios).filter(|_| ratios.len() >= FEWEST_PAIRS)
+    };
+    let powers = (1..channels).map(|channel| {
+        let [weight, value] = [colour(&|i| spread[i].1.weight, channel)?, colour(&|i| values[i], channel)?];
+        Some(value.ln() / weight.ln())
+    });
+    let powers: Vec<f64> = powers.collect::<Option<_>>()?;
+    let power = common_factor(&powers).filter(|power| power.is_finite() && (power - 1.0).abs() > EQUAL)?;
+    (channels > 2).then(|| format!("the colour of f is that of the weights to the power of {}", number(power)))
 }
 
 fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> Result<()> {
