@@ -215,6 +215,7 @@ impl Outcome {
         (self.p, self.repeated) = (p, repeated);
         self.samples += other.samples;
         self.seconds += other.seconds;
+        self.mistake = self.mistake.take().or(other.mistake);
         self.violation = self.violation.take().or(other.violation);
         self.diagnosis = self.diagnosis.take().or(other.diagnosis);
         self.interrupted |= other.interrupted;
@@ -250,8 +251,9 @@ pub struct Finding<'a> {
 
 /// Whether `one` is among the mistakes that are left `open`, "A or B", of which the first has what all begin with.
 fn has(open: &str, one: &str) -> bool {
-    let open: Vec<&str> = open.split(" or ").collect();
-    let one: Vec<&str> = one.split(" or ").collect();
+    // "samples follow …, not the pdf"
+    let [open, one] = [open, one].map(|told| told.split_once(", not ").map_or(told, |(mistake, _)| mistake));
+    let [open, one]: [Vec<&str>; 2] = [open, one].map(|mistakes| mistakes.split(" or ").collect());
     let is_open = |one: &&str| open.iter().any(|open| one.ends_with(open) || open.ends_with(one));
     open.len() > one.len() && one.iter().all(is_open)
 }
@@ -268,8 +270,11 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
         let outcome = finding.outcome;
         let told =
             outcome.mistake.as_deref().or(outcome.violation.as_deref()).or(outcome.inconclusive_reason.as_deref());
-        let is_word = |c: &char| !(c.is_ascii_digit() || ".-+".contains(*c));
-        let words: String = told.unwrap_or_default().chars().filter(is_word).collect();
+        // Signs of numbers are no words, those of axes are.
+        let told: Vec<char> = told.unwrap_or_default().chars().collect();
+        let is_digit = |i: usize| told.get(i).is_some_and(|c| c.is_ascii_digit() || *c == '.');
+        let is_word = |i: &usize| !(is_digit(*i) || "-+".contains(told[*i]) && is_digit(i + 1));
+        let words: String = (0..told.len()).filter(is_word).map(|i| told[i]).collect();
         (finding.kind.to_owned(), outcome.verdict, words)
     };
     for finding in findings.iter().filter(|finding| !finding.outcome.is_accepted()) {

@@ -4,7 +4,6 @@ use super::contract::{Direction, Pair};
 use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
@@ -112,13 +111,12 @@ fn elsewhere<'a>(
     })
 }
 
-/// Whether a function of (wo · wm) can be a reflectance, or divide by one: it is nowhere both above and below 1, nor very large.
+/// Whether a function of (wo · wm) can be a reflectance, or divide by one: that falls to the normal, and is 1 at most.
 fn of_facets(function: &[[f64; 2]]) -> String {
-    const LARGEST: f64 = 1e3;
-    let ends =
-        [f64::at_most, f64::at_least].map(|end| function.iter().map(|[_, ln]| *ln).reduce(end).unwrap_or(f64::NAN));
-    let is_one_side = ends[1] <= EQUAL || ends[0] >= -EQUAL;
-    let is_reflectance = is_one_side && ends.iter().all(|ln| ln.abs() <= LARGEST.ln());
+    let is_reflectance = [1.0, -1.0].into_iter().any(|sign| {
+        let falls = function.windows(2).all(|both| sign * (both[1][1] - both[0][1]) <= EQUAL);
+        falls && function.iter().all(|[_, ln]| sign * ln <= EQUAL)
+    });
     if is_reflectance { ", as a Fresnel term is".to_owned() } else { String::new() }
 }
 
@@ -142,9 +140,12 @@ fn of_normals(function: &[[f64; 2]]) -> String {
         (0..3).for_each(|row| other[row][column] = right[row]);
         of(other) / of(matrix)
     });
-    let is_exact = rows.iter().all(|(row, root)| (dot(*row, [k, m, p]) - root).abs() <= EQUAL * root);
+    // Three numbers fit any function that hardly bends: what is fitted must be nearly exact, over much of the range, and parameters.
+    let is_exact = rows.iter().all(|(row, root)| (dot(*row, [k, m, p]) - root).abs() <= 0.1 * EQUAL * root);
+    let [least, most] = [rows.first(), rows.last()].map(|row| row.map_or(f64::NAN, |(row, _)| row[1]));
     let [found, expected] = [p, m / k].map(|p| (1.0 + p).sqrt());
-    if is_exact && found > 0.0 && expected > 0.0 {
+    let are_parameters = [found, expected].iter().all(|alpha| *alpha > 0.0 && *alpha <= 1.0);
+    if is_exact && most - least >= 0.25 && are_parameters {
         return format!(", as GGX normals of α = {} differ from those of α = {}", number(found), number(expected));
     }
     String::new()
@@ -184,14 +185,16 @@ pub fn explain(
     if let Some(special) = special()? {
         return Ok(Some(special));
     }
+    if !subject.properties.transmission {
+        return Ok(of_one_variable(&sphere(), density, pairs, names));
+    }
     let (reflected, transmitted): (Vec<Compared>, Vec<Compared>) =
         pairs.iter().partition(|(wi, _)| same_side(subject.wo, (*wi).into()));
     let sides = [("reflected", reflected), ("transmitted", transmitted)].into_iter();
     let of_side = |(side, pairs): (&str, Vec<Compared>)| -> Result<Option<String>> {
         let mistake = of_pairs(&sphere(), density, &pairs, names)?;
         let told = mistake.or_else(|| of_one_variable(&sphere(), density, &pairs, names));
-        Ok(told
-            .map(|told| if subject.properties.transmission { format!("{told} where light is {side}") } else { told }))
+        Ok(told.map(|told| format!("{told} where light is {side}")))
     };
     let told: Vec<String> = sides.map(of_side).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     Ok((!told.is_empty()).then(|| told.join("; ")))

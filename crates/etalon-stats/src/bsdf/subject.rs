@@ -197,7 +197,7 @@ pub struct Comparison {
     worst: Option<(f64, String)>,
     /// How many of what was compared are numbers, and how many of those failed.
     numbers: [u64; 2],
-    /// The usual mistakes that explain all, each with the channels in which they do.
+    /// The usual mistakes that explain all, each with the channels in which they do, where those were compared by themselves.
     mistakes: Vec<(String, Vec<usize>)>,
     /// The channels whose differences no mistake explains.
     unexplained: Vec<usize>,
@@ -259,10 +259,11 @@ impl Comparison {
 
     /// The usual mistake that explains what was just compared, if one does.
     pub fn named(&mut self, mistake: Option<String>) {
-        self.named_in([0, 1], mistake);
+        let is_new = |mistake: &String| self.mistakes.iter().all(|(known, _)| known != mistake);
+        self.mistakes.extend(mistake.filter(is_new).map(|mistake| (mistake, Vec::new())));
     }
 
-    /// The usual mistake that explains what was just compared in this channel of so many.
+    /// The usual mistake that explains what was found to differ in this channel of so many.
     pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<String>) {
         self.channels = self.channels.max(channels);
         let Some(mistake) = mistake else { return self.unexplained.push(channel) };
@@ -276,7 +277,7 @@ impl Comparison {
     fn told(&self) -> Option<String> {
         let list = |channels: &[usize]| channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
         let told = |(mistake, of): &(String, Vec<usize>)| {
-            let is_of_all = of.len() >= self.channels || self.channels == 1;
+            let is_of_all = of.is_empty() || of.len() >= self.channels;
             if is_of_all { mistake.clone() } else { format!("{mistake}, in channel {}", list(of)) }
         };
         let others = (self.channels > 1 && !self.unexplained.is_empty())

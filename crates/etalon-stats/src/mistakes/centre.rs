@@ -7,10 +7,11 @@ use crate::extremes::Extremes;
 
 type Place = [f64; 2];
 
-/// The centre of a pdf that has the `masses` near `points` of the plane, if it is symmetric about its mean. `pdf` is asked for the pdf, NaN
-/// outside of the domain.
+/// The centre of a pdf that has the values `pdfs` and the `masses` at `points` of the plane, if it is symmetric about its mean, and not
+/// uniform. `pdf` is asked for the pdf, NaN outside of the domain.
 pub fn of<E>(
     points: &[Point],
+    pdfs: &[f64],
     masses: &[f64],
     pdf: impl Fn(&[Point]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Place>, E> {
@@ -22,7 +23,7 @@ pub fn of<E>(
         points.iter().zip(masses).map(|(point, mass)| mass * point.coordinates()[axis]).sum::<f64>() / total
     };
     let centre = [mean(0), mean(1)];
-    let [here, turned @ ..] = &[0.0, TURNS[0], TURNS[1], TURNS[2]].map(|angle: f64| {
+    let turned = TURNS.map(|angle: f64| {
         let (sin, cos) = angle.sin_cos();
         let place = |point: &Point| {
             let [x, y] = [0, 1].map(|axis| point.coordinates()[axis] - centre[axis]);
@@ -30,16 +31,20 @@ pub fn of<E>(
         };
         pdf(&points.iter().map(place).collect::<Vec<Point>>())
     });
-    let Ok(here) = here else { return Ok(None) };
-    let is_symmetric = turned.iter().flatten().all(|there| {
-        let known = || here.iter().zip(there).zip(masses).filter(|((_, there), mass)| !there.is_nan() && **mass > 0.0);
+    for there in turned {
+        let there = there?;
+        let known = || pdfs.iter().zip(&there).zip(masses).filter(|((_, there), mass)| !there.is_nan() && **mass > 0.0);
         let change = |((here, there), mass): ((&f64, &f64), &f64)| mass * (there / here - 1.0).abs().at_most(1.0);
-        known().map(change).sum::<f64>() <= CHANGE * known().map(|(_, mass)| mass).sum::<f64>()
-    });
-    Ok(is_symmetric.then_some(centre))
+        let all: f64 = known().map(|(_, mass)| mass).sum();
+        if all < 0.5 * total || known().map(change).sum::<f64>() > CHANGE * all {
+            return Ok(None);
+        }
+    }
+    let is_even = pdfs.iter().all(|pdf| (pdf / pdfs[0] - 1.0).abs() <= CHANGE);
+    Ok((!is_even).then_some(centre))
 }
 
-/// Usual mistakes around the centre. A uniform pdf of the square has none: it is symmetric about any point.
+/// Usual mistakes around the centre.
 pub fn mistakes<'a>(centre: Place) -> Vec<Mistake<'a>> {
     let radius = move |point: Point| {
         let [x, y]: Place = point.into();

@@ -2,7 +2,7 @@
 
 use super::axis::{self, Axis, Direction};
 use super::centre;
-use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, unless_cancelled};
+use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -16,23 +16,26 @@ use crate::sampler::Density;
 const POINTS: [usize; 2] = [34, 21];
 const FEW_POINTS: [usize; 2] = [8, 5];
 const FIRST_LOOK: f64 = 0.3;
+/// Outcomes of a finite set up to which each is asked for.
+const MOST_POINTS: usize = 1 << 16;
 /// The share of the pdf's deviance that the best step of an amount may leave.
 const FIRST_STEP: f64 = 0.9;
 /// The share of the noncentrality of the counts that a mistake may leave unexplained, of at most 1 per sample (an error of
 /// 100 %): midpoints are not exact, and samples may have small errors besides.
 const LEFT: f64 = 0.002;
-/// The share of the pdf's excess that a mistake may leave, also where chance leaves more.
+/// The share of the pdf's excess that a mistake may leave, also where chance leaves more; with an amount, which can be had for many
+/// errors; and what chance may hide beside a factor.
 const MOST: f64 = 0.1;
+const MOST_FITTED: f64 = 0.02;
 /// Samples after which an excess within chance says that the shape is right, and for which a test that rejects goes on if they are
 /// to name the mistake.
 pub const TOLD: u64 = 1 << 16;
-/// The same of a shift or a turn, whose amounts can be had for many errors, and of a factor.
-const MOST_FITTED: f64 = 0.02;
-/// Standard deviations of the statistic that count as chance, and those from which there is something to explain.
+/// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from which
+/// there is something to explain; and those from which more samples tell nothing more.
 const CHANCE: f64 = 2.5;
-/// Those that a density which explains the counts may leave: one of a thousand right ones leaves more.
 const LEFT_BY_CHANCE: f64 = 3.5;
 const CLEAR: f64 = 10.0;
+const CERTAIN: f64 = 100.0;
 /// Powers that exponents which are wrong by a simple factor make, and their names.
 const POWERS: [(f64, &str); 6] =
     [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
@@ -48,6 +51,8 @@ const PRECISION: f64 = 0.005;
 /// The share of samples that must lie in cells of which a mistake says the pdf; and a moved pdf, which may fit a part by chance.
 const HELD: f64 = 0.5;
 const MOST_HELD: f64 = 0.97;
+/// The sum of differences of the cells' shares up to which densities are one.
+const SAME: f64 = 0.01;
 /// The logarithm of a factor that counts as 1.
 const SCALE: f64 = 0.02;
 /// Steps by which the axis of samples is found.
@@ -124,11 +129,12 @@ pub fn is_clear(counts: &Counts) -> bool {
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
 
-/// Whether counts are too few to name the mistake by which they differ from the pdf.
+/// Whether counts are too few to name the mistake by which they differ from the pdf: they do, and more may tell more.
 pub fn are_few(counts: &Counts) -> bool {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
-    let is_small = excess(observed, &shares, 1).is_some_and(|[excess, spread]| excess < CLEAR * spread);
+    let is_small = excess(observed, &shares, 1)
+        .is_some_and(|[excess, spread]| excess > CHANCE * spread && excess < CERTAIN * spread);
     is_small && observed.iter().sum::<u64>() < TOLD
 }
 
@@ -172,6 +178,16 @@ struct Explained {
     spread: f64,
     rank: usize,
     name: String,
+    shares: Vec<Option<f64>>,
+}
+
+impl Explained {
+    /// Whether both are one density.
+    fn is_same(&self, other: &Self) -> bool {
+        let pairs = || self.shares.iter().zip(&other.shares).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+        let [of_a, of_b] = pairs().fold([0.0; 2], |[a, b], (x, y)| [a + x, b + y]);
+        pairs().map(|(a, b)| (a / of_a - b / of_b).abs()).sum::<f64>() <= SAME
+    }
 }
 
 /// The rank of factors that make the integral another one.
@@ -217,12 +233,24 @@ impl<'a> Table<'a> {
         let cells = counts.grid.len();
         let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
         let others = counts.observed[cells..].iter().copied().zip(counts.expected[cells..].iter().copied()).collect();
-        let graded = if domain.outcomes().is_some() { counts.grid.clone() } else { counts.grid.graded() };
         let (mut points, mut places) = (Vec::new(), Vec::new());
-        for part in graded.cells().filter(|_| graded.len() <= MOST_CELLS) {
-            let cell = counts.grid.find(part.place([0.0, 0.0]));
-            points.extend(points_of(&part, lattice).map(|at| domain.point_at(at)));
-            places.resize(points.len(), (cell, part.area()));
+        match domain.outcomes() {
+            // Each outcome is a point of its own.
+            Some(n) if n <= MOST_POINTS => {
+                points.extend((0..n).map(Point::from));
+                let place = |&point: &Point| domain.to_chart(point).map_or(0, |at| counts.grid.find(at));
+                places.extend(points.iter().map(|point| (place(point), 1.0 / n as f64)));
+            }
+            Some(_) => {}
+            None => {
+                let graded = counts.grid.graded();
+                let few = graded.len() <= MOST_CELLS;
+                for part in graded.cells().filter(|_| few) {
+                    let cell = counts.grid.find(part.place([0.0, 0.0]));
+                    points.extend(points_of(&part, lattice).map(|at| domain.point_at(at)));
+                    places.resize(points.len(), (cell, part.area() / lattice[0] as f64));
+                }
+            }
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
@@ -260,28 +288,45 @@ impl<'a> Table<'a> {
         left <= most
     }
 
-    /// Whether a mistake may explain the counts, by the points of a first look.
-    fn may_explain(&self, mistake: &Mistake, of_pdf: f64) -> Result<bool> {
+    /// What a mistake leaves unexplained by the points of a first look, if more points may show that it explains the counts.
+    fn may_explain(&self, mistake: &Mistake, of_pdf: f64) -> Result<Option<[f64; 2]>> {
         let shares = self.shares(&mistake.values(self.density, &self.points, &self.pdfs)?, mistake.is_local());
-        Ok(self
-            .excess(&shares)
-            .is_some_and(|[left, spread]| left <= (FIRST_LOOK * of_pdf).at_least(LEFT_BY_CHANCE * spread)))
+        let is_little = |[left, spread]: &[f64; 2]| *left <= (FIRST_LOOK * of_pdf).at_least(LEFT_BY_CHANCE * spread);
+        Ok(self.excess(&shares).filter(is_little))
     }
 
+    /// What a mistake leaves unexplained, if that is little.
     fn explanation(&self, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<Explained>> {
         let values = mistake.values(self.density, &self.points, &self.pdfs)?;
         let is_local = mistake.is_local();
         let shares = self.shares(&values, is_local);
         let sum = shares.iter().flatten().sum::<f64>();
         let keeps_integral = is_local && (self.total / sum).ln().abs() < SCALE;
-        let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
-        // Factors that make the integral right, then densities, then factors of another integral, then powers
+        // Factors that make the integral right, then densities, then factors of another integral
         let rank = match mistake.follows {
             Follows::Times(_) if keeps_integral => 0,
             Follows::Times(_) => OTHER_FACTOR,
             _ => 1,
         };
-        Ok(found.map(|[left, spread]| Explained { left, spread, rank, name: mistake.told(of) }))
+        Ok(self.explained_by(shares, of_pdf, rank, mistake.told(of)))
+    }
+
+    /// The same of shares of cells.
+    fn explained_by(&self, shares: Vec<Option<f64>>, of_pdf: f64, rank: usize, name: String) -> Option<Explained> {
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
+        found.map(|[left, spread]| Explained { left, spread, rank, name, shares })
+    }
+
+    /// The mistakes in one of two coordinates that explain the counts.
+    fn marginals(&self, of_pdf: f64, of: &str) -> Result<Vec<Explained>> {
+        if !self.domain.is_plane() {
+            return Ok(Vec::new());
+        }
+        let all = marginals::of(self.domain, self.density, &self.points)?.into_iter();
+        let explained = |(name, values): (String, Vec<f64>)| {
+            self.explained_by(self.shares(&values, false), of_pdf, 1, format!("{of} {name}"))
+        };
+        Ok(all.filter_map(explained).collect())
     }
 
     /// A mistake with an amount, if it is one.
@@ -342,8 +387,14 @@ impl<'a> Table<'a> {
         let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
         let most = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
         let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
-        let equal = all.into_iter().filter(|(_, left)| *left <= (least + chance).at_most(most) && left.is_finite());
-        let best = equal.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs()));
+        // Of the local minima
+        let is_lowest = |i: &usize| {
+            let left = all[*i].1;
+            let mut around = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| all.get(i));
+            left <= (least + chance).at_most(most) && left.is_finite() && around.all(|(_, other)| left <= *other)
+        };
+        let best = (0..all.len()).filter(is_lowest).map(|i| all[i]);
+        let best = best.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs()));
         Ok(best.map(|(amount, _)| [amount, step]))
     }
 
@@ -380,12 +431,13 @@ impl<'a> Table<'a> {
         let near = NEAR * amount.abs().at_least(step);
         let around = left_by(amount - near)? + left_by(amount + near)? - 2.0 * left_by(amount)?;
         let error = near * (2.0 / around).sqrt();
-        let error = if error.is_finite() { error.at_least(PRECISION * amount.abs()) } else { near };
+        let known = Some(error.at_least(PRECISION * amount.abs())).filter(|error| error.is_finite());
+        let error = known.unwrap_or(near);
         let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= CHANCE * error;
-        let digits = (-error.log10()).ceil().within(0.0, 9.0) as usize;
         let text = match mistake.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
-            _ => Some(format!("{amount:.digits$} ± {error:.digits$}")),
+            _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
+            _ => Some(with_error(amount, error)),
         };
         let Some(text) = text else { return Ok(None) };
         let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
@@ -413,7 +465,8 @@ impl<'a> Table<'a> {
         let Some(to) = to else { return Ok(None) };
         let shares = self.shares(&values, false);
         let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, most));
-        let name = || format!("{of} around {} in place of its axis {}", axis::name(to), from.name());
+        let angle = axis::dot(to, from.direction).within(-1.0, 1.0).acos().to_degrees();
+        let name = || format!("{of} around {} in place of its axis {}, {angle:.2}° away", axis::name(to), from.name());
         Ok(found.map(|_| name()))
     }
 
@@ -424,18 +477,22 @@ impl<'a> Table<'a> {
         let all = names.zip(self.others.iter().copied()).chain([("all other samples".to_owned(), rest)]);
         let all: Vec<(String, (u64, f64))> = all.filter(|(_, (n, expected))| *n > 0 || *expected > 0.5).collect();
         let draws = all.iter().map(|(_, (n, _))| *n as f64).sum::<f64>();
-        let is_wrong = |(n, expected): (u64, f64)| (n as f64 - expected).abs() > WRONG * expected.at_least(1.0).sqrt();
+        let deviations = |(n, expected): (u64, f64)| (n as f64 - expected).abs() / expected.at_least(1.0).sqrt();
+        let is_wrong = |counts: (u64, f64)| deviations(counts) > WRONG;
+        let is_near = |counts: (u64, f64)| deviations(counts) <= CHANCE;
         // Where expected probabilities do not add to 1, they are no probabilities.
         if is_wrong((draws as u64, all.iter().map(|(_, (_, expected))| expected).sum())) {
             return None;
         }
         let wrong: Vec<&(String, (u64, f64))> = all.iter().filter(|(_, counts)| is_wrong(*counts)).collect();
         let told = |(name, (n, expected)): &&(String, (u64, f64))| {
-            format!("that of {name} is {:.4}, not {:.4}", *n as f64 / draws, expected / draws)
+            let share = *n as f64 / draws;
+            let error = (share * (1.0 - share)).at_least(1.0 / draws).sqrt() / draws.sqrt();
+            format!("that of {name} is {}, not {:.4}", with_error(share, error), expected / draws)
         };
         let what = match wrong[..] {
             [] => return None,
-            [(a, (n, m)), (b, (k, l))] if !is_wrong((*n, *l)) && !is_wrong((*k, *m)) => {
+            [(a, (n, m)), (b, (k, l))] if is_near((*n, *l)) && is_near((*k, *m)) => {
                 format!("the probabilities of {a} and of {b} are exchanged")
             }
             _ => format!(
@@ -498,27 +555,42 @@ impl<'a> Table<'a> {
         let follow = |name: String| Ok(Some(Named::new(format!("{samples} follow {name}, not {of}"))));
         let follow_amount = |name: String| Ok(follow(name)?.map(|named| Named { is_fitted: true, ..named }));
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;
-        for (group, is_place) in [(known, false), (places, true), (asked, false)] {
+        for (group, is_place, is_last) in [(known, false, false), (places, true, false), (asked, false, true)] {
             let mut found = Vec::new();
             for mistake in &group {
                 // What is not known at the points is asked at few of them first.
-                if mistake.is_known() || few.may_explain(mistake, of_pdf)? {
-                    found.extend(self.explanation(mistake, of_pdf, of)?);
+                // Where the density fails at what a mistake asks for, that mistake is left out.
+                let is_tried = mistake.is_known() || unless_cancelled(few.may_explain(mistake, of_pdf))?.is_some();
+                if is_tried {
+                    found.extend(unless_cancelled(self.explanation(mistake, of_pdf, of))?);
                 }
+            }
+            if is_last && kinds != Kinds::Local {
+                found.extend(unless_cancelled(self.marginals(of_pdf, of).map(Some))?.unwrap_or_default());
             }
             let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
-            // Places that a symmetry makes equal are named together; of densities of one shape, the one of the first rank.
+            // Places that a symmetry makes equal are named together, and densities of the first rank that differ.
             if is_place && !found.is_empty() {
                 return follow(alternatives(found.into_iter().map(|explained| explained.name).collect()));
             }
-            if let Some(first) = found.into_iter().min_by_key(|explained| explained.rank) {
-                let proportional = if first.rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
-                return follow(format!("{proportional}{}", first.name));
+            let rank = found.iter().map(|explained| explained.rank).min();
+            found.retain(|explained| Some(explained.rank) == rank);
+            let mut different: Vec<Explained> = Vec::new();
+            for explained in found {
+                if different.iter().all(|other| !explained.is_same(other)) {
+                    different.push(explained);
+                }
+            }
+            if let Some(rank) = rank {
+                let proportional = if rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
+                let names = different.into_iter().map(|explained| format!("{proportional}{}", explained.name));
+                return follow(alternatives(names.collect()));
             }
         }
         let most = of_pdf * if kinds == Kinds::Early { MOST } else { MOST_FITTED };
-        let fitted = families.iter().map(|family| self.fitted(&few, family, most, of)).collect::<Result<Vec<_>>>()?;
+        let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
+        let fitted = fitted.collect::<Result<Vec<_>>>()?;
         if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
             return follow_amount(name);
         }
@@ -558,7 +630,7 @@ impl<'a> Table<'a> {
 
     /// The centre about which a pdf of the square is symmetric, if there is one.
     fn centre(&self) -> Result<Option<[f64; 2]>> {
-        centre::of(&self.points, &self.masses(), |places| self.pdf_at(places))
+        centre::of(&self.points, &self.pdfs, &self.masses(), |places| self.pdf_at(places))
     }
 
     /// The pdf's share at each point.
@@ -650,6 +722,12 @@ impl<'a> Table<'a> {
 fn spread_about<'a>(mean: f64) -> Mistake<'a> {
     let name = format!("with distances from its mean, {}, {{}} times as large", significant(mean, 4));
     Mistake::scaled(&name, move |scale, x| ((mean + (f64::from(x) - mean) / scale).into(), 1.0))
+}
+
+/// A number with its standard error, to one digit of that.
+fn with_error(value: f64, error: f64) -> String {
+    let digits = (-error.log10()).ceil().within(0.0, 9.0) as usize;
+    format!("{value:.digits$} ± {error:.digits$}")
 }
 
 /// A number with that many significant digits.

@@ -1,14 +1,14 @@
 //! Mistakes of samplers that choose one coordinate of the plane, and then the other by its conditional pdf.
 
-use super::{Mistake, asked};
+use super::asked;
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::sampler::Density;
 use std::collections::BTreeMap;
 
 /// Midpoints of a mean along a line; most columns of a table divide this number. And most lines.
-const MIDPOINTS: usize = 240;
-const MOST_LINES: usize = 1 << 10;
+const MIDPOINTS: usize = 120;
+const MOST_LINES: usize = 1 << 12;
 /// Chart coordinates that differ by less are one.
 const SAME: f64 = 1e-9;
 
@@ -33,28 +33,22 @@ fn means(domain: &dyn Domain, density: &dyn Density, points: &[Point], axis: usi
     Ok(places.iter().map(|at| at.map_or(f64::NAN, |at| means[&key(at)])).collect())
 }
 
-/// The mistakes of a density over a domain with two axes.
-pub fn mistakes<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>> {
+/// The names of the mistakes of a density over a domain with two axes, with the values at points that lead to each.
+pub fn of(domain: &dyn Domain, density: &dyn Density, points: &[Point]) -> Result<Vec<(String, Vec<f64>)>> {
     let [x, y] = domain.coordinates();
-    let mean = move |points: &[Point], axis: usize| means(domain, density, points, axis);
-    // A conditional pdf beside a uniform one, and one that does not depend on the other coordinate
-    let conditional = move |points: &[Point], axis: usize| {
-        let (all, means) = (asked(density, points)?, mean(points, axis)?);
-        Ok(all.iter().zip(means).map(|(pdf, mean)| if mean > 0.0 { pdf / mean } else { 0.0 }).collect())
+    let (all, of_x, of_y) =
+        (asked(density, points)?, means(domain, density, points, 1)?, means(domain, density, points, 0)?);
+    // A conditional pdf beside a uniform one
+    let over = |marginal: &[f64]| -> Vec<f64> {
+        all.iter().zip(marginal).map(|(pdf, mean)| if *mean > 0.0 { pdf / mean } else { 0.0 }).collect()
     };
-    let product = move |points: &[Point]| {
-        let (of_x, of_y) = (mean(points, 1)?, mean(points, 0)?);
-        Ok(of_x.iter().zip(of_y).map(|(x, y)| x * y).collect())
-    };
-    vec![
-        Mistake::asked(&format!("with {y} uniform"), move |points| mean(points, 1)),
-        Mistake::asked(&format!("with {x} uniform"), move |points| mean(points, 0)),
-        Mistake::asked(&format!("as if {x} and {y} were independent (the product of its marginals)"), product),
-        Mistake::asked(&format!("with {x} uniform, and {y} by its conditional pdf"), move |points| {
-            conditional(points, 1)
-        }),
-        Mistake::asked(&format!("with {y} uniform, and {x} by its conditional pdf"), move |points| {
-            conditional(points, 0)
-        }),
-    ]
+    let [by_y, by_x] = [over(&of_x), over(&of_y)];
+    let product = of_x.iter().zip(&of_y).map(|(x, y)| x * y).collect();
+    Ok(vec![
+        (format!("with {y} uniform"), of_x),
+        (format!("with {x} uniform"), of_y),
+        (format!("as if {x} and {y} were independent (the product of its marginals)"), product),
+        (format!("with {x} uniform, and {y} by its conditional pdf"), by_y),
+        (format!("with {y} uniform, and {x} by its conditional pdf"), by_x),
+    ])
 }

@@ -53,7 +53,8 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     let (mut exact, mut shape) = (Vec::new(), None);
     let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
     for mistake in all(domain, density).into_iter().filter(|mistake| !mistake.is_family()) {
-        let Some(factor) = factor_of(&mistake.values(density, &points, &known)?) else { continue };
+        let values = unless_cancelled(mistake.values(density, &points, &known).map(Some))?;
+        let Some(factor) = values.as_deref().and_then(factor_of) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
             Follows::Density(_) if is_positive => shape = shape.or(Some(format!("has the shape of {name}"))),
@@ -85,7 +86,11 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
             let i = all.partition_point(|pdf| *pdf < found * (1.0 - ROUNDED));
             all.get(i).is_some_and(|pdf| *pdf <= found * (1.0 + ROUNDED))
         };
-        if values.len() >= FEWEST_PAIRS && values.iter().all(|[found, _]| near(*found)) {
+        let mut different: Vec<u64> = values.iter().map(|[found, _]| found.to_bits()).collect();
+        different.sort_unstable();
+        different.dedup();
+        let is_many = values.len() >= FEWEST_PAIRS && different.len() > 2;
+        if shape.is_none() && is_many && values.iter().all(|[found, _]| near(*found)) {
             return Ok(Some(format!("is {of} of other outcomes")));
         }
     }
@@ -128,6 +133,8 @@ const OWN: f64 = 1e-6;
 /// least range.
 const UP_AND_DOWN: f64 = 3.0;
 const LEAST_RANGE: f64 = 10.0 * EQUAL;
+/// One in so many ratios may be farther away than the range.
+const FEW: usize = 20;
 
 /// The product of a factor and powers of variables, multiples of ½, that ratios with these logarithms are.
 fn powers(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
@@ -191,9 +198,10 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
     let of = |variable: &Variable| {
         let mut sorted: Vec<[f64; 2]> = ratios.iter().map(|(at, ratio)| [(variable.at)(*at), *ratio]).collect();
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let ends =
-            [f64::at_most, f64::at_least].map(|end| sorted.iter().map(|at| at[1]).reduce(end).unwrap_or(f64::NAN));
-        let range = ends[1] - ends[0];
+        // Single values that differ make no function.
+        let mut ratios: Vec<f64> = sorted.iter().map(|at| at[1]).collect();
+        ratios.sort_by(f64::total_cmp);
+        let range = ratios[ratios.len() - 1 - ratios.len() / FEW] - ratios[ratios.len() / FEW];
         let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
         let is_function = range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
         let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
