@@ -433,7 +433,7 @@ impl<'a> Table<'a> {
         let error = near * (2.0 / around).sqrt();
         let known = Some(error.at_least(PRECISION * amount.abs())).filter(|error| error.is_finite());
         let error = known.unwrap_or(near);
-        let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= CHANCE * error;
+        let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= LEFT_BY_CHANCE * error;
         let text = match mistake.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
             _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
