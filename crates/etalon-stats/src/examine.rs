@@ -10,7 +10,7 @@ use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::looks::Looks;
 use crate::mass::Integral;
-use crate::mistakes::{self, Kinds, Named};
+use crate::mistakes::{self, Clearness, Kinds, Named};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
@@ -214,26 +214,28 @@ pub fn examine(
         risk: RISK * protocol.own_level() / looks.count(),
         looks,
     };
-    // What the first look that rejects named, and its samples
-    let named: RefCell<Option<(u64, Option<Named>)>> = RefCell::new(None);
+    // What explains most of the counts of the first look that rejects
+    let named: RefCell<Option<Option<Named>>> = RefCell::new(None);
     let rejects = |counted: &Counted| {
         let Findings { p, violation, is_mass_wrong, counts, samples, .. } = test.find(counted, false);
-        let by_counts = p.is_some_and(|p| p < protocol.own_level());
         match violation {
             // A wrong mass ends the test when counts tell what else is wrong.
             Some(_) => !is_mass_wrong || mistakes::is_clear(&counts),
-            None if !by_counts || mistakes::are_few(&counts) => false,
-            // A fitted amount explains few samples by chance: the test goes on, and looks for the name again at the end.
+            None if p.is_none_or(|p| p >= protocol.own_level()) => false,
+            // The test goes on where few samples leave it open whether what explains most is the mistake, as they do with an amount.
             None => {
-                let found = || mistakes::of_counts(domain, density, &counts, NAMES, Kinds::Early).unwrap_or_default();
+                let clearness = mistakes::clearness(&counts);
+                let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
+                let found = || mistakes::of_counts(domain, density, &counts, NAMES, kinds).unwrap_or_default();
+                let is_settled = |named: &Named| clearness == Clearness::Certain && !named.is_fitted;
                 let mut named = named.borrow_mut();
-                let (_, found) = named.get_or_insert_with(|| (samples, found()));
-                found.as_ref().is_none_or(|named| !named.is_fitted) || samples >= mistakes::TOLD
+                samples >= mistakes::TOLD
+                    || clearness != Clearness::Open && named.get_or_insert_with(found).as_ref().is_none_or(is_settled)
             }
         }
     };
     let counted = counting.run(&pilot, round, rejects)?;
-    let outcome = test.outcome(counted, named.into_inner())?;
+    let outcome = test.outcome(counted, named.into_inner().is_some_and(|named| named.is_none()))?;
     Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
@@ -383,8 +385,8 @@ impl Test<'_> {
         }
     }
 
-    /// The outcome of the look at which the test ended, its verdict still open.
-    fn outcome(&self, counted: Counted, named: Option<(u64, Option<Named>)>) -> Result<Outcome> {
+    /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
+    fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
         let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
             self.find(&counted, true);
@@ -439,9 +441,9 @@ impl Test<'_> {
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
         let [mut coordinates, mut widths] = [None, None];
         if is_suspect && mass.is_some() {
-            let mistake = match named {
-                Some((at, found)) if at == samples && found.as_ref().is_none_or(|named| !named.is_fitted) => found,
-                _ => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
+            let mistake = match is_unnamed {
+                true => None,
+                false => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
             };
             if mistake.is_none() {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;

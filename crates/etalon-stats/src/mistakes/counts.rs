@@ -75,7 +75,10 @@ pub fn of_counts(
     [samples, of]: [&str; 2],
     kinds: Kinds,
 ) -> Result<Option<Named>> {
-    let explained = Table::new(domain, density, counts, POINTS).and_then(|table| table.explained([samples, of], kinds));
+    let explained = Table::new(domain, density, counts, POINTS).and_then(|table| {
+        let table = Table { is_early: kinds == Kinds::Early, ..table };
+        table.explained([samples, of], kinds)
+    });
     unless_cancelled(explained)
 }
 
@@ -113,7 +116,7 @@ pub fn facts(
 pub enum Kinds {
     /// All.
     All,
-    /// All, where more samples follow: amounts may explain less.
+    /// All, where more samples follow: what explains most of the counts may be the mistake.
     Early,
     /// Those that change values where they are: of counts that are no numbers of independent samples.
     Local,
@@ -129,13 +132,24 @@ pub fn is_clear(counts: &Counts) -> bool {
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
 
-/// Whether counts are too few to name the mistake by which they differ from the pdf: they do, and more may tell more.
-pub fn are_few(counts: &Counts) -> bool {
+/// How clearly counts differ from the pdf: not clearly enough to name a mistake; clearly; or so that more samples would name no other.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+pub enum Clearness {
+    Open,
+    Clear,
+    Certain,
+}
+
+/// How clearly counts differ from the pdf. Where they do not, as other findings reject, more samples name nothing either.
+pub fn clearness(counts: &Counts) -> Clearness {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
-    let is_small = excess(observed, &shares, 1)
-        .is_some_and(|[excess, spread]| excess > CHANCE * spread && excess < CERTAIN * spread);
-    is_small && observed.iter().sum::<u64>() < TOLD
+    let all = observed.iter().sum::<u64>();
+    match excess(observed, &shares, 1) {
+        Some([excess, spread]) if all < TOLD && excess > CHANCE * spread && excess < CLEAR * spread => Clearness::Open,
+        Some([excess, spread]) if all < TOLD && excess < CERTAIN * spread => Clearness::Clear,
+        _ => Clearness::Certain,
+    }
 }
 
 /// Whether nothing is expected: counts are compared with the smallest number in place of 0.
@@ -226,6 +240,8 @@ struct Table<'a> {
     places: Vec<(usize, f64)>,
     /// The pdf there.
     pdfs: Vec<f64>,
+    /// Whether mistakes may leave more, as more samples follow.
+    is_early: bool,
 }
 
 impl<'a> Table<'a> {
@@ -254,7 +270,7 @@ impl<'a> Table<'a> {
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs })
+        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs, is_early: false })
     }
 
     fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
@@ -284,6 +300,9 @@ impl<'a> Table<'a> {
 
     /// What shares leave unexplained, if that is as little as chance leaves, or little of `of_pdf`, the excess of the pdf.
     fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2]) -> bool {
+        if self.is_early {
+            return left <= (FIRST_LOOK * of_pdf).at_least(CHANCE * spread);
+        }
         let most = (LEFT_BY_CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(self.total));
         left <= most
     }
@@ -535,7 +554,8 @@ impl<'a> Table<'a> {
             let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio} times as large");
             return Ok(is_factor.then(told).map(Named::new));
         }
-        if of_pdf.is_nan() || of_pdf < CLEAR * spread {
+        let clear = if self.is_early { CHANCE } else { CLEAR };
+        if of_pdf.is_nan() || of_pdf < clear * spread {
             return Ok(None);
         }
         let mut all = all(self.domain, self.density);
@@ -588,7 +608,7 @@ impl<'a> Table<'a> {
                 return follow(alternatives(names.collect()));
             }
         }
-        let most = of_pdf * if kinds == Kinds::Early { MOST } else { MOST_FITTED };
+        let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
         let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
         let fitted = fitted.collect::<Result<Vec<_>>>()?;
         if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {

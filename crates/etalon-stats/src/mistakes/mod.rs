@@ -9,7 +9,7 @@ mod counts;
 mod marginals;
 mod pairs;
 
-pub use counts::{Kinds, Named, TOLD, are_few, facts, is_clear, of_counts};
+pub use counts::{Clearness, Kinds, Named, TOLD, clearness, facts, is_clear, of_counts};
 pub use pairs::{EQUAL, FEWEST_PAIRS, Pair, common_factor, of_one_variable, of_pairs};
 
 use crate::domain::{Domain, Point};
