@@ -145,7 +145,10 @@ pub fn clearness(counts: &Counts) -> Clearness {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
     let all = observed.iter().sum::<u64>();
+    // What chance hides of the shape must be little beside a factor, too.
+    let is_factor = (counts.expected[..cells].iter().sum::<f64>() / all as f64 - 1.0).abs() > MOST_FITTED;
     match excess(observed, &shares, 1) {
+        Some([excess, spread]) if all < TOLD && excess <= CHANCE * spread && is_factor => Clearness::Open,
         Some([excess, spread]) if all < TOLD && excess > CHANCE * spread && excess < CLEAR * spread => Clearness::Open,
         Some([excess, spread]) if all < TOLD && excess < CERTAIN * spread => Clearness::Clear,
         _ => Clearness::Certain,
