@@ -133,7 +133,7 @@ pub fn is_clear(counts: &Counts) -> bool {
 }
 
 /// How clearly counts differ from the pdf: not clearly enough to name a mistake; clearly; or so that more samples would name no other.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum Clearness {
     Open,
     Clear,

@@ -81,25 +81,17 @@ impl<'a> Mistake<'a> {
     }
 
     /// A factor that the samples have and the pdf has not, and the reverse.
-    pub fn factor(name: &str, factor: impl Fn(Point) -> f64 + Copy + 'a) -> [Self; 2] {
+    pub fn factor(name: &str, factor: impl Fn(Point) -> f64 + 'a) -> [Self; 2] {
+        let factor = Rc::new(factor);
+        let times = factor.clone();
         [
-            Self::new(&format!("times {name}"), Follows::Times(Box::new(factor))),
+            Self::new(&format!("times {name}"), Follows::Times(Box::new(move |point| times(point)))),
             Self::new(&format!("divided by {name}"), Follows::Times(Box::new(move |point| 1.0 / factor(point)))),
         ]
     }
 
-    /// A variable as a factor.
-    fn of(variable: Variable<'a>) -> [Self; 2] {
-        let (name, at) = (variable.name, Rc::new(variable.at));
-        let times = at.clone();
-        [
-            Self::new(&format!("times {name}"), Follows::Times(Box::new(move |point| times(point)))),
-            Self::new(&format!("divided by {name}"), Follows::Times(Box::new(move |point| 1.0 / at(point)))),
-        ]
-    }
-
     /// A factor that is not tried on counts.
-    pub fn exact_factor(name: &str, factor: impl Fn(Point) -> f64 + Copy + 'a) -> [Self; 2] {
+    pub fn exact_factor(name: &str, factor: impl Fn(Point) -> f64 + 'a) -> [Self; 2] {
         Self::factor(name, factor).map(|mistake| Self { needs_exact_numbers: true, ..mistake })
     }
 
@@ -223,7 +215,7 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
         Mistake::within("a uniform density where the pdf is positive", |_| 1.0),
     ];
     all.extend(domain.mistakes());
-    all.extend(variables(domain, density).into_iter().flat_map(Mistake::of));
+    all.extend(variables(domain, density).into_iter().flat_map(|variable| Mistake::factor(variable.name, variable.at)));
     all.extend(density.mistakes());
     all.push(Mistake::new("to the power of {}", Follows::Power));
     // A set, or a table, that is shifted by one entry
