@@ -8,7 +8,8 @@ use etalon_core::sampling::stream::{Independent, Stream};
 use glam::DVec3;
 use serde::Serialize;
 
-/// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner.
+/// One sample. Field names are the CSV columns; x and y are continuous texel coordinates from the top left corner. The sample
+/// stands for a solid angle of 1 / (n pdf), and so for a flux of radiance times that.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SampleRow {
     pub x: f64,
@@ -19,6 +20,7 @@ pub struct SampleRow {
     pub dir_z: f64,
     /// Per solid angle.
     pub pdf: f64,
+    pub solid_angle: f64,
     /// Radiance, red.
     pub r: f32,
     /// Radiance, green.
@@ -70,6 +72,7 @@ pub fn draw(map: &EnvMap, sampler: &dyn SurfaceSampler, normal: DVec3, n: usize,
             dir_y: s.wi.y,
             dir_z: s.wi.z,
             pdf: s.pdf,
+            solid_angle: 1.0 / (count * s.pdf),
             r: s.radiance.x,
             g: s.radiance.y,
             b: s.radiance.z,

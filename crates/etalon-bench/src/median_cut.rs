@@ -17,7 +17,8 @@ pub enum Centroid {
 }
 
 /// One region. Field names are the CSV columns: its texels are \[x0, x1) × \[y0, y1), the centroid is in continuous
-/// texel coordinates, the direction is the centroid's, the flux is ∫ L dω and the energy its mean over R, G, B.
+/// texel coordinates, the direction is the centroid's, the flux is ∫ L dω, the energy its mean over R, G, B, and r, g, b the mean
+/// radiance, flux over solid angle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RegionRow {
     /// First column.
@@ -38,6 +39,13 @@ pub struct RegionRow {
     pub flux_b: f64,
     /// Mean of the flux.
     pub energy: f64,
+    pub solid_angle: f64,
+    /// Mean radiance, red.
+    pub r: f64,
+    /// Mean radiance, green.
+    pub g: f64,
+    /// Mean radiance, blue.
+    pub b: f64,
 }
 
 /// Cuts `map` into each of the numbers of regions asked for.
@@ -53,11 +61,14 @@ pub fn cut(
     let row = |region: Region| {
         let (x, y) = if centroid == Centroid::Energy { region.centroid } else { region.median };
         let direction = map.geometry().direction(x, y);
+        let block = region.block;
+        let solid_angle =
+            (block.x1 - block.x0) as f64 * (block.y0..block.y1).map(|y| map.geometry().solid_angle(y)).sum::<f64>();
         RegionRow {
-            x0: region.block.x0,
-            y0: region.block.y0,
-            x1: region.block.x1,
-            y1: region.block.y1,
+            x0: block.x0,
+            y0: block.y0,
+            x1: block.x1,
+            y1: block.y1,
             centroid_x: x,
             centroid_y: y,
             dir_x: direction.x,
@@ -67,6 +78,10 @@ pub fn cut(
             flux_g: region.flux.y,
             flux_b: region.flux.z,
             energy: region.energy,
+            solid_angle,
+            r: region.flux.x / solid_angle,
+            g: region.flux.y / solid_angle,
+            b: region.flux.z / solid_angle,
         }
     };
     counts.iter().map(|&n| Ok(tables.regions(n)?.into_iter().map(row).collect())).collect()
@@ -91,6 +106,7 @@ mod tests {
     use super::*;
     use etalon_core::envmap::info::Info;
     use etalon_core::envmap::synthetic::Synthetic;
+    use std::f64::consts::PI;
 
     #[test]
     fn every_built_in_map_keeps_its_flux() {
@@ -100,6 +116,8 @@ mod tests {
             for centroid in [Centroid::Energy, Centroid::Median] {
                 for rows in cut(&map, &[1, 7, 64], Split::Energy, SideRule::default(), centroid).unwrap() {
                     assert!(flux_error(&rows, flux) < 1e-9, "{}", synthetic.name());
+                    let sphere: f64 = rows.iter().map(|r| r.solid_angle).sum();
+                    assert!((sphere / (4.0 * PI) - 1.0).abs() < 1e-9, "{}: {sphere}", synthetic.name());
                 }
             }
         }

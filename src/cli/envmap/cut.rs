@@ -5,7 +5,7 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
 use crate::cli::values::choice;
 use clap::{ArgAction, Args};
-use etalon_bench::median_cut::{self, Centroid};
+use etalon_bench::median_cut::{self, Centroid, RegionRow};
 use etalon_core::envmap::cut::{SideRule, Split};
 use etalon_core::envmap::info::Info;
 use etalon_core::error::Result;
@@ -54,6 +54,7 @@ struct Output {
     flux_error: f64,
     /// Energy of the most energetic region over the mean of all regions.
     imbalance: f64,
+    lights: Vec<RegionRow>,
     #[serde(flatten)]
     written: Written,
 }
@@ -67,18 +68,18 @@ impl Cut {
         let target = global.target();
         let name = self.map.short_name();
         // Draw the regions over the map, and their lights on black.
-        let one = |(&n, rows): (&usize, &Vec<median_cut::RegionRow>)| -> Result<Output> {
+        let one = |(&n, rows): (&usize, Vec<RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
-            let mut files = output::write(&stem, &display.partition(rows), &output::csv(rows)?)?;
+            let mut files = output::write(&stem, &display.partition(&rows), &output::csv(&rows)?)?;
             // Half a million regions take seconds to draw.
             interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
-            files.extend(display.lights(rows, self.look.window as usize).write(&lights)?);
-            let (flux_error, imbalance) = (median_cut::flux_error(rows, flux), median_cut::imbalance(rows));
-            Ok(Output { n, flux_error, imbalance, written: target.written(files) })
+            files.extend(display.lights(&rows, self.look.window as usize).write(&lights)?);
+            let (flux_error, imbalance) = (median_cut::flux_error(&rows, flux), median_cut::imbalance(&rows));
+            Ok(Output { n, flux_error, imbalance, lights: rows, written: target.written(files) })
         };
-        let outputs = Outputs::of(&source.name, self.n.iter().zip(&cuts).map(one))?;
+        let outputs = Outputs::of(&source.name, self.n.iter().zip(cuts).map(one))?;
         console.result(&outputs, || {
             let line = |r: &Output| {
                 format!(

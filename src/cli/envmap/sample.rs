@@ -5,7 +5,7 @@ use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
 use crate::cli::values::{map_samplers, map_sampling, model};
 use clap::{ArgAction, Args};
-use etalon_bench::map_samples::{self, MapSamples};
+use etalon_bench::map_samples::{self, MapSamples, SampleRow};
 use etalon_core::envmap::EnvMap;
 use etalon_core::envmap::samplers::{ErrataSampler, MapSampling, SurfaceSampler};
 use etalon_core::errata::Formulas;
@@ -53,6 +53,7 @@ struct Output {
     flux_estimate: Option<f64>,
     /// Standard error of the estimate; none for one sample, too.
     flux_standard_error: Option<f64>,
+    samples: Vec<SampleRow>,
     #[serde(flatten)]
     written: Written,
 }
@@ -111,8 +112,8 @@ impl Sample {
             files.extend(display.samples_only(&samples.rows, window).write(&only)?);
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
             let flux_standard_error = flux_estimate.and(Some(samples.flux_standard_error)).filter(|e| e.is_finite());
-            let written = target.written(files);
-            Ok(Output { n, drawn: samples.rows.len(), flux_estimate, flux_standard_error, written })
+            let (samples, written) = (samples.rows, target.written(files));
+            Ok(Output { n, drawn: samples.len(), flux_estimate, flux_standard_error, samples, written })
         };
         let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
         console.result(&outputs, || {
