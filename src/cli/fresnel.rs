@@ -29,11 +29,11 @@ pub struct Fresnel {
     /// One is drawn with all its curves; several are drawn in one panel, at 587.56 nm.
     #[arg(value_name = "MEDIUM", allow_negative_numbers = true, conflicts_with_all = ["k", "eta_t"])]
     media: Vec<String>,
-    /// Index of refraction on the side that the light comes from
-    #[arg(long, value_name = "ETA", default_value_t = 1.0, allow_negative_numbers = true)]
+    /// Index of refraction on the side that the light comes from, or the name of a dielectric
+    #[arg(long, value_name = "ETA", default_value_t = 1.0, value_parser = index, allow_negative_numbers = true)]
     eta_i: f64,
-    /// Index of refraction on the other side
-    #[arg(long, value_name = "ETA", default_value_t = 1.45, allow_negative_numbers = true)]
+    /// Index of refraction on the other side, or the name of a dielectric
+    #[arg(long, value_name = "ETA", default_value_t = 1.45, value_parser = index, allow_negative_numbers = true)]
     eta_t: f64,
     /// Metals, by symbol or name
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
@@ -65,6 +65,15 @@ pub struct Fresnel {
     /// ended at the critical angle.
     #[arg(help_heading = "Curves", long, value_parser = model(), default_value = "exact")]
     model: Formulas,
+}
+
+/// Reads an index of refraction, or the name of a dielectric, at the d line.
+fn index(text: &str) -> std::result::Result<f64, String> {
+    let by_name = |_| match media::by_name(text) {
+        Some(medium @ Medium::Dielectric(_)) => Ok(medium.index_d()[0]),
+        _ => Err("not a number, nor a dielectric of --list".to_owned()),
+    };
+    text.parse().or_else(by_name)
 }
 
 fn metal_help() -> String {

@@ -24,6 +24,7 @@ mod sweep;
 mod validate;
 mod values;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use etalon_core::error::{Error, Result};
@@ -87,8 +88,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     // Parse the arguments
     let mut command = Cli::command();
     command.build();
+    let args: Vec<OsString> = args.into_iter().collect();
     let parsed =
-        command.try_get_matches_from_mut(args).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+        command.try_get_matches_from_mut(&args).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (mut cli, matches) = match parsed {
         Ok(parsed) => parsed,
         // The text of --help and --version is an error, too; there is no other place to report that it cannot be printed
@@ -99,7 +101,8 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
                 return 0;
             }
             // Arguments may hold characters that command a terminal
-            let _ = write!(std::io::stderr(), "{}", console::shown(&e.render().to_string()));
+            let example = example(&command, &args, &e);
+            let _ = write!(std::io::stderr(), "{}{example}", console::shown(&e.render().to_string()));
             return 2;
         }
     };
@@ -119,6 +122,18 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
             code
         }
     }
+}
+
+/// The first example of the subcommand that lacks an argument.
+fn example(command: &clap::Command, args: &[OsString], error: &clap::Error) -> String {
+    if error.kind() != ErrorKind::MissingRequiredArgument {
+        return String::new();
+    }
+    let words = args.iter().skip(1).filter_map(|word| word.to_str());
+    let subcommand = words.fold(command, |command, word| command.find_subcommand(word).unwrap_or(command));
+    let help = subcommand.get_after_long_help().map(ToString::to_string).unwrap_or_default();
+    let example = help.lines().find_map(|line| line.strip_prefix("  etalon "));
+    example.map(|line| format!("\nExample:\n  etalon {line}\n")).unwrap_or_default()
 }
 
 /// Runs `work` on a pool of n threads of its own: another run in this process may have others.
@@ -171,6 +186,18 @@ mod tests {
                 Ok(Verdict::Good)
             };
             assert_eq!(with_threads(Some(count), run).unwrap(), Verdict::Good);
+        }
+    }
+
+    #[test]
+    fn a_missing_argument_is_shown_by_an_example() {
+        for line in ["render", "compare", "converge", "furnace", "envmap cut"] {
+            let mut command = Cli::command();
+            command.build();
+            let args: Vec<OsString> = ["etalon"].into_iter().chain(line.split(' ')).map(OsString::from).collect();
+            let error = command.try_get_matches_from_mut(&args).unwrap_err();
+            let example = example(&command, &args, &error);
+            assert!(example.starts_with(&format!("\nExample:\n  etalon {line} ")), "{line}: {example}");
         }
     }
 

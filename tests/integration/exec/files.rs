@@ -105,15 +105,18 @@ fn files_of_numbers_are_tested_against_tables() {
     assert_eq!(run("none.csv", "fair.csv", "discrete:6").code, 3);
 }
 
-/// As spreadsheets and Windows write them.
+/// As spreadsheets, Windows and NumPy write them.
 #[test]
-fn byte_order_marks_and_crlf_are_read() {
+fn byte_order_marks_crlf_and_comments_are_read() {
     let folder = tempdir().unwrap();
     let mut rng = CounterRng::new(3, 0);
     let rows: String = (0..20_000).map(|_| format!("{}\r\n", rng.random::<f64>())).collect();
     std::fs::write(folder.path().join("samples.csv"), format!("\u{feff}x\r\n{rows}")).unwrap();
     std::fs::write(folder.path().join("pdf.csv"), "\u{feff}1\r\n1\r\n").unwrap();
     let args = ["validate", "--samples", "samples.csv", "--pdf", "pdf.csv", "--domain", "line"];
+    assert_eq!(json(folder.path(), &args)["accepted"], 1);
+    std::fs::write(folder.path().join("samples.csv"), format!("# x\n# of a run\n{rows}# its end\n")).unwrap();
+    std::fs::write(folder.path().join("pdf.csv"), "# pdf\n1\n1\n").unwrap();
     assert_eq!(json(folder.path(), &args)["accepted"], 1);
 }
 

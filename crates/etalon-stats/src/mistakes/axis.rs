@@ -173,6 +173,14 @@ impl Axis {
         };
         let name = format!("with angles to {axis} that are {{}} times as large");
         all.push(Mistake::scaled(&name, by_angle));
+        // Solid angles of caps are 4π sin² γ/2.
+        let by_solid_angle = move |scale: f64, point: Point| {
+            let height = (1.0 - cos(point)) / (scale * scale);
+            let place = at_angle(point, &|_| (1.0 - height).within(-1.0, 1.0).acos());
+            (place.into(), f64::from(height <= 2.0))
+        };
+        let name = format!("with sin γ/2, γ the angle with {axis}, {{}} times as large");
+        all.push(Mistake::scaled(&name, by_solid_angle));
         all
     }
 }

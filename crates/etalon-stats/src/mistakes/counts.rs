@@ -546,16 +546,13 @@ impl<'a> Table<'a> {
             // Where atoms and "no sample" are all there is, their probabilities are all that can be wrong.
             return Ok(if self.total == 0.0 { of_draws() } else { None });
         };
-        if of_pdf <= CHANCE * spread && self.others.iter().any(|(n, _)| *n > 0) {
-            return Ok(of_draws());
-        }
         if of_pdf <= CHANCE * spread {
             // What chance hides of the shape must be little beside the factor.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
             let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
-            let ratio = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
-            let told = || format!("{samples} follow {of} up to a factor: {of} is {ratio} times as large");
-            return Ok(is_factor.then(told).map(Named::new));
+            let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
+            let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
+            return Ok(of_draws().or_else(|| is_factor.then(told).map(Named::new)));
         }
         let clear = if self.is_early { CHANCE } else { CLEAR };
         if of_pdf.is_nan() || of_pdf < clear * spread {
@@ -613,9 +610,13 @@ impl<'a> Table<'a> {
         }
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
         let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
-        let fitted = fitted.collect::<Result<Vec<_>>>()?;
-        if let Some((_, name)) = fitted.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            return follow_amount(name);
+        let mut fitted: Vec<(f64, String)> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        if !fitted.is_empty() {
+            // Those that explain as much as the best
+            fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let best = fitted[0].0;
+            fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
+            return follow_amount(alternatives(fitted.into_iter().map(|(_, name)| name).collect()));
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
             Some(from) => self.turned(from, most, of)?,

@@ -43,6 +43,8 @@ impl SampleFile {
         }
         let mut lines = Lines::open(path)?;
         let Some(line) = lines.next()? else { return Err(Error::input(path, "the file is empty")) };
+        // NumPy marks a header as a comment.
+        let line = line.trim_start_matches('#');
         let names: Vec<String> = line.split(',').map(|name| name.trim().to_lowercase()).collect();
         let find = |name: &str| names.iter().position(|other| other == name);
         let headers = density.space().names();
@@ -264,7 +266,7 @@ impl Lines {
         Error::input(&self.path, message).at(Place::Text { line: self.number, column: 1 })
     }
 
-    /// The next line that is not empty; `None` at the end.
+    /// The next line that is neither empty nor, below the first, a comment; `None` at the end.
     pub fn next(&mut self) -> Result<Option<&str>> {
         loop {
             self.line.clear();
@@ -279,7 +281,8 @@ impl Lines {
             if self.number == 1 {
                 self.line.drain(..self.line.len() - without_bom(&self.line).len());
             }
-            if !self.line.trim_ascii().is_empty() {
+            let is_comment = self.number > 1 && self.line.starts_with(b"#");
+            if !self.line.trim_ascii().is_empty() && !is_comment {
                 break;
             }
         }
@@ -287,9 +290,13 @@ impl Lines {
         Ok(Some(text.trim()))
     }
 
-    /// The numbers of the next line that is not empty, with commas between them; none of them is NaN.
+    /// The numbers of the next line that is neither empty nor a comment, with commas between them; none of them is NaN.
     pub fn numbers(&mut self) -> Result<Option<Vec<f64>>> {
-        let Some(line) = self.next()? else { return Ok(None) };
+        while self.next()?.is_some_and(|line| line.starts_with('#')) {}
+        let line = std::str::from_utf8(&self.line).unwrap_or_default().trim();
+        if line.is_empty() {
+            return Ok(None);
+        }
         let number = |word: &str| real(word.trim()).ok_or_else(|| format!("{} is not a number", quote(word.trim())));
         let numbers: std::result::Result<Vec<f64>, String> = line.split(',').map(number).collect();
         numbers.map(Some).map_err(|message| self.error(message))
