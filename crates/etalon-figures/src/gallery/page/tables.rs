@@ -83,7 +83,7 @@ pub fn claims(claims: &[Claim], all: &[Shown<'_>]) -> String {
         .words("In the report", |claim| escape(&claim.place))
         .words("Its number", |claim| escape(&claim.number))
         .words("Measured, and what the claim demands", |claim| {
-            escape(&claim.measured.join("\n")).replace('\n', "<br />")
+            claim.measured.iter().map(|measured| escape(measured)).collect::<Vec<_>>().join("<br />")
         })
         .words("Verdict", |claim| format!("<strong>{}</strong>", escape(&claim.verdict)))
         .words("Evidence", |claim| claim.evidence.iter().map(link).collect::<Vec<_>>().join(", "))
