@@ -1,4 +1,4 @@
-// Runs in the page: uses everything, and tells the page around it what is wrong.
+// Runs in the page: measures it, uses everything, and tells the page around it what is wrong.
 const wrong = [];
 addEventListener('error', (event) => wrong.push(`error: ${event.message || event.target.src || event.target.href}`.slice(0, 300)), true);
 addEventListener('unhandledrejection', (event) => wrong.push(`rejected: ${event.reason}`));
@@ -9,45 +9,81 @@ addEventListener('load', async () => {
   // Not decode(), which a browser without a screen does not wait for before it reports.
   const loaded = (image) => image.complete || new Promise((done) => ['load', 'error'].forEach((e) => image.addEventListener(e, done)));
   const pause = () => new Promise((done) => setTimeout(done, 50));
-  const key = (name) => one('dialog').dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true }));
+  const key = (name) => one('.stage').dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true }));
+  const input = (field, value) => {
+    field.value = value;
+    field.dispatchEvent(new Event('input'));
+  };
+  const shown = (selector) => every(selector).filter((element) => element.checkVisibility()).length;
+  let [height, stops] = [0, 0];
   try {
+    // As it opens: its height, and the places where the tab key stops
+    for (const image of document.images) await loaded(image);
+    await pause();
+    height = document.documentElement.scrollHeight;
+    stops = shown('a[href], button:enabled, input:enabled, select:enabled, summary, [tabindex="0"]');
+    must(height <= 12000 || innerWidth < 1000, `${height} pixels tall`);
+    must(stops <= 200, `${stops} tab stops`);
     // Nothing is wider than the window, all is loaded, every link leads somewhere
     every('details').forEach((details) => { details.open = true; });
     await pause();
     must(document.documentElement.scrollWidth <= innerWidth, `wider than ${innerWidth}: ${document.documentElement.scrollWidth}`);
-    for (const table of every('table')) must(table.scrollWidth <= table.parentElement.clientWidth, `a table wider than its frame of ${table.parentElement.clientWidth}`);
-    for (const image of document.images) {
-      await loaded(image);
-      must(image.naturalWidth > 0 && image.clientWidth > 0, `no picture: ${image.alt}`);
-    }
-    // An image is complete before its load event, which gives the comparison its width
-    await pause();
+    for (const table of every('table')) must(table.scrollWidth <= table.parentElement.clientWidth + 1, `a table wider than its frame of ${table.parentElement.clientWidth}`);
+    for (const image of every('nav img, article img')) must(image.naturalWidth > 0, `no picture: ${image.alt}`);
     for (const link of every('a[href^="#"]')) must(document.getElementById(link.hash.slice(1)), `leads nowhere: ${link.hash}`);
     for (const field of every('input, select, button')) {
       must(field.textContent.trim() || field.labels?.length || field.getAttribute('aria-label'), `no name: ${field.outerHTML}`);
     }
+    // Groups: one figure is seen, which the slider chooses, or an address
+    for (const slider of every('.slider')) {
+      const [range, figures] = [slider.querySelector('input'), [...slider.parentElement.querySelectorAll('.figure')]];
+      for (const [i, figure] of figures.entries()) {
+        input(range, i);
+        must(figures.every((other) => other.checkVisibility() === (other === figure)), `the slider does not show ${figure.id}`);
+      }
+      for (const id of [figures[0].id, figures[1].dataset.id]) {
+        location.hash = id;
+        await pause();
+        must(figures.find((figure) => figure.id.endsWith(id)).checkVisibility(), `#${id} does not lead to its figure`);
+      }
+    }
+    // One figure per screen
+    document.getElementById('screens').click();
+    const title = () => one('#viewed').textContent;
+    const first = title();
+    must(one('dialog').open && document.activeElement === one('.stage'), 'no screen opens');
+    key('ArrowRight');
+    must(title() !== first, 'the next figure does not follow');
+    key('PageUp');
+    must(title() === first, 'the figure before does not come back');
+    must(one('#caption').textContent.length > 40, 'a screen without caption');
+    one('dialog').close();
     // Comparison
-    const compare = every('details.compare');
-    must(compare.length === 2, `${compare.length} comparisons`);
-    const range = one('.compare input');
-    range.value = 25;
-    range.dispatchEvent(new Event('input'));
+    const start = one('.start');
+    start.click();
+    await pause();
+    must(one('.other').naturalWidth > 0, 'nothing is compared');
+    input(document.getElementById('share'), 25);
     must(one('.pair').style.getPropertyValue('--at') === '25%', 'the slider does not move the edge');
-    must(Math.abs(range.clientWidth - one('.pair').clientWidth) < 2, 'the slider is not as wide as the image');
-    const modes = [...compare[0].querySelectorAll('button')];
+    const modes = every('button[data-mode]');
     modes[1].click();
-    must(one('.pair').dataset.mode === 'difference' && getComputedStyle(one('.pair .over')).mixBlendMode === 'difference', 'no difference');
+    must(getComputedStyle(one('.own')).mixBlendMode === 'difference', 'no difference');
     modes[0].click();
     must(modes.map((mode) => mode.getAttribute('aria-pressed')).join() === 'true,false,false', 'the mode is not marked');
+    one('[data-do="lens"]').click();
+    must(shown('.lens span') === 2, 'the magnifier does not show both');
+    one('[data-do="lens"]').click();
+    one('dialog').close();
     // Magnification: keys, wheel and double click
-    for (const link of every('a.zoom')) {
+    for (const link of every('.figure:not([hidden]) .zoom')) {
       link.click();
-      const [dialog, large, stage] = [one('dialog'), one('dialog img'), one('.stage')];
-      must(dialog.open && document.activeElement === stage, 'does not enlarge');
+      const [large, stage] = [one('.own'), one('.stage')];
+      must(one('dialog').open && document.activeElement === stage, 'does not enlarge');
       await loaded(large);
       await pause();
       must(large.naturalWidth > 0, `not enlarged: ${large.alt}`);
       const before = large.clientWidth;
+      must(Math.abs(before - stage.clientWidth) < 2 || Math.abs(large.clientHeight - stage.clientHeight) < 2, `does not fill the window: ${large.alt}`);
       key('+');
       must(large.clientWidth > before, `+ does not enlarge ${large.alt}`);
       key('0');
@@ -60,38 +96,38 @@ addEventListener('load', async () => {
       const left = large.getBoundingClientRect().left;
       key('ArrowLeft');
       must(large.getBoundingClientRect().left > left, 'arrows do not move');
-      dialog.close();
+      one('dialog').close();
     }
     // Search
-    const shown = (selector) => every(selector).filter((element) => element.clientHeight > 0).length;
-    const count = shown('article');
     const find = document.getElementById('find');
-    find.value = 'CRITICAL  exit';
-    find.dispatchEvent(new Event('input'));
-    must(shown('article') === 1, `search shows ${shown('article')}`);
-    must(shown('.tiles li') === 1 && shown('nav li') <= 1, 'thumbnails that do not match stay');
-    must(shown('section > .panel tbody tr') === 0, 'rows that do not match stay');
-    must(shown('h2') === 2, `${shown('h2')} headings stay`);
-    find.value = '';
-    find.dispatchEvent(new Event('input'));
+    const count = shown('article');
+    input(find, 'CRITICAL  total internal');
+    must(shown('article') === 1 && shown('#figure-fresnel-exit') === 1, `search shows ${shown('article')}`);
+    must(shown('nav li') === 1, 'thumbnails that do not match stay');
+    must(shown('section > h2') === 1, `${shown('section > h2')} headings stay`);
+    input(find, 'Λ');
+    must(shown('.wide tbody tr') === 1, `${shown('.wide tbody tr')} rows match`);
+    input(find, '');
     document.getElementById('failed').click();
     must(shown('article') === 0, 'nothing has failed');
     document.getElementById('failed').click();
     must(shown('article') === count, 'not all are back');
-    // What axe-core finds, light and dark
-    const accessible = async () => {
+    // What axe-core finds, light and dark, in the page and in the dialog
+    const accessible = async (where) => {
       const found = window.axe ? await axe.run(document) : { violations: [] };
-      for (const { id, nodes } of found.violations) wrong.push(`axe: ${id}, ${nodes.length} times, first ${nodes[0].html.slice(0, 150)}`);
+      for (const { id, nodes } of found.violations) wrong.push(`axe: ${id} (${where}), ${nodes.length} times, first ${nodes[0].html.slice(0, 150)}`);
     };
-    await accessible();
-    // Theme
+    await accessible('light');
     const colour = () => getComputedStyle(document.body).backgroundColor;
-    const first = colour();
+    const before = colour();
     document.getElementById('theme').click();
-    must(colour() !== first, 'the theme stays');
-    await accessible();
+    must(colour() !== before, 'the theme stays');
+    await accessible('dark');
+    start.click();
+    await pause();
+    await accessible('dialog');
   } catch (error) {
     wrong.push(String(error));
   }
-  parent.postMessage(`PROBED[${wrong.join('; ')}]`, '*');
+  parent.postMessage(`PROBED ${height} pixels, ${stops} stops [${wrong.join('; ')}]`, '*');
 });

@@ -85,8 +85,22 @@ pub struct Figure {
     pub papers: Vec<String>,
     /// The figure to compare it with.
     pub beside: Option<String>,
+    /// The figures with which it shares one place on the page, and its position among them: a label of their slider.
+    pub group: Option<Group>,
+    #[serde(default)]
+    pub at: String,
     /// The subcommand that makes this figure alone, if there is one; `{map}` stands for the environment map.
     pub command: Option<String>,
+}
+
+/// Figures that differ by one quantity.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    pub id: String,
+    pub title: String,
+    /// The quantity by which they differ.
+    pub varies: String,
 }
 
 impl Figure {

@@ -139,7 +139,22 @@ mod tests {
         let sections: Vec<&str> =
             all.chunk_by(|a, b| a.section == b.section).map(|group| group[0].section.as_str()).collect();
         assert_eq!(sections.len(), sections.iter().collect::<BTreeSet<_>>().len(), "a section in two places");
+        let groups: Vec<&[Figure]> =
+            all.chunk_by(|a, b| a.group == b.group).filter(|figures| figures[0].group.is_some()).collect();
+        let names: BTreeSet<&str> =
+            groups.iter().map(|figures| figures[0].group.as_ref().unwrap().id.as_str()).collect();
+        assert_eq!(groups.len(), names.len(), "a group in two places");
+        assert!(names.is_disjoint(&ids), "a group and a figure of one id");
+        for figures in groups {
+            let positions: BTreeSet<&str> = figures.iter().map(|figure| figure.at.as_str()).collect();
+            assert!(
+                figures.len() > 1 && positions.len() == figures.len() && !positions.contains(""),
+                "{:?}",
+                figures[0].group
+            );
+        }
         for figure in all {
+            assert_eq!(figure.group.is_none(), figure.at.is_empty(), "{}", figure.id);
             let id = figure.id.as_str();
             let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
             assert!(id.chars().all(plain), "{id} is the name of files");

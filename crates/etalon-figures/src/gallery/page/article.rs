@@ -1,70 +1,147 @@
-//! One figure on the page: its image, what it says, its counterpart, its checks and the commands that reproduce it.
+//! An article of the page: a figure, or a group of figures that share one place, where a slider goes through them.
 
 use super::embedded::EmbeddedImage;
 use super::record::Record;
+use super::tables;
 use crate::figure::escape;
-use crate::gallery::check::Check;
-use crate::gallery::figure::{Erratum, FORMATS, Figure, Printed};
+use crate::gallery::figure::{Erratum, FORMATS, Figure};
 use crate::view::text::{counted, duration};
-use etalon_bench::table::Table;
 use std::path::Path;
 
-pub struct Article<'a> {
+/// A figure with what a run has recorded of it.
+pub struct Shown<'a> {
     pub figure: &'a Figure,
-    /// Its place on the page, from 1.
-    pub number: usize,
     pub record: &'a Record,
     pub image: EmbeddedImage,
 }
 
-impl EmbeddedImage {
-    /// Its class in the style sheet.
-    fn kind(&self) -> &'static str {
-        if self.chart { "chart" } else { "picture" }
+pub struct Article<'a> {
+    /// Its place on the page, from 1.
+    pub number: usize,
+    /// One figure, or those of a group in the order of the slider.
+    pub figures: &'a [Shown<'a>],
+}
+
+impl<'a> Article<'a> {
+    /// Figures of one group are one article.
+    pub fn all(shown: &'a [Shown<'a>]) -> Vec<Self> {
+        let groups = shown.chunk_by(|a, b| a.figure.group.is_some() && a.figure.group == b.figure.group);
+        groups.enumerate().map(|(i, figures)| Self { number: i + 1, figures }).collect()
     }
 
-    /// The class of its thumbnail: a chart that has images must not be inverted on a dark page.
-    pub fn thumbnail_kind(&self) -> &'static str {
-        match self.source.matches("data:image/").count() {
-            1 if self.chart => "plain",
-            _ if self.chart => "mixed",
-            _ => "picture",
+    /// The figure that is seen first, and as a thumbnail: the middle one of a group.
+    pub fn first(&self) -> &Shown<'a> {
+        &self.figures[self.middle()]
+    }
+
+    fn middle(&self) -> usize {
+        (self.figures.len() - 1) / 2
+    }
+
+    pub fn section(&self) -> &'a str {
+        &self.figures[0].figure.section
+    }
+
+    pub fn title(&self) -> &'a str {
+        match (self.figures, &self.figures[0].figure.group) {
+            ([_, _, ..], Some(group)) => &group.title,
+            ([one, ..], _) => &one.figure.title,
+            ([], _) => "",
         }
+    }
+
+    pub fn failed(&self) -> usize {
+        self.figures.iter().map(Shown::failed).sum()
+    }
+
+    /// The article as HTML that is well-formed XML; `all` are the figures of the page, `folder` has their files.
+    pub fn html(&self, all: &[Shown<'_>], folder: &Path) -> String {
+        let (number, title, failed) = (self.number, escape(self.title()), self.failed());
+        let (id, slider) = match (self.figures, &self.figures[0].figure.group) {
+            ([_, _, ..], Some(group)) => (format!(" id=\"figure-{}\"", group.id), self.slider(&group.varies)),
+            _ => Default::default(),
+        };
+        let mut before = String::new();
+        let figures: String = self.figures.iter().map(|shown| shown.html(self, &mut before, all, folder)).collect();
+        format!(
+            "<article{id} data-failed=\"{failed}\">\n<h3><span class=\"fine\">{number}</span> {title}</h3>\n{slider}{figures}</article>\n"
+        )
+    }
+
+    /// The slider, which the script shows.
+    fn slider(&self, varies: &str) -> String {
+        let label = |shown: &Shown<'_>| format!("<span>{}</span>", escape(&shown.figure.at));
+        let labels: String = self.figures.iter().map(label).collect();
+        let (count, varies) = (self.figures.len(), escape(varies));
+        format!(
+            "<div class=\"slider\" hidden=\"hidden\" style=\"--count:{count}\"><label>{varies}\n\
+             <input type=\"range\" min=\"0\" max=\"{}\" value=\"{}\" /></label><p aria-hidden=\"true\">{labels}</p></div>\n",
+            count - 1,
+            self.middle()
+        )
     }
 }
 
-impl Article<'_> {
+impl Shown<'_> {
     /// The number of failed checks.
     pub fn failed(&self) -> usize {
         self.record.checks.iter().filter(|c| c.failed()).count()
     }
 
-    /// The figure as HTML that is well-formed XML.
-    pub fn html(&self, folder: &Path) -> String {
-        let EmbeddedImage { source, width, height, .. } = &self.image;
-        let Figure { title, shows, matters, .. } = self.figure;
-        let (id, number, failed, kind) = (escape(&self.figure.id), self.number, self.failed(), self.image.kind());
+    /// `before` has the texts of the figure before, which a list need not repeat.
+    fn html(&self, article: &Article<'_>, before: &mut String, all: &[Shown<'_>], folder: &Path) -> String {
+        let Figure { id, title, shows, matters, beside, .. } = self.figure;
+        let (id, title, beside) = (escape(id), escape(title), beside.as_deref().unwrap_or_default());
         let input = &self.record.input;
-        let shows = &if input.is_empty() { shows.clone() } else { format!("{shows} Made with {input}.") };
-        let [title, shows, matters, alternative] =
-            [title, shows, matters, &format!("{title} ({id}). {shows}")].map(|text| escape(text));
-        let (beside, render) =
-            (self.figure.beside.as_deref().unwrap_or_default(), folder.join(format!("{id}.exr")).exists());
-        let there = FORMATS.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
-        let files: String = there.map(|e| format!(r#" <a href="{id}.{e}">{}</a>"#, e.to_uppercase())).collect();
-        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
-        let (printed, citation, checks) = (printed(&self.record.printed), self.citation(), checks(&self.record.checks));
-        let commands = self.commands();
+        let made = if input.is_empty() { String::new() } else { format!(" Made with {input}.") };
+        let texts =
+            format!("<p>{}{}</p>\n<p class=\"matters\">{}</p>\n", escape(shows), escape(&made), escape(matters));
+        let repeated = if *before == texts { " repeated" } else { "" };
+        let heading = if article.figures.len() > 1 { format!("<h4>{title}</h4>\n") } else { String::new() };
+        let (picture, about) = (self.picture(article.number), self.about(folder));
+        let (claims, errata) = (tables::claims(&self.record.claims, all), tables::errata(&id, &self.record.errata));
+        before.clone_from(&texts);
         format!(
-            r##"<article id="figure-{id}" data-id="{id}" data-failed="{failed}" data-beside="{beside}" data-render="{render}">
-<h3><span class="fine">{number}</span> {title} <a class="permalink" href="#figure-{id}" aria-label="Link to figure {number}">#</a></h3>
-<p>{shows}</p>
-<p class="matters">{matters}</p>
-<figure class="{kind}"><div class="scroll"><a class="zoom" href="{id}.svg" data-title="{number}. {title}" style="--width:{width}px">
-<img src="{source}" width="{width}" height="{height}" alt="{alternative}" decoding="async" />{panels}</a></div>
-<figcaption class="fine"><span class="hint">Scroll sideways, or tap to enlarge. </span>Download, from beside this page:{files}</figcaption></figure>
-{printed}{citation}{checks}{commands}</article>
-"##
+            "<div class=\"figure\" id=\"figure-{id}\" data-id=\"{id}\" data-beside=\"{beside}\">\n{heading}{picture}\
+             <div class=\"text{repeated}\">\n{texts}</div>\n{claims}{errata}{about}</div>\n"
+        )
+    }
+
+    /// The image, which leads to its file. A figure that is a table of claims has the table instead.
+    fn picture(&self, number: usize) -> String {
+        if !self.record.claims.is_empty() {
+            return String::new();
+        }
+        let EmbeddedImage { source, width, height, chart, .. } = &self.image;
+        let Figure { id, title, shows, .. } = self.figure;
+        let kind = if *chart { "chart" } else { "picture" };
+        let (id, title, alternative) = (escape(id), escape(title), escape(&format!("{title} ({id}). {shows}")));
+        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
+        format!(
+            "<figure class=\"{kind}\"><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{number}. {title}\">\n\
+             <img src=\"{source}\" width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" decoding=\"async\" />{panels}</a></figure>\n"
+        )
+    }
+
+    /// Checks, numbers, sources, files and commands; open if a check has failed.
+    fn about(&self, folder: &Path) -> String {
+        let checks = &self.record.checks;
+        let skipped = checks.iter().filter(|check| check.pass.is_none()).count();
+        let left_out = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
+        let (open, class, outcome) = match self.failed() {
+            0 if skipped == checks.len() => ("", "fine", "none was made".to_owned()),
+            0 => ("", "pass", format!("✓ passed{left_out}")),
+            failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED{left_out}")),
+        };
+        let id = escape(&self.figure.id);
+        let there = FORMATS.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
+        let files: String = there.map(|e| format!(" <a href=\"{id}.{e}\">{}</a>", e.to_uppercase())).collect();
+        let (count, table) = (counted(checks.len(), "check"), tables::checks(checks));
+        let (printed, citation, commands) = (tables::printed(&self.record.printed), self.citation(), self.commands());
+        format!(
+            "<details class=\"about\"{open}><summary>{count}, <span class=\"{class}\">{outcome}</span>; sources, files, commands</summary>\n\
+             {citation}{printed}{table}{commands}<p class=\"fine\">Files beside this page:{files}. \
+             <a href=\"#figure-{id}\">Link to this figure</a></p>\n</details>\n"
         )
     }
 
@@ -77,23 +154,17 @@ impl Article<'_> {
             all => format!("<p>{} In them: {}.</p>\n", escape(&all.join(" ")), escape(reproduces)),
         };
         let papers: String = papers.iter().map(|paper| format!("<p>{}.</p>\n", escape(paper))).collect();
-        if counterpart.is_empty() && papers.is_empty() {
-            return String::new();
-        }
         format!("<div class=\"sources fine\">\n{counterpart}{papers}</div>\n")
     }
 
     fn commands(&self) -> String {
         let setup = &self.record.setup;
-        let again = command(&join(&format!("etalon reproduce --only {}", escape(&self.figure.id)), &setup.options));
+        let again = command(&join(&format!("etalon reproduce --only {}", self.figure.id), &setup.options));
         let direct = self.figure.command.as_ref().map_or_else(String::new, |direct| {
-            format!("<p>or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
+            format!("<p class=\"fine\">or, with all options,</p>{}", command(&direct.replace("{map}", &setup.map)))
         });
         let time = duration(self.record.seconds);
-        format!(
-            "<details class=\"again\"><summary>Reproduce it</summary>{again}{direct}<p class=\"fine\">took {time} when this page was made</p>\
-             </details>\n"
-        )
+        format!("{again}{direct}<p class=\"fine\">Made in {time}.</p>\n")
     }
 }
 
@@ -115,49 +186,4 @@ fn panel(id: &str, erratum: &Erratum) -> Option<String> {
          </span>",
         place.panel
     ))
-}
-
-/// The report's numbers beside ours.
-fn printed(printed: &[Printed]) -> String {
-    if printed.is_empty() {
-        return String::new();
-    }
-    Table::of(printed)
-        .words("Quantity", |number| escape(&number.quantity))
-        .numbers("The report prints", |number| escape(&number.report))
-        .numbers("Computed here", |number| escape(&number.ours))
-        .html("cards printed")
-}
-
-/// All checks, closed unless one has failed.
-fn checks(checks: &[Check]) -> String {
-    if checks.is_empty() {
-        return String::new();
-    }
-    let verdict = |check: &Check| match check.pass {
-        Some(true) => "<span class=\"pass\">✓ pass</span>",
-        Some(false) => "<span class=\"fail\">✗ FAIL</span>",
-        None => "skipped",
-    };
-    let table = Table::of(checks)
-        .words("Verdict", verdict)
-        .words("Check", |check| match check.pass {
-            None => format!("{} <span class=\"fine\">({})</span>", escape(&check.name), escape(&check.skipped)),
-            Some(_) => escape(&check.name),
-        })
-        .numbers("Measured", |check| format!("<span title=\"{}\">{}</span>", check.got, escape(&check.measured())))
-        .numbers("Must be", |check| escape(&check.demand()))
-        .html("cards");
-    let failed = checks.iter().filter(|check| check.failed()).count();
-    let skipped = checks.iter().filter(|check| check.pass.is_none()).count();
-    let left_out = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
-    let (open, class, outcome) = match failed {
-        0 if skipped == checks.len() => ("", "fine", "none was made".to_owned()),
-        0 => ("", "pass", format!("✓ passed{left_out}")),
-        failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED{left_out}")),
-    };
-    format!(
-        "<details class=\"checks\"{open}><summary>{}, <span class=\"{class}\">{outcome}</span></summary>\n{table}</details>\n",
-        counted(checks.len(), "check")
-    )
 }

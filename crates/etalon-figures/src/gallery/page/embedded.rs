@@ -11,12 +11,13 @@ use std::path::Path;
 
 /// Larger PNG files may be noisy; as JPEG these take fewer bytes.
 const LARGEST_PNG: usize = 30_000;
-/// Wider images are reduced to this width in pixels.
+/// Wider images are reduced to this width in pixels, and inside charts to so many pixels for each unit of the drawing.
 const WIDEST: u32 = 1200;
+const SHARP: f64 = 1.5;
 /// Quality of JPEG images: differs from the PNG by less than the noise of the images.
-const QUALITY: u8 = 76;
+const QUALITY: u8 = 66;
 /// Width and height of a thumbnail in pixels.
-const THUMBNAIL: [u32; 2] = [256, 192];
+const THUMBNAIL: [u32; 2] = [200, 150];
 const LIMIT: u64 = 256 << 20;
 /// How the drawings' own images start.
 const PNG: &str = "href=\"data:image/png;base64,";
@@ -28,8 +29,9 @@ pub struct EmbeddedImage {
     pub height: u32,
     /// Whether it is a chart: it has text, stays sharp at any size, and follows a dark page.
     pub chart: bool,
-    /// A small one, as a `data:` address.
+    /// A small one, as a `data:` address, and whether a dark page exchanges its black and white.
     pub thumbnail: String,
+    pub inverts: bool,
 }
 
 impl EmbeddedImage {
@@ -43,52 +45,64 @@ impl EmbeddedImage {
             .map_err(|_| Error::input(&path, "no drawing: it is not UTF-8"))?;
         let png = files::read_own(&png_path, LIMIT)?;
         let full = decoded(&png, &png_path)?;
-        let chart = svg.contains("<text");
-        let thumbnail = address("jpeg", &jpeg(thumbnail(&full, chart), &png_path)?);
-        if chart {
-            let [width, height] = size(&svg).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
-            let source = vector_address(&with_dark_colours(&with_small_images(&svg, &path)?));
-            return Ok(Self { source, width, height, chart, thumbnail });
+        let small = |image| -> Result<String> { Ok(address("jpeg", &jpeg(image, &png_path)?)) };
+        if svg.contains("<text") {
+            let tag = svg.split_once("<svg").and_then(|(_, rest)| rest.split_once('>'));
+            let [width, height] =
+                tag.and_then(|(tag, _)| size(tag)).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
+            let (svg, largest) = with_small_images(&svg, &path)?;
+            let source = vector_address(&with_dark_colours(&svg));
+            let inverts = largest.is_none();
+            let thumbnail = small(largest.map_or_else(|| whole(&full), |image| middle(&image)))?;
+            return Ok(Self { source, width, height, chart: true, thumbnail, inverts });
         }
-        let (source, [width, height]) = picture(&png, full, &png_path)?;
-        Ok(Self { source, width, height, chart, thumbnail })
+        let thumbnail = small(middle(&full))?;
+        let (source, [width, height]) = picture(&png, full, WIDEST, &png_path)?;
+        Ok(Self { source, width, height, chart: false, thumbnail, inverts: false })
     }
 }
 
-/// What is in the middle of a picture; of a chart, its first panel.
-fn thumbnail(full: &DynamicImage, chart: bool) -> DynamicImage {
-    let [small_width, small_height] = THUMBNAIL;
-    if !chart {
-        return full.resize_to_fill(small_width, small_height, FilterType::CatmullRom);
-    }
-    let width = full.width().min(full.height() * small_width / small_height).max(1);
-    let height = full.height().min(full.width() * small_height / small_width).max(1);
-    full.crop_imm(0, 0, width, height).resize_exact(small_width, small_height, FilterType::CatmullRom)
+/// The thumbnail of a picture, and of a chart with pictures that of the largest: what is in its middle.
+fn middle(full: &DynamicImage) -> DynamicImage {
+    let filter = if full.width() < THUMBNAIL[0] { FilterType::Nearest } else { FilterType::CatmullRom };
+    full.resize_to_fill(THUMBNAIL[0], THUMBNAIL[1], filter)
+}
+
+/// The thumbnail of a chart.
+fn whole(full: &DynamicImage) -> DynamicImage {
+    full.resize(THUMBNAIL[0], THUMBNAIL[1], FilterType::CatmullRom)
 }
 
 /// A PNG as it is, or if that takes fewer bytes, as a JPEG of limited width; and its size.
-fn picture(png: &[u8], mut full: DynamicImage, path: &Path) -> Result<(String, [u32; 2])> {
+fn picture(png: &[u8], mut full: DynamicImage, widest: u32, path: &Path) -> Result<(String, [u32; 2])> {
     if png.len() <= LARGEST_PNG {
         return Ok((address("png", png), [full.width(), full.height()]));
     }
-    if full.width() > WIDEST {
-        full = full.resize(WIDEST, u32::MAX, FilterType::CatmullRom);
+    if full.width() > widest {
+        full = full.resize(widest, u32::MAX, FilterType::CatmullRom);
     }
     let (size, jpeg) = ([full.width(), full.height()], jpeg(full, path)?);
     Ok((if jpeg.len() < png.len() { address("jpeg", &jpeg) } else { address("png", png) }, size))
 }
 
-/// A drawing whose large images are reduced.
-fn with_small_images(svg: &str, path: &Path) -> Result<String> {
+/// A drawing whose large images are reduced, and that of its images which takes the largest part of it.
+fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<DynamicImage>)> {
+    let mut largest: Option<(u32, DynamicImage)> = None;
     let mut parts = svg.split(PNG);
     let mut small = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (data, rest) = part.split_once('"').ok_or_else(|| Error::input(path, "an image without an end"))?;
         let png = BASE64_STANDARD.decode(data).map_err(|e| Error::input(path, format!("an image: {e}")))?;
-        let (source, _) = picture(&png, decoded(&png, path)?, path)?;
+        let image = decoded(&png, path)?;
+        let tag = small.rfind("<image").map_or("", |start| &small[start..]);
+        let [width, height] = size(tag).ok_or_else(|| Error::input(path, "an image without a size"))?;
+        let widest = WIDEST.min((SHARP * f64::from(width)) as u32);
+        let (source, _) = picture(&png, image.clone(), widest, path)?;
         small += &format!("href=\"{source}\"{rest}");
+        let area = width.saturating_mul(height);
+        largest = largest.filter(|(largest, _)| *largest >= area).or(Some((area, image)));
     }
-    Ok(small)
+    Ok((small, largest.map(|(_, image)| image)))
 }
 
 fn decoded(png: &[u8], path: &Path) -> Result<DynamicImage> {
@@ -107,21 +121,23 @@ fn address(kind: &str, bytes: &[u8]) -> String {
 }
 
 /// A drawing as an address. Its images are base64 already: what has a meaning in addresses or in HTML is escaped, and the rest
-/// is left as it is.
+/// is left as it is. Quotes of attributes, whose values have none, become those that need no escape.
 fn vector_address(svg: &str) -> String {
     let mut address = "data:image/svg+xml;charset=utf-8,".to_owned();
+    let mut in_tag = false;
     for c in svg.chars() {
         match c {
-            '%' | '#' | '"' | '<' | '>' | '&' | '\n' | '\r' | '\t' => address += &format!("%{:02X}", u32::from(c)),
+            '"' if in_tag => address.push('\''),
+            '%' | '#' | '"' | '<' | '&' | '\n' | '\r' | '\t' => address += &format!("%{:02X}", u32::from(c)),
             c => address.push(c),
         }
+        in_tag = c == '<' || in_tag && c != '>';
     }
     address
 }
 
-/// Width and height that a drawing's first tag gives, rounded up.
-fn size(svg: &str) -> Option<[u32; 2]> {
-    let tag = svg.split_once("<svg")?.1.split_once('>')?.0;
+/// Width and height that a tag gives, rounded up.
+fn size(tag: &str) -> Option<[u32; 2]> {
     let attribute = |name: &str| {
         let value: f64 = tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok()?;
         (value > 0.0 && value < 1e6).then(|| value.ceil() as u32)

@@ -4,12 +4,13 @@ mod article;
 mod embedded;
 mod front;
 mod record;
+mod tables;
 
 pub use record::{Record, Records, Setup, read_records, without_folder};
 
 use super::figure::Figure;
 use crate::figure::escape;
-use article::Article;
+use article::{Article, Shown};
 use embedded::EmbeddedImage;
 use etalon_core::error::Result;
 use etalon_core::files;
@@ -23,35 +24,27 @@ pub const FILE: &str = "index.html";
 /// # Errors
 /// When an image is missing or damaged, or a file cannot be written.
 pub fn write(folder: &Path, figures: &[Figure], records: &Records) -> Result<()> {
-    let articles = articles(folder, figures, records)?;
-    record::write_records(folder, records)?;
-    files::write_bytes(&folder.join(FILE), document(&articles, folder).as_bytes())
-}
-
-fn articles<'a>(folder: &Path, figures: &'a [Figure], records: &'a Records) -> Result<Vec<Article<'a>>> {
     let shown: Vec<_> = figures.iter().filter_map(|figure| Some((figure, records.get(&figure.id)?))).collect();
-    shown
-        .into_par_iter()
-        .enumerate()
-        .map(|(i, (figure, record))| {
-            Ok(Article { figure, number: i + 1, record, image: EmbeddedImage::read(folder, &figure.id)? })
-        })
-        .collect()
+    let with_image = |(figure, record): (_, _)| {
+        let figure: &Figure = figure;
+        Ok(Shown { figure, record, image: EmbeddedImage::read(folder, &figure.id)? })
+    };
+    let shown = shown.into_par_iter().map(with_image).collect::<Result<Vec<_>>>()?;
+    record::write_records(folder, records)?;
+    files::write_bytes(&folder.join(FILE), document(&shown, folder).as_bytes())
 }
 
-/// The page: summary, contents, thumbnails, errors and claims of the reports, and the articles by section.
-fn document(articles: &[Article<'_>], folder: &Path) -> String {
-    let sections: Vec<&[Article<'_>]> = articles.chunk_by(|a, b| a.figure.section == b.figure.section).collect();
-    let section = |(i, group): (usize, &&[Article<'_>])| {
-        let (number, name) = (i + 1, escape(&group[0].figure.section));
-        let articles: String = group.iter().map(|article| article.html(folder)).collect();
-        format!("<section>\n<h2 id=\"part-{number}\">{name}</h2>\n{articles}</section>\n")
+/// The page: what it is, its contents, and the articles by section.
+fn document(shown: &[Shown<'_>], folder: &Path) -> String {
+    let articles = Article::all(shown);
+    let sections: Vec<&[Article<'_>]> = articles.chunk_by(|a, b| a.section() == b.section()).collect();
+    let section = |group: &&[Article<'_>]| {
+        let articles: String = group.iter().map(|article| article.html(shown, folder)).collect();
+        format!("<section>\n<h2>{}</h2>\n{articles}</section>\n", escape(group[0].section()))
     };
-    let parts: String = sections.iter().enumerate().map(section).collect();
-    let (style, script) = (include_str!("page.css"), include_str!("page.js"));
-    let (summary, contents) = (front::summary(articles), front::contents(articles, &sections));
-    let (thumbnails, footer) = (front::thumbnails(&sections), front::footer(articles));
-    let (errata, claims) = (front::errata(articles), front::claims(articles));
+    let parts: String = sections.iter().map(section).collect();
+    let (style, script, viewer) = (include_str!("page.css"), include_str!("page.js"), include_str!("viewer.html"));
+    let (summary, contents, footer) = (front::summary(shown), front::contents(&sections), front::footer(shown));
     format!(
         r##"<!DOCTYPE html>
 <html lang="en">
@@ -67,9 +60,8 @@ fn document(articles: &[Article<'_>], folder: &Path) -> String {
 <body>
 <a class="skip" href="#main">Skip to the figures</a>
 {summary}{contents}<main id="main" tabindex="-1">
-{thumbnails}{errata}{claims}{parts}</main>
-{footer}<dialog aria-label="Enlarged figure"></dialog>
-<script>
+{parts}</main>
+{footer}{viewer}<script>
 //<![CDATA[
 {script}//]]>
 </script>

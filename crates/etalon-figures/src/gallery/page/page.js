@@ -1,254 +1,284 @@
-// What the page can do beyond being read: theme, search, comparison, magnification, copying.
+// What the page can do beyond being read: theme, sliders, search, one figure per screen with comparison and magnifier, copying.
 'use strict';
 const root = document.documentElement;
+const one = (selector, within = document) => within.querySelector(selector);
 const all = (selector, within = document) => Array.from(within.querySelectorAll(selector));
-const make = (tag, properties = {}, ...children) => {
-  const element = Object.assign(document.createElement(tag), properties);
-  element.append(...children);
-  return element;
-};
-const button = (text, name, act) => {
-  const element = make('button', { type: 'button', textContent: text, onclick: act });
-  if (name) element.setAttribute('aria-label', name);
-  return element;
-};
+const press = (button, pressed) => button.setAttribute('aria-pressed', String(pressed));
+const button = (text, act) => Object.assign(document.createElement('button'), { type: 'button', textContent: text, onclick: act });
+root.classList.add('js');
+all('.script').forEach((element) => { element.hidden = false; });
 
 // Theme: the system's until the button says otherwise. Storage may be forbidden.
 const remember = (theme) => { try { localStorage.setItem('etalon-theme', theme); } catch { /* forgotten */ } };
 const remembered = () => { try { return localStorage.getItem('etalon-theme'); } catch { return null; } };
-const dark = matchMedia('(prefers-color-scheme: dark)');
 if (['dark', 'light'].includes(remembered())) root.dataset.theme = remembered();
-document.getElementById('theme').onclick = () => {
-  const now = root.dataset.theme || (dark.matches ? 'dark' : 'light');
+one('#theme').onclick = () => {
+  const now = root.dataset.theme || (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
   root.dataset.theme = now === 'dark' ? 'light' : 'dark';
   remember(root.dataset.theme);
 };
-document.querySelector('.tools').hidden = false;
 
-// The contents take a phone's whole screen: closed there.
-const nav = document.querySelector('nav');
-const contents = nav.querySelector('details');
-const wide = matchMedia('(min-width: 62rem)');
-contents.open = wide.matches;
-wide.onchange = () => { contents.open = wide.matches; };
-
-// Search: all words, in everything that a figure or a row of the reports' tables says. What is empty then, goes too.
-const find = document.getElementById('find');
-const failed = document.getElementById('failed');
-const found = document.getElementById('found');
+// A group shows the figure at which its slider stands.
 const articles = all('article');
-const rows = all('section > .panel tbody tr');
-const texts = new Map([...articles, ...rows].map((element) => [element, element.textContent.toLowerCase()]));
-const first = () => articles.find((article) => !article.hidden) ?? rows.find((row) => !row.hidden);
+const choose = (figure) => {
+  const article = figure.closest('article');
+  const range = one('.slider input', article);
+  if (!range) return;
+  all('.figure', article).forEach((other, i) => {
+    other.hidden = other !== figure;
+    if (!other.hidden) range.value = i;
+  });
+  all('.slider span', article).forEach((label, i) => {
+    label.classList.toggle('now', i === Number(range.value));
+    if (i === Number(range.value)) range.setAttribute('aria-valuetext', label.textContent);
+  });
+};
+all('.slider').forEach((slider) => {
+  const [range, figures] = [one('input', slider), all('.figure', slider.closest('article'))];
+  range.oninput = () => choose(figures[range.value]);
+  all('span', slider).forEach((label, i) => { label.onclick = () => choose(figures[i]); });
+  range.oninput();
+  slider.hidden = false;
+});
+
+// Search: all words, in everything that an article says. Of a table that has them, the rows that have them; of a group, the figure.
+const [find, failed, found, tiles] = [one('#find'), one('#failed'), one('#found'), all('nav li')];
 const filter = () => {
   const words = find.value.toLowerCase().split(/\s+/);
-  const says = (element) => words.every((word) => texts.get(element).includes(word));
-  articles.forEach((article) => { article.hidden = !says(article) || (failed.checked && article.dataset.failed === '0'); });
-  rows.forEach((row) => { row.hidden = !says(row) || failed.checked; });
-  const hidden = new Set(articles.filter((article) => article.hidden).map((article) => article.dataset.id));
-  all('li[data-id]').forEach((item) => { item.hidden = hidden.has(item.dataset.id); });
-  all('.part').forEach((part) => { part.hidden = all('li', part).every((item) => item.hidden); });
-  all('main > section').forEach((section) => {
-    section.hidden = all('article, .part, .panel tbody tr', section).every((element) => element.hidden);
+  const says = (element) => words.every((word) => element.textContent.toLowerCase().includes(word));
+  articles.forEach((article, i) => {
+    article.hidden = tiles[i].hidden = !says(article) || (failed.checked && article.dataset.failed === '0');
+    const figures = all('.figure', article);
+    if (find.value.trim() && figures.some(says)) choose(figures.find(says));
+    all('.wide', article).forEach((table) => {
+      const rows = all('tbody tr', table);
+      const matching = rows.filter(says);
+      rows.forEach((row) => { row.hidden = matching.length > 0 && !matching.includes(row); });
+    });
   });
-  all('nav a').forEach((link) => {
-    if (!link.closest('.part')) link.hidden = document.querySelector(link.hash).closest('section').hidden;
-  });
-  const shown = articles.length - hidden.size;
+  all('nav div').forEach((part) => { part.hidden = all('li', part).every((tile) => tile.hidden); });
+  all('main section').forEach((section) => { section.hidden = all('article', section).every((article) => article.hidden); });
   const filtered = find.value.trim() !== '' || failed.checked;
-  const inRows = rows.filter((row) => !row.hidden).length;
-  found.textContent = filtered ? `${shown} of ${articles.length} figures, ${inRows} of ${rows.length} errors and claims` : '';
+  found.textContent = filtered ? `${articles.filter((article) => !article.hidden).length} of ${articles.length}` : '';
 };
-const toFirst = () => {
-  const target = first();
-  const closed = target?.closest('details');
-  if (closed) closed.open = true;
-  target?.scrollIntoView({ block: 'start' });
-};
-find.oninput = () => {
-  filter();
-  // Beside the contents there is room to follow at once; on a phone, Enter does.
-  if (wide.matches && find.value.trim()) toFirst();
-};
-find.onkeydown = (event) => { if (event.key === 'Enter') toFirst(); };
-failed.onchange = filter;
-// A link leads to its figure even when the search has hidden that.
-addEventListener('hashchange', () => {
-  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-  if (target?.closest('[hidden]')) {
+find.oninput = failed.onchange = filter;
+find.onkeydown = (event) => { if (event.key === 'Enter') articles.find((article) => !article.hidden)?.scrollIntoView(); };
+
+// An address leads to its figure, with or without "figure-": its group goes there, the search lets it be seen, its table opens.
+const follow = () => {
+  const id = decodeURIComponent(location.hash.slice(1));
+  const target = document.getElementById(id) ?? document.getElementById(`figure-${id}`);
+  if (!target) return;
+  if (target.closest('article')?.hidden) {
     find.value = '';
     failed.checked = false;
     filter();
-    target.scrollIntoView();
   }
-});
-
-// The contents mark the figure that is read, and scroll to it.
-const linkTo = new Map(all('nav li a').map((link) => [link.hash.slice(1), link]));
-const spy = new IntersectionObserver((entries) => {
-  entries.filter((entry) => entry.isIntersecting).forEach((entry) => {
-    all('nav [aria-current]').forEach((link) => link.removeAttribute('aria-current'));
-    const link = linkTo.get(entry.target.id);
-    link.setAttribute('aria-current', 'true');
-    if (wide.matches && !nav.contains(document.activeElement)) nav.scrollTop = link.offsetTop - nav.clientHeight / 2;
-  });
-}, { rootMargin: '-20% 0px -75% 0px' });
-articles.forEach((article) => spy.observe(article));
-
-// Comparison of pictures of one size: by a slider, by turns, or by their difference. Of a chart with a render, the render.
-const picture = (article) => {
-  const shown = article.querySelector('figure img');
-  if (!article.querySelector('figure.chart')) return { source: shown.src, width: shown.width, size: `${shown.getAttribute('width')}×${shown.getAttribute('height')}` };
-  if (article.dataset.render !== 'true') return null;
-  const svg = decodeURIComponent(shown.getAttribute('src').replace(/^[^,]*,/, ''));
-  const image = new DOMParser().parseFromString(svg, 'image/svg+xml').querySelector('image');
-  return image && { source: image.getAttribute('href'), size: `chart ${image.getAttribute('width')}×${image.getAttribute('height')}` };
+  const figure = target.closest('.figure');
+  if (figure) choose(figure);
+  (figure === target ? target.closest('article') : target).scrollIntoView();
 };
-const pictures = new Map(articles.map((article) => [article.dataset.id, picture(article)]));
-const titleOf = (id) => document.querySelector(`#figure-${CSS.escape(id)} .zoom`).dataset.title;
-const MODES = { slider: 'Slider', difference: 'Difference, 4 times as bright', blink: 'Blink' };
-const comparison = (id, others, preferred) => {
-  const over = make('img', { className: 'over', src: pictures.get(id).source, alt: '' });
-  const under = make('img');
-  const pair = make('div', { className: 'pair' }, under, over, make('span', { className: 'edge' }));
-  const range = make('input', { type: 'range', min: 0, max: 100, value: 50, step: 1 });
-  range.setAttribute('aria-label', `Share of ${id} that covers the other, in percent`);
-  const move = () => pair.style.setProperty('--at', `${range.value}%`);
-  range.oninput = move;
-  over.onload = () => { pair.style.width = range.style.width = `${over.naturalWidth}px`; };
-  const drag = (event) => {
-    const box = pair.getBoundingClientRect();
-    range.value = 100 * (event.clientX - box.left) / box.width;
-    move();
-  };
-  pair.onpointerdown = (event) => { if (pair.dataset.mode === 'slider') { pair.setPointerCapture(event.pointerId); drag(event); } };
-  pair.onpointermove = (event) => { if (pair.hasPointerCapture(event.pointerId)) drag(event); };
-  const partner = make('select', {}, ...others.map((other) => make('option', { value: other, textContent: titleOf(other) })));
-  partner.setAttribute('aria-label', 'Compare with');
-  partner.onchange = () => {
-    under.src = pictures.get(partner.value).source;
-    under.alt = `${id} over ${partner.value}`;
-  };
-  partner.value = others.includes(preferred) ? preferred : others[0];
-  partner.onchange();
-  const modes = Object.entries(MODES).map(([mode, text]) => button(text, null, () => choose(mode)));
-  const choose = (mode) => {
-    pair.dataset.mode = mode;
-    modes.forEach((one, i) => one.setAttribute('aria-pressed', String(Object.keys(MODES)[i] === mode)));
-  };
-  choose('slider');
-  move();
-  return [make('div', { className: 'bar' }, partner, ...modes), pair, range];
-};
-articles.forEach((article) => {
-  const { id, beside } = article.dataset;
-  const own = pictures.get(id);
-  const others = own ? [...pictures].filter(([other, its]) => other !== id && its?.size === own.size).map(([other]) => other) : [];
-  if (!others.length) return;
-  const details = make('details', { className: 'compare' }, make('summary', { textContent: 'Compare with another image' }));
-  details.addEventListener('toggle', () => { if (details.open) details.append(...comparison(id, others, beside)); }, { once: true });
-  article.querySelector('.again').before(details);
-});
+addEventListener('hashchange', follow);
+addEventListener('click', (event) => { if (event.target.closest('a[href^="#"]')) setTimeout(follow); });
+follow();
 
-// Magnification: wheel, pinch, double click or + and − (0 fits, 1 shows true pixels); dragging or arrows move; Escape closes.
-const dialog = document.querySelector('dialog');
-let view = null;
+// One figure per screen, alone or with another of its size.
+const dialog = one('dialog');
+const [stage, pair, lens, share] = ['.stage', '.pair', '.lens', '#share'].map((part) => one(part, dialog));
+const [other, own] = ['other', 'own'].map((className) => Object.assign(new Image(), { className, draggable: false }));
+pair.prepend(other, own);
+const partner = one('#partner');
+const view = { figure: null, size: [1, 1], scale: 1, x: 0, y: 0, fitted: true };
+const linkOf = (figure) => one('.zoom', figure);
+const imageOf = (figure) => one('.zoom img', figure);
+const sizeOf = (figure) => ['width', 'height'].map((side) => Number(imageOf(figure).getAttribute(side)));
+const screens = () => all('article:not([hidden]) .figure').filter(linkOf);
+const sameSize = (figure) => all('.figure').filter((it) => it !== figure && linkOf(it) && String(sizeOf(it)) === String(sizeOf(figure)));
+// A picture, which is compressed here, may lie beside the page in full.
+const load = (shown, figure) => {
+  const small = imageOf(figure);
+  shown.onerror = () => { shown.onerror = null; shown.src = small.src; };
+  shown.src = one('.chart', figure) ? small.src : linkOf(figure).href;
+  shown.alt = small.alt;
+};
+const compare = () => {
+  const id = partner.value;
+  if (id) load(other, document.getElementById(`figure-${id}`));
+  dialog.classList.toggle('two', id !== '');
+};
+const mode = (name) => {
+  pair.dataset.mode = dialog.dataset.mode = name;
+  all('[data-mode]', one('.modes', dialog)).forEach((it) => press(it, it.dataset.mode === name));
+};
+const divide = () => pair.style.setProperty('--at', `${share.value}%`);
+const show = (figure) => {
+  const [before, size] = [partner.value, sizeOf(figure)];
+  const others = sameSize(figure);
+  one('#viewed').textContent = linkOf(figure).dataset.title;
+  one('#caption').replaceChildren(...one('.text', figure).cloneNode(true).children);
+  const options = others.map((it) => new Option(linkOf(it).dataset.title, it.dataset.id));
+  partner.replaceChildren(new Option('no other', ''), ...options);
+  partner.disabled = !others.length;
+  partner.value = others.some((it) => it.dataset.id === before) ? before : '';
+  const same = view.figure && String(view.size) === String(size);
+  Object.assign(view, { figure, size });
+  load(own, figure);
+  compare();
+  // Figures of one size keep the place that is seen
+  if (same) place(); else ACTIONS.fit();
+};
+const step = (by) => {
+  const list = screens();
+  const next = list[list.indexOf(view.figure) + by];
+  if (next) show(next);
+};
+const open = (figure, beside = '') => {
+  dialog.showModal();
+  view.figure = null;
+  show(figure);
+  partner.value = beside;
+  compare();
+  stage.focus();
+};
+dialog.onclose = () => {
+  choose(view.figure);
+  view.figure.closest('article').scrollIntoView({ block: 'nearest' });
+  linkOf(view.figure).focus({ preventScroll: true });
+};
+
+// Wheel, pinch, double click or + and − enlarge (0 fits, 1 shows true pixels); dragging or arrows move.
 const place = () => {
-  const { shown, scale, x, y, state, size } = view;
-  Object.assign(shown.style, { width: `${size[0] * scale}px`, height: `${size[1] * scale}px`, transform: `translate(${x}px, ${y}px)` });
-  shown.style.imageRendering = scale >= 3 ? 'pixelated' : 'auto';
-  state.textContent = `${Math.round(100 * scale)} %`;
-};
-const fit = () => {
-  const { stage, size } = view;
-  view.scale = Math.min(stage.clientWidth / size[0], stage.clientHeight / size[1], 4);
-  [view.x, view.y] = [(stage.clientWidth - size[0] * view.scale) / 2, (stage.clientHeight - size[1] * view.scale) / 2];
-  place();
+  const { size: [width, height], scale, x, y } = view;
+  Object.assign(pair.style, { width: `${width * scale}px`, height: `${height * scale}px`, transform: `translate(${x}px, ${y}px)` });
+  pair.style.imageRendering = scale >= 3 ? 'pixelated' : 'auto';
+  one('#scale').textContent = `${Math.round(100 * scale)} %`;
 };
 // The point under (x, y) of the stage, its middle unless told, stays where it is.
-const zoom = (factor, x = view.stage.clientWidth / 2, y = view.stage.clientHeight / 2) => {
+const zoom = (factor, x = stage.clientWidth / 2, y = stage.clientHeight / 2) => {
   const scale = Math.min(32, Math.max(0.05, view.scale * factor));
   view.x = x - (x - view.x) * scale / view.scale;
   view.y = y - (y - view.y) * scale / view.scale;
-  view.scale = scale;
+  Object.assign(view, { scale, fitted: false });
   place();
 };
 const pan = (x, y) => {
   view.x += x;
   view.y += y;
+  view.fitted = false;
   place();
 };
-const gestures = (stage) => {
-  const fingers = new Map();
-  const spread = () => {
-    const [a, b] = [...fingers.values()];
-    return b && { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, distance: Math.hypot(a.x - b.x, a.y - b.y) };
-  };
-  const at = (event) => {
-    const box = stage.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  };
-  stage.onpointerdown = (event) => { stage.setPointerCapture(event.pointerId); fingers.set(event.pointerId, at(event)); };
-  stage.onpointerup = stage.onpointercancel = (event) => fingers.delete(event.pointerId);
-  stage.onpointermove = (event) => {
-    const [last, before] = [fingers.get(event.pointerId), spread()];
-    if (!last) return;
-    fingers.set(event.pointerId, at(event));
-    const [now, after] = [fingers.get(event.pointerId), spread()];
-    if (!before) return pan(now.x - last.x, now.y - last.y);
+const ACTIONS = {
+  previous: () => step(-1),
+  next: () => step(1),
+  smaller: () => zoom(0.8),
+  larger: () => zoom(1.25),
+  fit: () => {
+    const [width, height] = view.size;
+    const scale = Math.min(stage.clientWidth / width, stage.clientHeight / height);
+    Object.assign(view, { scale, x: (stage.clientWidth - width * scale) / 2, y: (stage.clientHeight - height * scale) / 2, fitted: true });
+    place();
+  },
+  pixels: () => zoom(1 / view.scale),
+  lens: () => {
+    lens.hidden = !lens.hidden;
+    press(one('[data-do="lens"]'), !lens.hidden);
+    magnify(stage.clientWidth / 2, stage.clientHeight / 2);
+  },
+  close: () => dialog.close(),
+  left: () => (view.fitted ? step(-1) : pan(60, 0)),
+  right: () => (view.fitted ? step(1) : pan(-60, 0)),
+  up: () => pan(0, 60),
+  down: () => pan(0, -60),
+};
+const KEYS = {
+  '+': 'larger', '=': 'larger', '-': 'smaller', '−': 'smaller', 0: 'fit', 1: 'pixels', m: 'lens',
+  PageUp: 'previous', PageDown: 'next', ArrowLeft: 'left', ArrowRight: 'right', ArrowUp: 'up', ArrowDown: 'down',
+};
+dialog.onkeydown = (event) => {
+  const action = ACTIONS[KEYS[event.key]];
+  if (!action || event.ctrlKey || event.metaKey || event.altKey || event.target.matches('select, input')) return;
+  event.preventDefault();
+  action();
+};
+// The magnifier shows what is under the pointer four times as large: of two figures, both.
+const magnify = (x, y) => {
+  const { size: [width, height], scale } = view;
+  lens.style.transform = `translate(${x}px, ${y}px)`;
+  [own, other].forEach((image, i) => {
+    const glass = lens.children[i];
+    glass.style.backgroundImage = `url("${image.src}")`;
+    glass.style.backgroundSize = `${4 * scale * width}px ${4 * scale * height}px`;
+    const at = [4 * (view.x - x) + glass.clientWidth / 2, 4 * (view.y - y) + glass.clientHeight / 2];
+    glass.style.backgroundPosition = at.map((v) => `${v}px`).join(' ');
+  });
+};
+const at = (event) => {
+  const box = stage.getBoundingClientRect();
+  return { x: event.clientX - box.left, y: event.clientY - box.top };
+};
+const fingers = new Map();
+const spread = () => {
+  const [a, b] = [...fingers.values()];
+  return b && { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, distance: Math.hypot(a.x - b.x, a.y - b.y) };
+};
+stage.onpointerdown = (event) => {
+  stage.setPointerCapture(event.pointerId);
+  fingers.set(event.pointerId, at(event));
+  stage.classList.toggle('dividing', event.target.matches('.edge'));
+};
+stage.onpointerup = stage.onpointercancel = (event) => fingers.delete(event.pointerId);
+stage.onpointermove = (event) => {
+  const { x, y } = at(event);
+  if (!lens.hidden) magnify(x, y);
+  const [last, before] = [fingers.get(event.pointerId), spread()];
+  if (!last) return;
+  fingers.set(event.pointerId, { x, y });
+  if (stage.classList.contains('dividing')) {
+    share.value = 100 * (x - view.x) / pair.clientWidth;
+    divide();
+  } else if (before) {
+    const after = spread();
     pan(after.x - before.x, after.y - before.y);
     zoom(after.distance / Math.max(before.distance, 1), after.x, after.y);
-  };
-  stage.onwheel = (event) => {
-    event.preventDefault();
-    const { x, y } = at(event);
-    zoom(Math.exp(-(event.deltaMode ? 30 : 1) * event.deltaY / 400), x, y);
-  };
-  stage.ondblclick = (event) => { const { x, y } = at(event); zoom(event.shiftKey ? 0.5 : 2, x, y); };
+  } else {
+    pan(x - last.x, y - last.y);
+  }
 };
-const magnify = (link) => {
-  const small = link.querySelector('img');
-  const chart = link.closest('.chart');
-  const shown = make('img', { alt: small.alt, draggable: false });
-  // What is compressed here may lie beside the page in full.
-  shown.onerror = () => { shown.onerror = null; shown.src = small.src; };
-  shown.src = chart ? small.src : link.href;
-  const stage = make('div', { className: 'stage', tabIndex: 0 }, shown);
-  stage.setAttribute('aria-label', 'Enlarged figure: wheel, pinch or double click enlarge it, arrow keys move it');
-  stage.setAttribute('role', 'group');
-  gestures(stage);
-  const state = make('span', { className: 'fine' });
-  state.setAttribute('role', 'status');
-  const bar = make('div', { className: 'bar' }, make('strong', { textContent: link.dataset.title }), state,
-    button('−', 'Smaller', () => zoom(0.8)), button('+', 'Larger', () => zoom(1.25)), button('Fit', null, fit),
-    button('1:1', 'True pixels', () => zoom(1 / view.scale)), button('Close', null, () => dialog.close()));
-  dialog.replaceChildren(bar, stage);
-  dialog.showModal();
-  view = { stage, shown, state, size: ['width', 'height'].map((side) => Number(small.getAttribute(side))) };
-  fit();
-  stage.focus();
+stage.onwheel = (event) => {
+  event.preventDefault();
+  const { x, y } = at(event);
+  zoom(Math.exp(-(event.deltaMode ? 30 : 1) * event.deltaY / 400), x, y);
 };
-all('a.zoom').forEach((link) => {
+stage.ondblclick = (event) => { const { x, y } = at(event); zoom(event.shiftKey ? 0.5 : 2, x, y); };
+all('[data-do]').forEach((it) => { it.onclick = () => ACTIONS[it.dataset.do](); });
+all('button[data-mode]').forEach((it) => { it.onclick = () => mode(it.dataset.mode); });
+partner.onchange = compare;
+share.oninput = divide;
+new ResizeObserver(() => { if (dialog.open && view.fitted) ACTIONS.fit(); }).observe(stage);
+mode('edge');
+divide();
+one('#screens').onclick = () => open(screens().find((figure) => figure.getBoundingClientRect().bottom > 0) ?? screens()[0]);
+all('.zoom').forEach((link) => {
   link.setAttribute('aria-haspopup', 'dialog');
   link.onclick = (event) => {
     if (event.ctrlKey || event.metaKey || event.shiftKey) return;
     event.preventDefault();
-    magnify(link);
+    open(link.closest('.figure'));
   };
 });
-const KEYS = {
-  '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8), '−': () => zoom(0.8), 0: fit, 1: () => zoom(1 / view.scale),
-  ArrowLeft: () => pan(60, 0), ArrowRight: () => pan(-60, 0), ArrowUp: () => pan(0, 60), ArrowDown: () => pan(0, -60),
-};
-dialog.onkeydown = (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
-  event.preventDefault();
-  KEYS[event.key]();
-};
+all('.figure').filter(linkOf).forEach((figure) => {
+  const group = all('.figure', figure.closest('article')).map((it) => it.dataset.id);
+  const others = sameSize(figure).map((it) => it.dataset.id);
+  const beside = [figure.dataset.beside, ...group].find((id) => others.includes(id));
+  if (!beside) return;
+  const start = button('Compare', () => open(figure, beside));
+  start.className = 'start';
+  one('figure', figure).append(start);
+});
 
 // Copying: the command, without a trailing line break.
-all('.again pre').forEach((block) => {
-  const copy = button('Copy', `Copy: ${block.textContent}`, async () => {
+all('.about pre').forEach((block) => {
+  const copy = button('Copy', async () => {
     try {
       await navigator.clipboard.writeText(block.textContent);
       copy.textContent = 'Copied';
@@ -258,7 +288,8 @@ all('.again pre').forEach((block) => {
     }
     setTimeout(() => { copy.textContent = 'Copy'; }, 2000);
   });
-  const row = make('div', { className: 'command' });
+  copy.setAttribute('aria-label', `Copy: ${block.textContent}`);
+  const row = Object.assign(document.createElement('div'), { className: 'command' });
   block.replaceWith(row);
   row.append(block, copy);
 });
