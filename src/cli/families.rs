@@ -1,7 +1,7 @@
 //! Families of BSDFs: of this program by their names, or of another program, with the arguments that start it; and their list.
 
 use super::console::Console;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use etalon_bench::protocol::program::bsdf::Program;
 use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
@@ -12,6 +12,7 @@ use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::{Family, Parameter};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::Duration;
 
 /// The family of the program, or those of this program that are named, or all.
@@ -69,6 +70,7 @@ pub fn list(families: &Families, console: &Console) {
 /// Another program.
 #[derive(Args)]
 #[command(next_help_heading = "BSDFs of other programs")]
+#[command(group = ArgGroup::new("program").args(["exec", "names"]).multiple(true))]
 pub struct ExternalBsdf {
     /// Test the BSDFs of the program that COMMAND starts
     ///
@@ -76,9 +78,11 @@ pub struct ExternalBsdf {
     #[arg(long, value_name = "COMMAND")]
     exec: Option<String>,
     /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
     timeout: f64,
 }
+
+const OF_SAMPLERS: &str = "`etalon validate` tests samplers";
 
 /// Where a program with samplers or BSDFs comes from.
 #[derive(Debug, Clone, Copy)]
@@ -112,6 +116,19 @@ impl<'a> ProgramSource<'a> {
             Self::File(file) => program::start_file(file, space, limit),
         }
     }
+
+    /// Starts the program, which must have BSDFs.
+    pub fn bsdf(self, timeout: f64) -> Result<Program> {
+        match (self.start(None, timeout)?, self) {
+            (External::Bsdf(program), _) => Ok(program),
+            (External::Sampler(_), Self::Command(_)) => {
+                Err(Error::parameter("exec", "the program has a sampler, and no BSDFs").with_hint(OF_SAMPLERS))
+            }
+            (External::Sampler(_), Self::File(file)) => {
+                Err(Error::input(Path::new(file), "it has a sampler, and no BSDFs").with_hint(OF_SAMPLERS))
+            }
+        }
+    }
 }
 
 impl ExternalBsdf {
@@ -123,11 +140,7 @@ impl ExternalBsdf {
     /// Starts the program, if a command or a Python file among `names` is given.
     pub fn start(&self, names: &[String]) -> Result<Option<Program>> {
         let Some(source) = ProgramSource::of(self.exec.as_deref(), names)? else { return Ok(None) };
-        match source.start(None, self.timeout)? {
-            External::Bsdf(program) => Ok(Some(program)),
-            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
-                .with_hint("`etalon validate` tests samplers")),
-        }
+        source.bsdf(self.timeout).map(Some)
     }
 }
 

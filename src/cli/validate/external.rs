@@ -3,7 +3,7 @@
 use super::super::families::ProgramSource;
 use crate::cli::console::Console;
 use crate::cli::values::setting;
-use clap::{ArgAction, Args};
+use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::protocol::program::bsdf::Program;
 use etalon_bench::protocol::program::External;
 use etalon_bench::protocol::sampler::Space;
@@ -20,6 +20,7 @@ const DOMAIN: &str = "Domain of the samples [default: what the program says]";
 /// An external sampler or BSDF.
 #[derive(Args)]
 #[command(next_help_heading = "Samplers and BSDFs of other programs")]
+#[command(group = ArgGroup::new("program").args(["exec", "names"]).multiple(true))]
 pub struct Arguments {
     /// Test the sampler or the BSDF of the program that COMMAND starts
     ///
@@ -29,10 +30,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
     timeout: f64,
     /// Parameters of the program's BSDF [default: the values that it declares]
-    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
+    #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]

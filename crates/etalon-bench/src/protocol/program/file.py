@@ -303,22 +303,15 @@ class BsdfFile:
             return (self.value if verb == "eval" else self.pdf)(rows)
         found = self.sample(rows)
         pairs = [row[:3] + sample[0] for row, sample in zip(rows, found) if sample is not None]
-        missing = any(sample is not None and not (sample[1] and sample[2]) for sample in found)
-        if not missing or not pairs:
-            return [None if sample is None else [x for part in sample for x in part] for sample in found]
         # What `sample` leaves out follows from the other functions
-        asked = zip(self.pdf(pairs), self.value(pairs))
-        answers = []
-        for sample in found:
-            if sample is None:
-                answers.append(None)
-                continue
-            (wi, weight, pdf), ((p,), f) = sample, next(asked)
-            if weight or p != 0:
-                answers.append([*wi, *(weight or [x * abs(wi[2]) / p for x in f]), *(pdf or [p])])
-            else:
-                answers.append(None)
-        return answers
+        pdfs = iter(self.pdf(pairs) if any(sample and not sample[2] for sample in found) else ())
+        values = iter(self.value(pairs) if any(sample and not sample[1] for sample in found) else ())
+        return [sample and self.completed(*sample, next(pdfs, None), next(values, None)) for sample in found]
+
+    def completed(self, wi, weight, own, pdf, value):
+        """A sample with all of its numbers; None, "no sample", where the pdf is 0."""
+        (p,) = own or pdf
+        return [*wi, *(weight or [f * abs(wi[2]) / p for f in value]), p] if p != 0 else None
 
     def set(self, values):
         for name, value in zip(self.parameters, values):
