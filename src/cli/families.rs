@@ -1,7 +1,7 @@
 //! Families of BSDFs: of this program by their names, or of another program, with the arguments that start it; and their list.
 
 use super::console::Console;
-use clap::{ArgGroup, Args};
+use clap::Args;
 use etalon_bench::protocol::program::bsdf::Program;
 use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
@@ -70,17 +70,19 @@ pub fn list(families: &Families, console: &Console) {
 /// Another program.
 #[derive(Args)]
 #[command(next_help_heading = "BSDFs of other programs")]
-#[command(group = ArgGroup::new("program").args(["exec", "names"]).multiple(true))]
 pub struct ExternalBsdf {
     /// Test the BSDFs of the program that COMMAND starts
     ///
     /// Requests and replies go over its standard input and output.
     #[arg(long, value_name = "COMMAND")]
     exec: Option<String>,
-    /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
-    timeout: f64,
+    /// Time limit for each reply of the program [default: 30]
+    #[arg(long, value_name = "SECONDS")]
+    timeout: Option<f64>,
 }
+
+/// Seconds that a program has for each reply, unless the user gives others.
+const REPLY_LIMIT: f64 = 30.0;
 
 const OF_SAMPLERS: &str = "`etalon validate` tests samplers";
 
@@ -102,7 +104,8 @@ impl<'a> ProgramSource<'a> {
                 Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is tested alone"))
             }
             (None, Some(file)) if names.len() > 1 => {
-                Err(Error::parameter("names", format!("{file} is not the only one")).with_hint("a file is tested alone"))
+                Err(Error::parameter("names", format!("{file} is not the only one"))
+                    .with_hint("a file is tested alone"))
             }
             (command, file) => Ok(command.map(Self::Command).or(file.map(|file| Self::File(file)))),
         }
@@ -139,8 +142,12 @@ impl ExternalBsdf {
 
     /// Starts the program, if a command or a Python file among `names` is given.
     pub fn start(&self, names: &[String]) -> Result<Option<Program>> {
-        let Some(source) = ProgramSource::of(self.exec.as_deref(), names)? else { return Ok(None) };
-        source.bsdf(self.timeout).map(Some)
+        match (ProgramSource::of(self.exec.as_deref(), names)?, self.timeout) {
+            (Some(source), timeout) => source.bsdf(timeout.unwrap_or(REPLY_LIMIT)).map(Some),
+            (None, Some(_)) => Err(Error::parameter("timeout", "there is no program that replies")
+                .with_hint("it goes with `exec`, or with a Python file")),
+            (None, None) => Ok(None),
+        }
     }
 }
 

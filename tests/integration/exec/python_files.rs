@@ -90,7 +90,10 @@ fn domains_come_from_the_file_the_flag_or_the_samples() {
 fn functions_of_a_wrong_shape_are_told_the_right_one() {
     let pdf = "w[:, 2] / np.pi";
     for (file, said) in [
-        (arrays(&STACK.replace("stack", "array").replace(", axis=1", ""), pdf), "shape (3, 7) for 7 samples; wanted (7, 3)"),
+        (
+            arrays(&STACK.replace("stack", "array").replace(", axis=1", ""), pdf),
+            "shape (3, 7) for 7 samples; wanted (7, 3)",
+        ),
         (arrays(&STACK.replace("np.stack([", "").replace("], axis=1)", ""), pdf), "a tuple of 3 arrays"),
         (arrays(STACK, "w[:, 2:] / np.pi"), "pdf returned an array of shape (7, 1) for 7 samples; wanted (7,): take"),
         (arrays(STACK, "w[:, 2].mean()"), "pdf returned one number for 7 samples"),
@@ -98,7 +101,10 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
         (PLAIN.replace("sample(u0, u1)", "sample()"), "sample takes no argument; wanted sample(u)"),
         (PLAIN.replace("    return PDF", "    pass"), "pdf returned None for one sample; wanted a number"),
         (PLAIN.replace("pdf(w)", "density(w)"), "it has no function pdf; wanted sample(u) and pdf(w)"),
-        (PLAIN.replace("PDF", "w[2] / 0"), "line 11, in pdf: ZeroDivisionError: float division by zero (return w[2] / 0), for ("),
+        (
+            PLAIN.replace("PDF", "w[2] / 0"),
+            "line 11, in pdf: ZeroDivisionError: float division by zero (return w[2] / 0), for (",
+        ),
         (PLAIN.replace("PDF", "w[2"), "SyntaxError"),
         (PLAIN.replace("print('etalon 1')", "raise SystemExit(0)"), "line 3: SystemExit: 0"),
     ] {
@@ -142,7 +148,9 @@ def sample(wo, u):
 fn bsdfs_of_files_are_tested() {
     let (right, wrong) = (DIFFUSE.replace("WEIGHT", "albedo"), DIFFUSE.replace("WEIGHT", "albedo / wi[2]"));
     let few = ["--detect", "0.2", "--set", "albedo=0.9"];
-    let (Some(ran), Some(rejected)) = (validate(&right, &few), validate(&wrong, &["--samples", "10000"])) else { return };
+    let (Some(ran), Some(rejected)) = (validate(&right, &few), validate(&wrong, &["--samples", "10000"])) else {
+        return;
+    };
     assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
     assert!(rejected.code == 1 && rejected.stdout.contains("mine/formula/30"), "{}", rejected.stdout);
     let furnace = |file: &str| run(file, &["furnace", "mine.py", "--size", "2x2", "--error", "0.05"]).unwrap();

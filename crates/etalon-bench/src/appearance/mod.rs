@@ -312,7 +312,9 @@ impl<'a> Tracer<'a> {
             (Source::Environment(environment, sampler), None) => {
                 sampler.pdf_for(environment.to_map(direction.as_dvec3()), DVec3::Y)
             }
-            (Source::Rectangle(rectangle, _, number), Some((i, t))) if i == *number => area_pdf(rectangle, direction, t),
+            (Source::Rectangle(rectangle, _, number), Some((i, t))) if i == *number => {
+                area_pdf(rectangle, direction, t)
+            }
             _ => 0.0,
         };
         let by_light = self.lights.iter().map(of_light).sum::<f64>() / self.lights.len().max(1) as f64;
@@ -359,7 +361,8 @@ impl<'a> Tracer<'a> {
         // The BSDF is asked for all at once
         let of_bsdf = || samples.iter().filter(|(i, ..)| vertices[*i].albedo.is_none());
         let pairs: Vec<Pair> = of_bsdf().map(|(i, wi, ..)| [vertices[*i].wo, vertices[*i].local(*wi)]).collect();
-        let random: Vec<f64> = of_bsdf().flat_map(|(i, ..)| u[*i].iter().rev().take(properties.eval_dimension)).copied().collect();
+        let random: Vec<f64> =
+            of_bsdf().flat_map(|(i, ..)| u[*i].iter().rev().take(properties.eval_dimension)).copied().collect();
         let (f, pdf) = (bsdf.eval(&pairs, &random)?, bsdf.pdf(&pairs)?);
         let mut evaluated = f.into_iter().zip(pdf);
         for (i, wi, radiance, by_light) in &samples {
@@ -425,4 +428,50 @@ fn rgb(spectrum: Spectrum) -> DVec3 {
 fn area_pdf(rectangle: &Rectangle, wi: Vec3, distance: f32) -> f64 {
     let cos = rectangle.normal().dot(wi).abs();
     f64::from(distance * distance) / f64::from(cos * rectangle.area())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::scene::builtin;
+    use etalon_render::{Settings, Silent, render};
+
+    fn mean(light: &[DVec3]) -> f64 {
+        light.iter().copied().map(grey).sum::<f64>() / light.len() as f64
+    }
+
+    /// The mean of the image of a scene of white spheres, its standard error, and the mean of the renderer's image.
+    fn means((scene, request): (Scene, Request), albedo: f64) -> [f64; 3] {
+        let (scene, request) = scene.resized(request, [24, 18]);
+        let request = Request { spp: 256, ..request };
+        let rendered = render(&scene, &request, &Settings::usual(), &Silent).unwrap();
+        let rendered: Vec<DVec3> = rendered.image.pixels().iter().map(|p| p.as_dvec3()).collect();
+        let all = families::all();
+        let diffuse = all.iter().find(|family| family.name() == "diffuse").unwrap().with(&[albedo]).unwrap();
+        let tracer = Tracer::new(&scene, &request, 1).unwrap();
+        let samples: Vec<f64> = (0..request.spp).map(|i| mean(&tracer.sample(&*diffuse, i).unwrap().0)).collect();
+        let n = samples.len() as f64;
+        let found = samples.iter().sum::<f64>() / n;
+        let variance = samples.iter().map(|x| (x - found).powi(2)).sum::<f64>() / (n - 1.0);
+        [found, (variance / n).sqrt(), mean(&rendered)]
+    }
+
+    #[test]
+    fn images_have_the_mean_of_the_renderer() {
+        // A map with a bright texel, that light samples and BSDF samples find
+        let bright = |x, y| Vec3::splat(if (x, y) == (5, 1) { 20.0 } else { 0.5 });
+        let map = etalon_core::envmap::EnvMap::new(Image::from_fn(8, 4, bright));
+        let environment = Environment::upright(map.into(), "bright", 1.0);
+        for (scene, albedo) in [(builtin::cornell_lambert(), 0.6), (builtin::sphere_env(environment), 1.0)] {
+            let [found, error, expected] = means(scene, albedo);
+            assert!(error < 0.01 * expected && (found - expected).abs() < 5.0 * error, "{found} ± {error}, {expected}");
+        }
+    }
+
+    #[test]
+    fn other_scenes_are_refused() {
+        let statue = builtin::find("cornell-statue-au").unwrap().make(None, None).unwrap();
+        let error = Tracer::new(&statue.0, &statue.1, 1).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains("no sphere"), "{error}");
+    }
 }

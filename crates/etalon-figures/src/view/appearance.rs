@@ -28,7 +28,8 @@ pub fn drawing(found: &Appearance) -> Drawing {
 
 /// A model with its parameters.
 fn named(Model { name, parameters, .. }: &Model) -> String {
-    let values: Vec<String> = parameters.iter().map(|(name, value)| format!("{name} = {}", rounded(*value, 3))).collect();
+    let values: Vec<String> =
+        parameters.iter().map(|(name, value)| format!("{name} = {}", rounded(*value, 3))).collect();
     if values.is_empty() { name.clone() } else { format!("{name} ({})", values.join(", ")) }
 }
 

@@ -69,9 +69,7 @@ pub fn start_file(file: &str, space: Option<Space>, limit: Duration) -> Result<E
         let words = [python, "-c", PYTHON_CLIENT, file].map(str::to_owned).into_iter().chain(domain);
         Process::start(file, &words.collect::<Vec<_>>(), limit)
     };
-    let is_missing = |started: &Result<Process>| {
-        matches!(started, Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound)
-    };
+    let is_missing = |started: &Result<Process>| matches!(started, Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound);
     let started = PYTHON.iter().map(|python| program(python)).find(|started| !is_missing(started));
     let missing = || Error::input(path, format!("it needs Python, but {} are not found", PYTHON.join(" and ")));
     connect(started.ok_or_else(|| missing().with_hint("install Python, or add its folder to PATH"))??, space)
