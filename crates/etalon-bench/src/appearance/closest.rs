@@ -1,21 +1,22 @@
 //! The BSDF of this program whose values are closest to those of another.
 
 use crate::validation::families::{self, Family};
+use etalon_core::bsdf::Bsdf;
 use etalon_core::error::{Error, Result};
 use etalon_core::sampling::warp;
-use etalon_stats::bsdf::{BatchBsdf, Energy, Family as _, Pair};
+use etalon_stats::bsdf::{BatchBsdf, Energy, Family as _, Pair, Parameter};
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Values that are tried of each parameter in a round.
 const STEPS: usize = 16;
-/// Rounds over all parameters; each looks in an eighth of the range of the round before, around the best value.
-const ROUNDS: i32 = 3;
-const ZOOM: f64 = 8.0;
-/// Angles of `wo` with the normal, in degrees.
+/// Widths of the rounds, in parts of the range of a parameter.
+const WIDTHS: [f64; 5] = [1.0, 1.0, 0.25, 0.06, 0.015];
+/// Angles of `wo` with the normal, in degrees, and its azimuths, which tell apart the widths along x and y.
 const ANGLES: [f64; 4] = [10.0, 35.0, 60.0, 80.0];
+const AZIMUTHS: [[f64; 2]; 2] = [[0.96, 0.28], [-0.28, 0.96]];
 /// Directions `wi` for each, along each side of a square of random numbers.
-const SIDE: usize = 12;
+const SIDE: usize = 8;
 
 /// A BSDF of this program.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,8 +32,8 @@ pub struct Model {
 /// glossy lobes are; where light passes, as many are on the other side.
 fn pairs(transmits: bool) -> Vec<Pair> {
     let mut pairs = Vec::new();
-    for theta in ANGLES.map(f64::to_radians) {
-        let wo = [theta.sin() * 0.8, theta.sin() * 0.6, theta.cos()];
+    for (theta, [x, y]) in ANGLES.into_iter().flat_map(|theta| AZIMUTHS.map(|azimuth| (theta.to_radians(), azimuth))) {
+        let wo = [theta.sin() * x, theta.sin() * y, theta.cos()];
         for i in 0..SIDE * SIDE {
             let u = [i % SIDE, i / SIDE].map(|k| (k as f64 + 0.5) / SIDE as f64);
             let w = warp::cosine_hemisphere(u);
@@ -59,13 +60,15 @@ fn squares(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|x| x * x).sum()
 }
 
-/// The BSDF of this program, without those of the reports' errors, whose values are closest to those of `bsdf`: its parameters one
-/// after the other, by ever smaller steps.
+/// The BSDF of this program whose values are closest to those of `bsdf`: the parameters of each family are fitted one after the other,
+/// by ever smaller steps. Left out are the errors of the reports, BSDFs of multiple scattering, whose tables take long to compute for
+/// each width, and those that transmit where `bsdf` does not, or the reverse.
 ///
 /// # Errors
 /// [`Error::Input`] for a BSDF without positive values, such as one of delta lobes alone; those of its program.
 pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
-    let pairs = pairs(bsdf.properties().transmission);
+    let transmits = bsdf.properties().transmission;
+    let pairs = pairs(transmits);
     let wanted = values(bsdf, &pairs)?;
     let norm = squares(wanted.iter().copied());
     if !(norm > 0.0 && norm.is_finite()) {
@@ -77,18 +80,30 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
         Ok((squares(found.iter().zip(&wanted).map(|(a, b)| a - b)) / norm).sqrt())
     };
     let fitted = |family: &Family| -> Result<Option<Model>> {
-        if matches!(family.with(&at(family, &start(family)))?.properties().energy, Energy::MayExceedOne(_)) {
+        let parameters = family.parameters();
+        let mut shares: Vec<f64> = parameters.iter().map(share).collect();
+        let usual = at(family, &shares);
+        let has_tables = matches!(family.bsdf(&usual), Bsdf::CompensatedBeckmann(_) | Bsdf::CompensatedGgx(_));
+        let properties = family.with(&usual)?.properties();
+        let is_wrong = matches!(properties.energy, Energy::MayExceedOne(_));
+        if has_tables || is_wrong || properties.transmission != transmits {
             return Ok(None);
         }
-        let mut shares = start(family);
         let mut least = difference(family, &shares)?;
-        for round in 0..ROUNDS {
-            let width = ZOOM.powi(-round);
-            for parameter in 0..shares.len() {
-                let middle = shares[parameter].clamp(0.5 * width, 1.0 - 0.5 * width);
+        for (round, width) in WIDTHS.into_iter().enumerate() {
+            for (i, parameter) in parameters.iter().enumerate() {
+                let middle = shares[i].clamp(0.5 * width, 1.0 - 0.5 * width);
                 for step in 0..=STEPS {
                     let mut tried = shares.clone();
-                    tried[parameter] = middle + width * (step as f64 / STEPS as f64 - 0.5);
+                    let share = middle + width * (step as f64 / STEPS as f64 - 0.5);
+                    tried[i] = share;
+                    // At first both widths of a surface together
+                    let across =
+                        parameter.name.strip_suffix("_x").filter(|_| round == 0).map(|stem| format!("{stem}_y"));
+                    if let Some(k) = across.and_then(|across| parameters.iter().position(|other| other.name == across))
+                    {
+                        tried[k] = share;
+                    }
                     let found = difference(family, &tried)?;
                     if found < least {
                         (shares, least) = (tried, found);
@@ -96,7 +111,7 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
                 }
             }
         }
-        let names = family.parameters().into_iter().map(|parameter| parameter.name);
+        let names = parameters.into_iter().map(|parameter| parameter.name);
         let parameters = names.zip(at(family, &shares)).collect();
         Ok(Some(Model { name: family.name().to_owned(), parameters, difference: least }))
     };
@@ -106,9 +121,11 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
     best.ok_or_else(|| Error::input(name.as_ref(), "there is no model to compare it with"))
 }
 
-/// The middle of all ranges, as shares of them.
-fn start(family: &Family) -> Vec<f64> {
-    vec![0.5; family.parameters().len()]
+/// Where in its range a parameter is by default, from 0 to 1: the inverse of [`Parameter::at`].
+fn share(parameter: &Parameter) -> f64 {
+    let [from, to] = parameter.range;
+    let scaled = |x: f64| if parameter.is_logarithmic() { x.ln() } else { x };
+    (scaled(parameter.value) - scaled(from)) / (scaled(to) - scaled(from))
 }
 
 /// The parameters at these shares of their ranges.
@@ -120,16 +137,20 @@ fn at(family: &Family, shares: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// BSDFs of the program are found again, with their parameters.
+    /// BSDFs of the program are found again.
     #[test]
     fn the_closest_model_of_a_model_is_itself() {
         let all = families::all();
-        for (name, chosen) in [("diffuse", 0.37), ("oren-nayar", 0.3), ("ggx", 0.2)] {
+        for (name, chosen) in [
+            ("diffuse", &[("albedo", 0.37)][..]),
+            ("oren-nayar", &[("sigma_deg", 45.0)]),
+            ("ggx", &[("alpha_x", 0.2), ("alpha_y", 0.5), ("k", 10.0)]),
+            ("ggx-dielectric", &[("eta", 1.3)]),
+        ] {
             let family = all.iter().find(|family| family.name() == name).unwrap();
-            let first = family.parameters()[0].name.clone();
-            let values = families::values(family, &[(first, chosen)]).unwrap();
-            let found = closest(name, &*family.with(&values).unwrap()).unwrap();
-            assert!(found.difference < 0.05, "{name}: {found:?}");
+            let chosen: Vec<(String, f64)> = chosen.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+            let found = closest(name, &*family.with(&families::values(family, &chosen).unwrap()).unwrap()).unwrap();
+            assert!(found.name == name && found.difference < 0.03, "{found:?}");
         }
     }
 }

@@ -71,7 +71,7 @@ pub fn appearance(
     step: &dyn Fn(),
 ) -> Result<Appearance> {
     let started = std::time::Instant::now();
-    let tracer = Tracer::new(scene, request, seed)?;
+    let tracer = Tracer::new(scene, request, bsdf.properties().transmission, seed)?;
     let model = closest(name, bsdf)?;
     let family = families::all().into_iter().find(|family| family.name() == model.name);
     let family = family.ok_or_else(|| Error::parameter("names", format!("there is no BSDF {}", model.name)))?;
@@ -149,8 +149,8 @@ struct Way {
     pixel: usize,
     ray: Ray,
     throughput: DVec3,
-    /// The pdf of the ray's direction, where light samples could have found what it hits.
-    pdf: Option<f64>,
+    /// The pdf of the ray's direction and the normal where it starts, where light samples could have found what it hits.
+    sampled: Option<(f64, DVec3)>,
 }
 
 /// Where a path meets a surface.
@@ -176,7 +176,8 @@ impl Vertex {
 }
 
 impl<'a> Tracer<'a> {
-    fn new(scene: &'a Scene, request: &'a Request, seed: u64) -> Result<Self> {
+    /// Prepares a scene for BSDFs that transmit light, or that do not.
+    fn new(scene: &'a Scene, request: &'a Request, transmits: bool, seed: u64) -> Result<Self> {
         let unsupported = |what: &str| {
             let message = format!("{what}; a BSDF of another program is shown on spheres among diffuse rectangles");
             Err(Error::unsupported(Path::new(&scene.name), message)
@@ -196,7 +197,8 @@ impl<'a> Tracer<'a> {
         }
         let mut lights = Vec::new();
         if let Some(environment) = &scene.environment {
-            lights.push(Source::Environment(environment, MapSampling::MAP.sampler(environment.map.clone())?));
+            let sampling = if transmits { MapSampling::MAP } else { MapSampling::COSINE };
+            lights.push(Source::Environment(environment, sampling.sampler(environment.map.clone())?));
         }
         for (i, object) in scene.objects.iter().enumerate() {
             if let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) {
@@ -244,7 +246,7 @@ impl<'a> Tracer<'a> {
         let camera = |pixel| {
             let mut rng = self.random(sample, u32::MAX, pixel);
             let ray = self.camera_ray(pixel, [rng.random(), rng.random()]);
-            Way { pixel, ray, throughput: DVec3::ONE, pdf: None }
+            Way { pixel, ray, throughput: DVec3::ONE, sampled: None }
         };
         let mut ways: Vec<Way> = (0..light.len()).map(camera).collect();
         for scatterings in 0..=self.request.max_depth {
@@ -307,10 +309,11 @@ impl<'a> Tracer<'a> {
                 _ => None,
             },
         };
-        let Some(radiance) = radiance else { return DVec3::ZERO };
+        let Some(radiance) = radiance.map(|radiance| radiance.as_dvec3()) else { return DVec3::ZERO };
+        let Some((pdf, normal)) = way.sampled else { return radiance };
         let of_light = |source: &Source| match (source, hit) {
             (Source::Environment(environment, sampler), None) => {
-                sampler.pdf_for(environment.to_map(direction.as_dvec3()), DVec3::Y)
+                sampler.pdf_for(environment.to_map(direction.as_dvec3()), environment.to_map(normal))
             }
             (Source::Rectangle(rectangle, _, number), Some((i, t))) if i == *number => {
                 area_pdf(rectangle, direction, t)
@@ -318,8 +321,7 @@ impl<'a> Tracer<'a> {
             _ => 0.0,
         };
         let by_light = self.lights.iter().map(of_light).sum::<f64>() / self.lights.len().max(1) as f64;
-        let weight = way.pdf.map_or(1.0, |pdf| if by_light > 0.0 { pdf / (pdf + by_light) } else { 1.0 });
-        radiance.as_dvec3() * weight
+        radiance * if by_light > 0.0 { pdf / (pdf + by_light) } else { 1.0 }
     }
 
     /// Adds a sample of a light, chosen uniformly, at each vertex.
@@ -337,11 +339,14 @@ impl<'a> Tracer<'a> {
             let count = self.lights.len();
             let Some(source) = self.lights.get((u[0] * count as f64) as usize) else { continue };
             let found = match source {
-                Source::Environment(environment, sampler) => sampler.sample_for([u[1], u[2]], DVec3::Y).map(|sample| {
-                    let wi = (environment.to_world * sample.wi).as_vec3();
-                    let radiance = (sample.radiance * environment.scale).as_dvec3();
-                    (wi, radiance, sample.pdf, None)
-                }),
+                Source::Environment(environment, sampler) => {
+                    let normal = environment.to_map(vertex.frame.z.as_dvec3());
+                    sampler.sample_for([u[1], u[2]], normal).map(|sample| {
+                        let wi = (environment.to_world * sample.wi).as_vec3();
+                        let radiance = (sample.radiance * environment.scale).as_dvec3();
+                        (wi, radiance, sample.pdf, None)
+                    })
+                }
                 Source::Rectangle(rectangle, emission, number) => {
                     let [x, y] = rectangle.half_sides();
                     let [s, t] = [u[1], u[2]].map(|u| (2.0 * u - 1.0) as f32);
@@ -413,7 +418,8 @@ impl<'a> Tracer<'a> {
             let wi = vertex.frame.to_world(DVec3::from_array(wi).as_vec3()).normalize();
             if weight != DVec3::ZERO && wi.is_finite() {
                 let ray = vertex.ray(wi);
-                ways.push(Way { ray, throughput: vertex.way.throughput * weight, pdf, ..vertex.way });
+                let sampled = pdf.map(|pdf| (pdf, vertex.frame.z.as_dvec3()));
+                ways.push(Way { ray, throughput: vertex.way.throughput * weight, sampled, ..vertex.way });
             }
         }
         Ok(ways)
@@ -448,7 +454,7 @@ mod tests {
         let rendered: Vec<DVec3> = rendered.image.pixels().iter().map(|p| p.as_dvec3()).collect();
         let all = families::all();
         let diffuse = all.iter().find(|family| family.name() == "diffuse").unwrap().with(&[albedo]).unwrap();
-        let tracer = Tracer::new(&scene, &request, 1).unwrap();
+        let tracer = Tracer::new(&scene, &request, false, 1).unwrap();
         let samples: Vec<f64> = (0..request.spp).map(|i| mean(&tracer.sample(&*diffuse, i).unwrap().0)).collect();
         let n = samples.len() as f64;
         let found = samples.iter().sum::<f64>() / n;
@@ -471,7 +477,8 @@ mod tests {
     #[test]
     fn other_scenes_are_refused() {
         let statue = builtin::find("cornell-statue-au").unwrap().make(None, None).unwrap();
-        let error = Tracer::new(&statue.0, &statue.1, 1).err().map(|error| error.to_string()).unwrap_or_default();
+        let error =
+            Tracer::new(&statue.0, &statue.1, false, 1).err().map(|error| error.to_string()).unwrap_or_default();
         assert!(error.contains("no sphere"), "{error}");
     }
 }

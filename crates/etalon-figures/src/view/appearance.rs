@@ -5,6 +5,9 @@ use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet};
 use etalon_bench::appearance::{Appearance, Model};
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 
+/// Models with a larger difference of their values are not close.
+const FAR: f64 = 0.1;
+
 /// Three panels: the BSDF, the model, and the difference in percent with its scale.
 pub fn drawing(found: &Appearance) -> Drawing {
     let [a, b] = &found.images;
@@ -29,7 +32,7 @@ pub fn drawing(found: &Appearance) -> Drawing {
 /// A model with its parameters.
 fn named(Model { name, parameters, .. }: &Model) -> String {
     let values: Vec<String> =
-        parameters.iter().map(|(name, value)| format!("{name} = {}", rounded(*value, 3))).collect();
+        parameters.iter().map(|(name, value)| format!("{name}\u{a0}=\u{a0}{}", rounded(*value, 3))).collect();
     if values.is_empty() { name.clone() } else { format!("{name} ({})", values.join(", ")) }
 }
 
@@ -40,21 +43,22 @@ fn signed(percent: f64) -> String {
 /// The mean difference first, then what it is compared with.
 pub fn text(found: &Appearance) -> String {
     let Appearance { bsdf, model, scene, width, height, spp, .. } = found;
-    let mut text = wrapped(
-        &format!(
-            "{bsdf} makes the spheres of {scene} {} ± {:.1} % brighter than {}, the closest model",
-            signed(found.mean_difference_percent),
-            found.standard_error_percent,
-            named(model)
-        ),
-        "",
-        100,
+    let percent = found.mean_difference_percent;
+    let direction = if percent < 0.0 { "darker" } else { "brighter" };
+    let said = format!(
+        "{bsdf} makes the spheres of {scene} {:.1} ± {:.1} % {direction} than {}, the closest model",
+        percent.abs(),
+        found.standard_error_percent,
+        named(model)
     );
+    let mut text = wrapped(&said, "", 80);
     text += &format!(
         "pixels differ by {:.1} % in the mean; noise alone makes {:.1} %\n",
         found.pixel_difference_percent, found.pixel_noise_percent
     );
-    text += &format!("values differ by {:.1} % (root mean square of f |cos θ|)\n", 100.0 * model.difference);
+    let apart = 100.0 * model.difference;
+    let far = if model.difference > FAR { ": no model is close, and a right BSDF would differ, too" } else { "" };
+    text += &format!("values differ by {apart:.1} %{far}\n");
     if found.dropped > 0 {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }
