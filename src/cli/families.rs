@@ -4,6 +4,7 @@ use super::console::Console;
 use clap::Args;
 use etalon_bench::protocol::program::bsdf::Program;
 use etalon_bench::protocol::program::{self, External};
+use etalon_bench::protocol::sampler::Space;
 use etalon_bench::sweep::Families;
 use etalon_bench::table::Table;
 use etalon_bench::validation::families;
@@ -11,12 +12,12 @@ use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::{Family, Parameter};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::Duration;
 
 /// The family of the program, or those of this program that are named, or all.
 pub fn families(external: &ExternalBsdf, names: &[String]) -> Result<Families> {
-    external.check_no_names(names)?;
-    match external.start()? {
+    match external.start(names)? {
         Some(program) => Ok(vec![Box::new(program)]),
         None => chosen(names),
     }
@@ -75,9 +76,62 @@ pub struct ExternalBsdf {
     /// Requests and replies go over its standard input and output.
     #[arg(long, value_name = "COMMAND")]
     exec: Option<String>,
-    /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
-    timeout: f64,
+    /// Time limit for each reply of the program [default: 30]
+    #[arg(long, value_name = "SECONDS")]
+    timeout: Option<f64>,
+}
+
+/// Seconds that a program has for each reply, unless the user gives others.
+const REPLY_LIMIT: f64 = 30.0;
+
+const OF_SAMPLERS: &str = "`etalon validate` tests samplers";
+
+/// Where a program with samplers or BSDFs comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum ProgramSource<'a> {
+    /// A command that starts it.
+    Command(&'a str),
+    /// A file of Python functions.
+    File(&'a str),
+}
+
+impl<'a> ProgramSource<'a> {
+    /// The command, or the Python file that is the only one of `names`.
+    pub fn of(command: Option<&'a str>, names: &'a [String]) -> Result<Option<Self>> {
+        let file = names.iter().find(|name| program::is_python_file(name));
+        match (command, file) {
+            (Some(_), _) if !names.is_empty() => {
+                Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is tested alone"))
+            }
+            (None, Some(file)) if names.len() > 1 => {
+                Err(Error::parameter("names", format!("{file} is not the only one"))
+                    .with_hint("a file is tested alone"))
+            }
+            (command, file) => Ok(command.map(Self::Command).or(file.map(|file| Self::File(file)))),
+        }
+    }
+
+    /// Starts the program, which has `timeout` seconds for each reply.
+    pub fn start(self, space: Option<Space>, timeout: f64) -> Result<External> {
+        let limit = reply_limit(timeout)?;
+        match self {
+            Self::Command(command) => program::start(command, space, limit),
+            Self::File(file) => program::start_file(file, space, limit),
+        }
+    }
+
+    /// Starts the program, which must have BSDFs.
+    pub fn bsdf(self, timeout: f64) -> Result<Program> {
+        match (self.start(None, timeout)?, self) {
+            (External::Bsdf(program), _) => Ok(program),
+            (External::Sampler(_), Self::Command(_)) => {
+                Err(Error::parameter("exec", "the program has a sampler, and no BSDFs").with_hint(OF_SAMPLERS))
+            }
+            (External::Sampler(_), Self::File(file)) => {
+                Err(Error::input(Path::new(file), "it has a sampler, and no BSDFs").with_hint(OF_SAMPLERS))
+            }
+        }
+    }
 }
 
 impl ExternalBsdf {
@@ -86,21 +140,13 @@ impl ExternalBsdf {
         self.exec.as_deref()
     }
 
-    /// Refuses names of BSDFs beside a command.
-    pub fn check_no_names(&self, names: &[String]) -> Result<()> {
-        if self.exec.is_some() && !names.is_empty() {
-            return Err(Error::parameter("names", "`exec` is given, too").with_hint("a program is one family"));
-        }
-        Ok(())
-    }
-
-    /// Starts the program, if a command is given.
-    pub fn start(&self) -> Result<Option<Program>> {
-        let Some(command) = &self.exec else { return Ok(None) };
-        match program::start(command, None, reply_limit(self.timeout)?)? {
-            External::Bsdf(program) => Ok(Some(program)),
-            External::Sampler(_) => Err(Error::parameter("exec", "the program has a sampler, and no BSDFs")
-                .with_hint("`etalon validate` tests samplers")),
+    /// Starts the program, if a command or a Python file among `names` is given.
+    pub fn start(&self, names: &[String]) -> Result<Option<Program>> {
+        match (ProgramSource::of(self.exec.as_deref(), names)?, self.timeout) {
+            (Some(source), timeout) => source.bsdf(timeout.unwrap_or(REPLY_LIMIT)).map(Some),
+            (None, Some(_)) => Err(Error::parameter("timeout", "there is no program that replies")
+                .with_hint("it goes with `exec`, or with a Python file")),
+            (None, None) => Ok(None),
         }
     }
 }

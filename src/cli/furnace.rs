@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 )]
 #[command(next_help_heading = "BSDFs", args = [out(), seed(), threads()])]
 pub struct Furnace {
-    /// BSDFs (see --list)
+    /// BSDFs (see --list), or a Python file with sample, pdf and value
     #[arg(value_name = "NAME", help_heading = None::<&str>, required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
@@ -40,7 +40,7 @@ pub struct Furnace {
     /// Number of angles, and of values of the parameter
     #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
     size: String,
-    /// Largest error of an albedo [default: 0.0001; 0.01 with --exec]
+    /// Largest error of an albedo [default: 0.0001; of a program 0.01]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]
@@ -55,8 +55,7 @@ impl Furnace {
         }
         let all = families::all();
         let cells = self.cells()?;
-        self.external.check_no_names(&self.names)?;
-        let program = self.external.start()?;
+        let program = self.external.start(&self.names)?;
         let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-4 });
         let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };
         // A program's BSDFs, or ours with what is known of their microfacets.

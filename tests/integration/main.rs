@@ -1,5 +1,6 @@
 //! All integration tests: one binary, because each one links the whole crate.
 
+mod appearance;
 mod architecture;
 mod assets;
 mod bad_input;

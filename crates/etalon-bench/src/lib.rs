@@ -4,6 +4,7 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]
 
 pub mod albedo;
+pub mod appearance;
 pub mod audit;
 pub mod claims;
 pub mod compare;

@@ -1,5 +1,6 @@
 //! `etalon render`: images of scenes.
 
+mod appearance;
 mod model;
 mod results;
 mod work;
@@ -9,6 +10,7 @@ use super::flags::command_line;
 use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
 use super::values::{Shard, choice, map_samplers, map_sampling, stops};
+use appearance::ExternalArgs;
 use clap::Args;
 use etalon_core::build::Build;
 use etalon_core::envmap::samplers::MapSampling;
@@ -33,6 +35,8 @@ use std::path::PathBuf;
 pub struct Render {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    external: ExternalArgs,
     /// Camera samples per pixel [default: the scene's]
     #[arg(help_heading = SAMPLING, short, long, value_name = "SPP")]
     spp: Option<u32>,
@@ -131,11 +135,15 @@ Examples:
   etalon render cornell-statue-au --alpha 0.005 --model report --tone report
   etalon render cornell-statue-cu -s 256 --exposure 1 --scale 2 -o slide.png
   etalon render CBspheres.dae -s 64 -m 5 -r 480 360 -f spheres.png
+  etalon render sphere-env --bsdf my_bsdf.py
   etalon render cornell-spheres -s 4096 --resume state.exr
   etalon render cornell-spheres -s 4096 --shard 1/8 -o part-1.exr";
 
 impl Render {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        if let Some(source) = self.external.source() {
+            return self.appearance(source, global, console);
+        }
         let model = self.model.model()?;
         if self.scene.has_multiple_scattering() && model.metal != MetalErrors::NONE {
             return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));

@@ -1,11 +1,11 @@
 //! Samplers and BSDFs of other programs, samplers in files: the arguments of `validate` for them.
 
-use super::super::families::reply_limit;
+use super::super::families::ProgramSource;
 use crate::cli::console::Console;
 use crate::cli::values::setting;
-use clap::{ArgAction, Args};
+use clap::{ArgAction, ArgGroup, Args};
+use etalon_bench::protocol::program::External;
 use etalon_bench::protocol::program::bsdf::Program;
-use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
 use etalon_bench::validation::{Case, WholeBsdf, families};
@@ -20,6 +20,7 @@ const DOMAIN: &str = "Domain of the samples [default: what the program says]";
 /// An external sampler or BSDF.
 #[derive(Args)]
 #[command(next_help_heading = "Samplers and BSDFs of other programs")]
+#[command(group = ArgGroup::new("program").args(["exec", "names"]).multiple(true))]
 pub struct Arguments {
     /// Test the sampler or the BSDF of the program that COMMAND starts
     ///
@@ -29,10 +30,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "exec")]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
     timeout: f64,
     /// Parameters of the program's BSDF [default: the values that it declares]
-    #[arg(long, value_name = "NAME=VALUE,...", requires = "exec", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
+    #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
     #[arg(long, value_name = "FILE", conflicts_with_all = ["names", "envmap"], requires = "samples")]
@@ -80,14 +81,25 @@ impl Subject {
 }
 
 impl Arguments {
-    pub fn subject(&self, samples: Option<&SampleSource>, console: &Console) -> Result<Option<Subject>> {
+    /// What is to be tested: the program, or the Python file that `names` is, or files of samples; `None`: what `names` names.
+    pub fn subject(
+        &self,
+        names: &[String],
+        samples: Option<&SampleSource>,
+        console: &Console,
+    ) -> Result<Option<Subject>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
-        match (&self.exec, samples, &self.pdf) {
+        let source = ProgramSource::of(self.exec.as_deref(), names)?;
+        if source.is_none() && !self.set.is_empty() {
+            return Err(Error::parameter("set", "there is no external BSDF to test")
+                .with_hint("it goes with `exec`, or with a Python file"));
+        }
+        match (source, samples, &self.pdf) {
             (Some(_), Some(SampleSource::File(file)), _) => {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
-                    .with_hint("with `exec`, the program generates the samples"))
+                    .with_hint("a program generates the samples itself"))
             }
-            (Some(command), ..) => self.program(command, space).map(Some),
+            (Some(source), ..) => self.program(source, space, console).map(Some),
             (None, Some(SampleSource::File(file)), Some(pdf)) => {
                 files(file, pdf, space, console).map(|case| Some(Subject::Cases(vec![case])))
             }
@@ -105,8 +117,8 @@ impl Arguments {
         }
     }
 
-    fn program(&self, command: &str, space: Option<Space>) -> Result<Subject> {
-        match program::start(command, space, reply_limit(self.timeout)?)? {
+    fn program(&self, source: ProgramSource, space: Option<Space>, console: &Console) -> Result<Subject> {
+        match source.start(space, self.timeout)? {
             External::Bsdf(program) => {
                 let values = families::values(&program, &self.set)?;
                 Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
@@ -115,6 +127,10 @@ impl Arguments {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
             }
             External::Sampler(client) => {
+                if let (ProgramSource::File(file), None) = (source, space) {
+                    let other = "another one by --domain, or by a variable `domain` of the file";
+                    console.note(&format!("{file}: the domain is {}; {other}", client.space()));
+                }
                 let (name, space) = (client.name().to_owned(), client.space());
                 let test = move |protocol: &_, round| Ok(examine(space.domain(), &client, &client, protocol, round)?);
                 Ok(Subject::Cases(vec![Case::new(name, test)]))

@@ -25,13 +25,15 @@ use std::path::PathBuf;
     after_long_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}; for a single test, validation-TEST with its figure, and validation-TEST-counts.csv. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
-                        etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
+                        etalon validate my_sampler.py\n  etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
                         etalon validate --exec 'python3 examples/bsdf.py' --set exponent=100\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
 )]
 #[command(next_help_heading = "Tests", args = [out(), seed(), threads()])]
 pub struct Validate {
-    /// Tests, families of tests, or patterns with * and ? [default: all]
+    /// Tests, families, patterns with * and ?, or a Python file [default: all]
+    ///
+    /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi).
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop
@@ -137,7 +139,7 @@ impl Validate {
     }
 
     fn subject(&self, console: &Console) -> Result<Subject> {
-        if let Some(subject) = self.external.subject(self.samples().as_ref(), console)? {
+        if let Some(subject) = self.external.subject(&self.names, self.samples().as_ref(), console)? {
             return Ok(subject);
         }
         let mut all = suite::cases();

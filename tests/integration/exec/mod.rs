@@ -5,6 +5,7 @@ mod c_header;
 mod files;
 #[cfg(unix)]
 mod misbehaviour;
+mod python_files;
 
 use crate::program::{Ran, etalon, json};
 use std::path::Path;

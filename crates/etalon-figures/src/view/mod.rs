@@ -2,6 +2,7 @@
 //!
 //! A view has rows of its own only where the result is nested, which CSV cannot hold; other results are serialized as they are.
 
+pub mod appearance;
 pub mod checks;
 pub mod claims;
 pub mod compare;

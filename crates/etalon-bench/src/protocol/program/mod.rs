@@ -3,7 +3,8 @@
 //! The program reads requests and responds to each with the requested lines and a line `end`. The first request is `etalon 1`;
 //! the response is a greeting, `etalon 1 KEY=VALUE …`, whose key `kind` says what the program has: a [`sampler`] with its pdf, or
 //! a [`bsdf`] over its parameters. The request `quit`, or the end of its input, ends the program.
-//! The order of the other requests is not fixed: an answer depends on what a request holds, not on what was asked before.
+//! The order of the other requests is not fixed: an answer depends on what a request holds, not on what was asked before. A line
+//! `error TEXT` in place of an answer ends the test.
 
 pub mod bsdf;
 mod connection;
@@ -16,9 +17,17 @@ pub(crate) use process::{Group, last_line, tail, words};
 
 use crate::protocol::sampler::Space;
 use etalon_core::error::{Error, Result};
+use etalon_core::files;
 use process::Process;
 use properties::Greeting;
+use std::io::ErrorKind;
+use std::path::Path;
 use std::time::Duration;
+
+/// The client that serves the functions of a Python file.
+const PYTHON_CLIENT: &str = include_str!("file.py");
+/// The interpreters that are looked for, in this order.
+const PYTHON: [&str; 2] = ["python3", "python"];
 
 /// What a program says in its greeting that it has.
 pub enum External {
@@ -34,7 +43,36 @@ pub enum External {
 /// [`Error::Parameter`] for a command that cannot be split or a domain that is missing, [`Error::Io`] for one that cannot be
 /// started, [`Error::Input`] for a response that is late or malformed.
 pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<External> {
-    connect(Process::start(command, limit)?, space)
+    let words = words("command", command)?;
+    connect(Process::start(command, &words, limit)?, space)
+}
+
+/// Whether a name is that of a Python file, whose functions [`start_file`] serves.
+#[must_use]
+pub fn is_python_file(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("py"))
+}
+
+/// Starts Python with the functions `sample` and `pdf` of a file, a sampler, or with its functions `sample`, `pdf` and `value`, a
+/// BSDF. The domain of a sampler is `space`, or the file's variable `domain`, or taken from its samples.
+///
+/// # Errors
+/// Those of [`start`]; [`Error::Input`] for a file that is not there or whose functions make no sense; [`Error::Io`] without Python.
+pub fn start_file(file: &str, space: Option<Space>, limit: Duration) -> Result<External> {
+    let path = Path::new(file);
+    if !path.is_file() {
+        return Err(Error::input(path, "there is no such file"));
+    }
+    files::note_input(path);
+    let program = |python: &str| {
+        let domain = space.map(|space| space.to_string());
+        let words = [python, "-c", PYTHON_CLIENT, file].map(str::to_owned).into_iter().chain(domain);
+        Process::start(file, &words.collect::<Vec<_>>(), limit)
+    };
+    let is_missing = |started: &Result<Process>| matches!(started, Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound);
+    let started = PYTHON.iter().map(|python| program(python)).find(|started| !is_missing(started));
+    let missing = || Error::input(path, format!("it needs Python, but {} are not found", PYTHON.join(" and ")));
+    connect(started.ok_or_else(|| missing().with_hint("install Python, or add its folder to PATH"))??, space)
 }
 
 /// Exchanges the handshake over `connection`. The domain of a sampler is `space`, or else the one that it names.

@@ -21,6 +21,9 @@ const LONGEST_LINE: usize = 1000;
 /// Time for a program to quit when asked, and for the end of its standard error to arrive.
 const GRACE: Duration = Duration::from_secs(2);
 
+/// What the first line of an answer begins with that ends the test with the text after it.
+const REFUSAL: &str = "error ";
+
 /// Interval at which interrupts are checked while waiting for a response.
 const POLL: Duration = Duration::from_millis(50);
 
@@ -40,7 +43,8 @@ pub fn words(parameter: &'static str, command: &str) -> Result<Vec<String>> {
 
 /// A running program. It is ended, with what it started, when this is dropped.
 pub struct Process {
-    command: String,
+    /// The program in messages.
+    name: String,
     child: Child,
     /// The program and its children; `None` once they were ended.
     group: Option<Group>,
@@ -53,9 +57,8 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command`, split into [`words`].
-    pub fn start(command: &str, limit: Duration) -> Result<Self> {
-        let words = words("command", command)?;
+    /// Starts the program of `words`, which messages call `name`.
+    pub fn start(name: &str, words: &[String], limit: Duration) -> Result<Self> {
         let mut start = Command::new(&words[0]);
         start.args(&words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // The group starts first, so that the program is always a member.
@@ -83,7 +86,7 @@ impl Process {
             thread::spawn(move || to_keep.send(tail(pipe)));
         }
         let group = Some(group);
-        Ok(Self { command: command.to_owned(), child, group, limit, requests, answers, stderr, failure: None })
+        Ok(Self { name: name.to_owned(), child, group, limit, requests, answers, stderr, failure: None })
     }
 
     fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
@@ -148,19 +151,26 @@ impl Process {
 
 impl Connection for Process {
     fn name(&self) -> &str {
-        &self.command
+        &self.name
     }
 
     fn ask(&mut self, request: String, most: usize) -> Result<String> {
         if let Some(why) = &self.failure {
-            return Err(protocol_error(&self.command, why.clone()));
+            return Err(protocol_error(&self.name, why.clone()));
         }
         let asked = request.lines().next().unwrap_or_default().to_owned();
-        self.exchange(request, most).map_err(|what| {
-            let why = format!("asked {asked:?}, {what}{}", self.end());
-            self.failure = Some(why.clone());
-            if interrupt::requested() { Error::Interrupted } else { protocol_error(&self.command, why) }
-        })
+        let why = match self.exchange(request, most) {
+            Ok(answer) => match answer.strip_prefix(REFUSAL) {
+                None => return Ok(answer),
+                Some(text) => {
+                    self.kill();
+                    text.trim_ascii().to_owned()
+                }
+            },
+            Err(what) => format!("asked {asked:?}, {what}{}", self.end()),
+        };
+        self.failure = Some(why.clone());
+        Err(if interrupt::requested() { Error::Interrupted } else { protocol_error(&self.name, why) })
     }
 }
 

@@ -1,0 +1,484 @@
+//! What a BSDF of another program looks like: the spheres of a scene with it, and with the model of this program that is closest to it.
+//!
+//! A path tracer of its own renders both, by light sampling and BSDF sampling combined by multiple importance sampling. It follows one
+//! path of every pixel at a time, so that a program gets its requests by the thousand. It shares BSDFs, shapes and the sampler of the
+//! map with the renderer, and no more: foreign code has no place in its lanes.
+//!
+//! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
+
+mod closest;
+
+pub use closest::{Model, closest};
+
+use crate::validation::families;
+use etalon_core::envmap::samplers::{MapSampling, SurfaceSampler};
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use etalon_core::math::Frame;
+use etalon_core::raster::Image;
+use etalon_core::sampling::stream::CounterRng;
+use etalon_core::sampling::warp;
+use etalon_core::scene::{Emission, Environment, Material, Object, Ray, Rectangle, Request, Scene, Shape};
+use etalon_stats::bsdf::{BatchBsdf, Density, Direction, Family, Pair, Properties, Spectrum};
+use glam::{DVec3, Vec3};
+use rand::RngExt;
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Rays start so far from a surface, which the shapes of the scene are large against.
+const OFFSET: f32 = 1e-4;
+/// Random numbers of a vertex besides those of the BSDF: which light, and where on it.
+const OF_LIGHT: usize = 3;
+
+/// The images and what they say. Field names are JSON keys.
+#[derive(Serialize)]
+pub struct Appearance {
+    pub scene: String,
+    pub bsdf: String,
+    pub model: Model,
+    pub width: usize,
+    pub height: usize,
+    pub spp: u32,
+    /// Mean difference over the pixels that show the BSDF, in percent of the model's mean there.
+    pub mean_difference_percent: f64,
+    /// Its standard error.
+    pub standard_error_percent: f64,
+    /// Mean absolute difference of these pixels, in percent.
+    pub pixel_difference_percent: f64,
+    /// What noise alone makes of that.
+    pub pixel_noise_percent: f64,
+    /// Paths whose light was not finite or negative, which count as black.
+    pub dropped: u64,
+    pub seconds: f64,
+    /// With the BSDF, and with the model.
+    #[serde(skip)]
+    pub images: [Image; 2],
+    /// The difference of each pixel in percent; NaN where the model's pixel is black.
+    #[serde(skip)]
+    pub percent: Vec<f64>,
+}
+
+/// Renders the spheres of a scene with `bsdf` and with the model closest to it; `step` is called after each sample of all pixels.
+///
+/// # Errors
+/// [`Error::Unsupported`] for a scene that has more than spheres, diffuse rectangles and a map; those of [`closest`]; those of the program.
+pub fn appearance(
+    (name, bsdf): (&str, &dyn BatchBsdf),
+    scene: &Scene,
+    request: &Request,
+    seed: u64,
+    step: &dyn Fn(),
+) -> Result<Appearance> {
+    let started = std::time::Instant::now();
+    let tracer = Tracer::new(scene, request, bsdf.properties().transmission, seed)?;
+    let model = closest(name, bsdf)?;
+    let family = families::all().into_iter().find(|family| family.name() == model.name);
+    let family = family.ok_or_else(|| Error::parameter("names", format!("there is no BSDF {}", model.name)))?;
+    let values: Vec<f64> = model.parameters.iter().map(|(_, value)| *value).collect();
+    let own = family.with(&values)?;
+    // Samples of the differences, all pixels of one after those of another
+    let pixels = request.width * request.height;
+    let (mut sums, mut dropped) = ([vec![DVec3::ZERO; pixels], vec![DVec3::ZERO; pixels]], 0);
+    let shows = tracer.shows();
+    let mut halves = [vec![0.0; pixels], vec![0.0; pixels]];
+    let mut means = Vec::new();
+    for sample in 0..request.spp {
+        let mut light = Vec::new();
+        for (bsdf, sum) in [bsdf, &*own].into_iter().zip(&mut sums) {
+            let (found, lost) = tracer.sample(bsdf, sample)?;
+            sum.iter_mut().zip(&found).for_each(|(sum, found)| *sum += found);
+            dropped += lost;
+            light.push(found);
+            step();
+        }
+        let difference = |i: &usize| grey(light[0][*i]) - grey(light[1][*i]);
+        shows.iter().for_each(|i| halves[(sample % 2) as usize][*i] += difference(i));
+        means.push(shows.iter().map(difference).sum::<f64>() / shows.len() as f64);
+    }
+    let n = f64::from(request.spp);
+    let reference = shows.iter().map(|&i| grey(sums[1][i])).sum::<f64>() / (n * shows.len() as f64);
+    let percent_of = |x: f64| 100.0 * x / reference;
+    let mean = means.iter().sum::<f64>() / n;
+    let variance = means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let over_pixels = |sign: f64| {
+        let of = |i: &usize| (halves[0][*i] + sign * halves[1][*i]).abs() / n;
+        percent_of(shows.iter().map(of).sum::<f64>() / shows.len() as f64)
+    };
+    let percent = |(a, b): (&DVec3, &DVec3)| 100.0 * (grey(*a) - grey(*b)) / grey(*b);
+    let image = |sum: &Vec<DVec3>| {
+        Image::from_pixels(request.width, request.height, sum.iter().map(|p| (p / n).as_vec3()).collect())
+    };
+    Ok(Appearance {
+        scene: scene.name.clone(),
+        bsdf: name.to_owned(),
+        width: request.width,
+        height: request.height,
+        spp: request.spp,
+        mean_difference_percent: percent_of(mean),
+        standard_error_percent: percent_of((variance / n).sqrt()),
+        pixel_difference_percent: over_pixels(1.0),
+        pixel_noise_percent: over_pixels(-1.0),
+        dropped,
+        seconds: started.elapsed().as_secs_f64(),
+        percent: sums[0].iter().zip(&sums[1]).map(percent).collect(),
+        images: [image(&sums[0]), image(&sums[1])],
+        model,
+    })
+}
+
+fn grey(rgb: DVec3) -> f64 {
+    rgb.element_sum() / 3.0
+}
+
+/// A light that is sampled.
+enum Source<'a> {
+    Environment(&'a Environment, Box<dyn SurfaceSampler>),
+    Rectangle(&'a Rectangle, Emission, usize),
+}
+
+struct Tracer<'a> {
+    scene: &'a Scene,
+    request: &'a Request,
+    seed: u64,
+    lights: Vec<Source<'a>>,
+}
+
+/// A path on its way.
+struct Way {
+    pixel: usize,
+    ray: Ray,
+    throughput: DVec3,
+    /// The pdf of the ray's direction and the normal where it starts, where light samples could have found what it hits.
+    sampled: Option<(f64, DVec3)>,
+}
+
+/// Where a path meets a surface.
+struct Vertex {
+    way: Way,
+    point: Vec3,
+    frame: Frame,
+    wo: Direction,
+    /// Albedo of a diffuse surface; `None` of the BSDF under test.
+    albedo: Option<DVec3>,
+}
+
+impl Vertex {
+    fn ray(&self, wi: Vec3) -> Ray {
+        let side = OFFSET.copysign(self.frame.z.dot(wi));
+        Ray { origin: self.point + side * self.frame.z, direction: wi }
+    }
+
+    fn local(&self, wi: Vec3) -> Direction {
+        // In double precision, so that it has unit length for the program.
+        self.frame.to_local(wi).as_dvec3().normalize().to_array()
+    }
+}
+
+impl<'a> Tracer<'a> {
+    /// Prepares a scene for BSDFs that transmit light, or that do not.
+    fn new(scene: &'a Scene, request: &'a Request, transmits: bool, seed: u64) -> Result<Self> {
+        let unsupported = |what: &str| {
+            let message = format!("{what}; a BSDF of another program is shown on spheres among diffuse rectangles");
+            Err(Error::unsupported(Path::new(&scene.name), message)
+                .with_hint("such scenes are sphere-env, cornell-spheres and furnace"))
+        };
+        let is_sphere = |object: &&Object| matches!(object.shape, Shape::Sphere(_));
+        if !scene.objects.iter().any(|object| is_sphere(&object)) {
+            return unsupported("the scene has no sphere");
+        }
+        let of_rest = |object: &Object| match (&object.shape, &object.material) {
+            (Shape::Sphere(_), _) => object.emission.is_none(),
+            (Shape::Rectangle(_), Material::Diffuse { .. }) => true,
+            _ => false,
+        };
+        if !scene.objects.iter().all(of_rest) || !scene.lights.is_empty() {
+            return unsupported("the scene has other shapes, materials or lights");
+        }
+        let mut lights = Vec::new();
+        if let Some(environment) = &scene.environment {
+            let sampling = if transmits { MapSampling::MAP } else { MapSampling::COSINE };
+            lights.push(Source::Environment(environment, sampling.sampler(environment.map.clone())?));
+        }
+        for (i, object) in scene.objects.iter().enumerate() {
+            if let (Shape::Rectangle(rectangle), Some(emission)) = (&object.shape, object.emission) {
+                lights.push(Source::Rectangle(rectangle, emission, i));
+            }
+        }
+        Ok(Self { scene, request, seed, lights })
+    }
+
+    /// The first object along a ray and the distance to it.
+    fn nearest(&self, ray: &Ray) -> Option<(usize, f32)> {
+        let distance = |object: &Object| match &object.shape {
+            Shape::Sphere(sphere) => sphere.distance(ray.origin, ray.direction),
+            Shape::Rectangle(rectangle) => rectangle.distance(ray.origin, ray.direction),
+            Shape::Mesh(_) => f32::INFINITY,
+        };
+        let all = self.scene.objects.iter().map(distance).enumerate();
+        all.filter(|(_, t)| t.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn camera_ray(&self, pixel: usize, [u, v]: [f64; 2]) -> Ray {
+        let (x, y) = (pixel % self.request.width, pixel / self.request.width);
+        self.scene.camera.ray((x as f64 + u) / self.request.width as f64, (y as f64 + v) / self.request.height as f64)
+    }
+
+    /// The pixels whose centres show a sphere.
+    fn shows(&self) -> Vec<usize> {
+        let is_sphere = |i: usize| matches!(self.scene.objects[i].shape, Shape::Sphere(_));
+        let shows = |pixel: &usize| self.nearest(&self.camera_ray(*pixel, [0.5; 2])).is_some_and(|(i, _)| is_sphere(i));
+        (0..self.request.width * self.request.height).filter(shows).collect()
+    }
+
+    /// Random numbers of a path after so many scatterings; those of its film position are of the number `u32::MAX`.
+    fn random(&self, sample: u32, scatterings: u32, pixel: usize) -> CounterRng {
+        CounterRng::new(self.seed ^ (u64::from(sample) << 32), (u64::from(scatterings) << 32) | pixel as u64)
+    }
+
+    /// The light of a path through each pixel, and how many were dropped.
+    fn sample(&self, bsdf: &dyn BatchBsdf, sample: u32) -> Result<(Vec<DVec3>, u64)> {
+        if interrupt::requested() {
+            return Err(Error::Interrupted);
+        }
+        let mut light = vec![DVec3::ZERO; self.request.width * self.request.height];
+        let properties = bsdf.properties();
+        let camera = |pixel| {
+            let mut rng = self.random(sample, u32::MAX, pixel);
+            let ray = self.camera_ray(pixel, [rng.random(), rng.random()]);
+            Way { pixel, ray, throughput: DVec3::ONE, sampled: None }
+        };
+        let mut ways: Vec<Way> = (0..light.len()).map(camera).collect();
+        for scatterings in 0..=self.request.max_depth {
+            let mut vertices = Vec::new();
+            for way in ways {
+                let hit = self.nearest(&way.ray);
+                light[way.pixel] += way.throughput * self.emission(&way, hit);
+                vertices.extend(hit.and_then(|hit| self.vertex(way, hit)));
+            }
+            if scatterings == self.request.max_depth {
+                break;
+            }
+            let dimension = OF_LIGHT + properties.dimension.max(3) + properties.eval_dimension;
+            let numbers = |vertex: &Vertex| {
+                let mut rng = self.random(sample, scatterings, vertex.way.pixel);
+                (0..dimension).map(|_| rng.random()).collect::<Vec<f64>>()
+            };
+            let u: Vec<Vec<f64>> = vertices.iter().map(numbers).collect();
+            self.add_direct_light(bsdf, &properties, &vertices, &u, &mut light)?;
+            ways = Self::scatter(bsdf, &properties, vertices, &u)?;
+        }
+        let mut dropped = 0;
+        for light in &mut light {
+            if !(light.is_finite() && light.min_element() >= 0.0) {
+                (*light, dropped) = (DVec3::ZERO, dropped + 1);
+            }
+        }
+        Ok((light, dropped))
+    }
+
+    fn vertex(&self, way: Way, (i, t): (usize, f32)) -> Option<Vertex> {
+        let object = &self.scene.objects[i];
+        let point = way.ray.origin + t * way.ray.direction;
+        let (normal, albedo) = match (&object.shape, &object.material) {
+            (Shape::Sphere(sphere), _) => ((point - sphere.centre).normalize(), None),
+            (Shape::Rectangle(rectangle), Material::Diffuse { albedo }) => {
+                let normal = rectangle.normal();
+                let facing = if normal.dot(way.ray.direction) > 0.0 { -normal } else { normal };
+                (facing, Some(albedo.as_dvec3()))
+            }
+            _ => return None,
+        };
+        if albedo == Some(DVec3::ZERO) {
+            return None;
+        }
+        let vertex = Vertex { way, point, frame: Frame::from_normal(normal), wo: [0.0; 3], albedo };
+        let wo = vertex.local(-vertex.way.ray.direction);
+        Some(Vertex { wo, ..vertex })
+    }
+
+    /// The light that a ray finds, by the balance heuristic where light samples could have found it.
+    fn emission(&self, way: &Way, hit: Option<(usize, f32)>) -> DVec3 {
+        let direction = way.ray.direction;
+        let radiance = match hit {
+            None => self.scene.environment.as_ref().map(|environment| environment.radiance(direction.as_dvec3())),
+            Some((i, _)) => match (&self.scene.objects[i].shape, self.scene.objects[i].emission) {
+                (Shape::Rectangle(rectangle), Some(emission)) if emission.is_emitted(rectangle.normal(), direction) => {
+                    Some(emission.radiance)
+                }
+                _ => None,
+            },
+        };
+        let Some(radiance) = radiance.map(|radiance| radiance.as_dvec3()) else { return DVec3::ZERO };
+        let Some((pdf, normal)) = way.sampled else { return radiance };
+        let of_light = |source: &Source| match (source, hit) {
+            (Source::Environment(environment, sampler), None) => {
+                sampler.pdf_for(environment.to_map(direction.as_dvec3()), environment.to_map(normal))
+            }
+            (Source::Rectangle(rectangle, _, number), Some((i, t))) if i == *number => {
+                area_pdf(rectangle, direction, t)
+            }
+            _ => 0.0,
+        };
+        let by_light = self.lights.iter().map(of_light).sum::<f64>() / self.lights.len().max(1) as f64;
+        radiance * if by_light > 0.0 { pdf / (pdf + by_light) } else { 1.0 }
+    }
+
+    /// Adds a sample of a light, chosen uniformly, at each vertex.
+    fn add_direct_light(
+        &self,
+        bsdf: &dyn BatchBsdf,
+        properties: &Properties,
+        vertices: &[Vertex],
+        u: &[Vec<f64>],
+        light: &mut [DVec3],
+    ) -> Result<()> {
+        // Directions that are not occluded, with the radiance over the pdf
+        let mut samples = Vec::new();
+        for (i, (vertex, u)) in vertices.iter().zip(u).enumerate() {
+            let count = self.lights.len();
+            let Some(source) = self.lights.get((u[0] * count as f64) as usize) else { continue };
+            let found = match source {
+                Source::Environment(environment, sampler) => {
+                    let normal = environment.to_map(vertex.frame.z.as_dvec3());
+                    sampler.sample_for([u[1], u[2]], normal).map(|sample| {
+                        let wi = (environment.to_world * sample.wi).as_vec3();
+                        let radiance = (sample.radiance * environment.scale).as_dvec3();
+                        (wi, radiance, sample.pdf, None)
+                    })
+                }
+                Source::Rectangle(rectangle, emission, number) => {
+                    let [x, y] = rectangle.half_sides();
+                    let [s, t] = [u[1], u[2]].map(|u| (2.0 * u - 1.0) as f32);
+                    let towards = rectangle.centre() + s * x + t * y - vertex.point;
+                    let (wi, distance) = (towards.normalize(), towards.length());
+                    let emitted = emission.is_emitted(rectangle.normal(), wi);
+                    let pdf = area_pdf(rectangle, wi, distance);
+                    emitted.then_some((wi, emission.radiance.as_dvec3(), pdf, Some(*number)))
+                }
+            };
+            let Some((wi, radiance, pdf, number)) = found else { continue };
+            let pdf = pdf / count as f64;
+            if pdf > 0.0 && self.nearest(&vertex.ray(wi)).map(|(i, _)| i) == number {
+                samples.push((i, wi, radiance, pdf));
+            }
+        }
+        // The BSDF is asked for all at once
+        let of_bsdf = || samples.iter().filter(|(i, ..)| vertices[*i].albedo.is_none());
+        let pairs: Vec<Pair> = of_bsdf().map(|(i, wi, ..)| [vertices[*i].wo, vertices[*i].local(*wi)]).collect();
+        let random: Vec<f64> =
+            of_bsdf().flat_map(|(i, ..)| u[*i].iter().rev().take(properties.eval_dimension)).copied().collect();
+        let (f, pdf) = (bsdf.eval(&pairs, &random)?, bsdf.pdf(&pairs)?);
+        let mut evaluated = f.into_iter().zip(pdf);
+        for (i, wi, radiance, by_light) in &samples {
+            let vertex = &vertices[*i];
+            let cos = vertex.local(*wi)[2];
+            let (f, pdf) = match vertex.albedo {
+                Some(albedo) if cos > 0.0 => (albedo / PI, cos / PI),
+                Some(_) => continue,
+                None => evaluated.next().map_or((DVec3::ZERO, 0.0), |(f, pdf)| (rgb(f), pdf)),
+            };
+            light[vertex.way.pixel] += vertex.way.throughput * f * *radiance * (cos.abs() / (by_light + pdf));
+        }
+        Ok(())
+    }
+
+    /// The paths that go on, by samples of the BSDFs.
+    fn scatter(
+        bsdf: &dyn BatchBsdf,
+        properties: &Properties,
+        vertices: Vec<Vertex>,
+        u: &[Vec<f64>],
+    ) -> Result<Vec<Way>> {
+        let of_bsdf = || vertices.iter().zip(u).filter(|(vertex, _)| vertex.albedo.is_none());
+        let wos: Vec<Direction> = of_bsdf().map(|(vertex, _)| vertex.wo).collect();
+        let random: Vec<f64> =
+            of_bsdf().flat_map(|(_, u)| &u[OF_LIGHT..OF_LIGHT + properties.dimension]).copied().collect();
+        let mut sampled = bsdf.sample(&wos, &random)?.into_iter();
+        let mut ways = Vec::new();
+        for (vertex, u) in vertices.into_iter().zip(u) {
+            let (wi, weight, pdf) = match vertex.albedo {
+                Some(albedo) => {
+                    let wi = warp::cosine_hemisphere([u[OF_LIGHT], u[OF_LIGHT + 1]]);
+                    (wi.to_array(), albedo, Some(warp::cosine_hemisphere_pdf(wi.z)))
+                }
+                None => match sampled.next().flatten() {
+                    None => continue,
+                    Some(sample) => {
+                        let pdf = match sample.density {
+                            Density::Pdf(pdf) => Some(pdf),
+                            // Light samples found all of it
+                            Density::Unknown => Some(0.0),
+                            Density::Delta(_) => None,
+                        };
+                        (sample.wi, rgb(sample.weight), pdf)
+                    }
+                },
+            };
+            let wi = vertex.frame.to_world(DVec3::from_array(wi).as_vec3()).normalize();
+            if weight != DVec3::ZERO && wi.is_finite() {
+                let ray = vertex.ray(wi);
+                let sampled = pdf.map(|pdf| (pdf, vertex.frame.z.as_dvec3()));
+                ways.push(Way { ray, throughput: vertex.way.throughput * weight, sampled, ..vertex.way });
+            }
+        }
+        Ok(ways)
+    }
+}
+
+fn rgb(spectrum: Spectrum) -> DVec3 {
+    DVec3::from_array(spectrum)
+}
+
+/// The pdf per solid angle of a point that is uniform on a rectangle, seen in this direction at this distance.
+fn area_pdf(rectangle: &Rectangle, wi: Vec3, distance: f32) -> f64 {
+    let cos = rectangle.normal().dot(wi).abs();
+    f64::from(distance * distance) / f64::from(cos * rectangle.area())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::scene::builtin;
+    use etalon_render::{Settings, Silent, render};
+
+    fn mean(light: &[DVec3]) -> f64 {
+        light.iter().copied().map(grey).sum::<f64>() / light.len() as f64
+    }
+
+    /// The mean of the image of a scene of white spheres, its standard error, and the mean of the renderer's image.
+    fn means((scene, request): (Scene, Request), albedo: f64) -> [f64; 3] {
+        let (scene, request) = scene.resized(request, [24, 18]);
+        let request = Request { spp: 256, ..request };
+        let rendered = render(&scene, &request, &Settings::usual(), &Silent).unwrap();
+        let rendered: Vec<DVec3> = rendered.image.pixels().iter().map(|p| p.as_dvec3()).collect();
+        let all = families::all();
+        let diffuse = all.iter().find(|family| family.name() == "diffuse").unwrap().with(&[albedo]).unwrap();
+        let tracer = Tracer::new(&scene, &request, false, 1).unwrap();
+        let samples: Vec<f64> = (0..request.spp).map(|i| mean(&tracer.sample(&*diffuse, i).unwrap().0)).collect();
+        let n = samples.len() as f64;
+        let found = samples.iter().sum::<f64>() / n;
+        let variance = samples.iter().map(|x| (x - found).powi(2)).sum::<f64>() / (n - 1.0);
+        [found, (variance / n).sqrt(), mean(&rendered)]
+    }
+
+    #[test]
+    fn images_have_the_mean_of_the_renderer() {
+        // A map with a bright texel, that light samples and BSDF samples find
+        let bright = |x, y| Vec3::splat(if (x, y) == (5, 1) { 20.0 } else { 0.5 });
+        let map = etalon_core::envmap::EnvMap::new(Image::from_fn(8, 4, bright));
+        let environment = Environment::upright(map.into(), "bright", 1.0);
+        for (scene, albedo) in [(builtin::cornell_lambert(), 0.6), (builtin::sphere_env(environment), 1.0)] {
+            let [found, error, expected] = means(scene, albedo);
+            assert!(error < 0.01 * expected && (found - expected).abs() < 5.0 * error, "{found} ± {error}, {expected}");
+        }
+    }
+
+    #[test]
+    fn other_scenes_are_refused() {
+        let statue = builtin::find("cornell-statue-au").unwrap().make(None, None).unwrap();
+        let error =
+            Tracer::new(&statue.0, &statue.1, false, 1).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains("no sphere"), "{error}");
+    }
+}

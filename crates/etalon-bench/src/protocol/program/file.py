@@ -1,0 +1,394 @@
+"""Serves the sampler or the BSDF of a Python file by the protocol for external programs.
+
+Arguments: the file, and the domain of its samples if that is given. NumPy is used if the file has imported it.
+"""
+
+import inspect
+import os
+import sys
+import traceback
+from itertools import accumulate
+from math import isfinite
+from types import ModuleType
+
+ROWS = 7  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
+WIDTHS = {"sphere": 3, "hemisphere": 3, "square": 2, "line": 1}
+DECLARED = ("mass", "table", "precision", "dimension")
+DECLARED_OF_BSDFS = ("scatters", "eta", "reciprocal", "energy", "map", "precision", "dimension")
+
+
+class Refused(Exception):
+    """What is wrong with the file, in words for its author. Of several attempts the one of the highest rank tells."""
+
+    def __init__(self, message, rank=0):
+        super().__init__(message)
+        self.rank = rank
+
+
+def numpy():
+    return sys.modules.get("numpy")
+
+
+def shape_of(width, n="n"):
+    return f"({n},)" if width == 1 else f"({n}, {width})"
+
+
+def array_rows(value, name, n, widths):
+    """The rows of an array of `n` rows with as many numbers as one of `widths`."""
+    np = numpy()
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise Refused(f"{name} returned {type(value).__name__} of rows of different lengths") from None
+    shape, kind = array.shape, array.dtype.kind
+    if shape[:1] == (n,) and kind not in "fiu":
+        raise Refused(f"{name} returned an array of dtype {array.dtype}; wanted real numbers", 2)
+    if shape == (n,) and 1 in widths:
+        return [[float(x)] for x in array.tolist()]
+    if len(shape) == 2 and shape[0] == n and shape[1] in widths and (shape[1] > 1 or name == "sample"):
+        return array.astype(float).tolist()
+    wanted = " or ".join(shape_of(width, n) for width in widths)
+    if shape == ():
+        raise Refused(f"{name} returned one number for {n} samples; wanted an array of shape {wanted}", 1)
+    given = f"a {type(value).__name__} of {len(value)} arrays" if isinstance(value, (tuple, list)) else "an array"
+    remedy = ""
+    if len(shape) == 2 and shape[1] == n:
+        remedy = f": a row for each sample, as by np.stack([{', '.join('xyz'[:shape[0]])}], axis=1)"
+    elif shape == (n, 1):
+        remedy = ": take its column [:, 0]"
+    elif shape == (n,):
+        remedy = ": a row for each sample, as by np.stack([x, y, z], axis=1)"
+    found = f"{name} returned {given} of shape {shape} for {n} samples; wanted {wanted}{remedy}"
+    raise Refused(found, 2 if n in shape else 0)
+
+
+def one_row(value, name, widths):
+    """What a call for one sample returned, as a list of as many numbers as one of `widths`."""
+    wanted = " or ".join("a number" if width == 1 else f"{width} numbers" for width in widths)
+    is_number = isinstance(value, (int, float)) or getattr(value, "shape", None) == ()
+    try:
+        row = [value] if is_number else list(value)
+        is_row = len(row) in widths and (len(row) > 1 or is_number) and not any(isinstance(x, (str, complex)) for x in row)
+        if is_row:
+            return [float(x) for x in row]
+    except (TypeError, ValueError):
+        pass
+    raise Refused(f"{name} returned {repr(value)[:100]} for one sample; wanted {wanted}", 1)
+
+
+class Call:
+    """A function of the file, written for arrays or for one sample.
+
+    Its arguments have as many coordinates as `widths` says. In the file each is one parameter, or all or the last are spread over
+    parameters: pdf(w) or pdf(x, y, z), sample(wo, u) or sample(wo, u0, u1). `read` takes what it returns to rows of numbers.
+    """
+
+    def __init__(self, function, name, widths, by_arrays, as_numbers, read):
+        self.function, self.name, self.by_arrays, self.read = function, name, by_arrays, read
+        count, total = parameters(function, name), sum(widths)
+        blocks = [slice(end - width, end) for end, width in zip(accumulate(widths), widths)]
+        if count is None or count == len(blocks):
+            self.cuts = blocks
+        elif count == total:
+            self.cuts = list(range(total))
+        elif count == len(blocks) - 1 + widths[-1]:
+            self.cuts = blocks[:-1] + list(range(total - widths[-1], total))
+        else:
+            raise Refused(f"{name} takes {count} arguments; wanted {len(blocks)}, or one for each of {total} coordinates", 3)
+        if as_numbers:
+            self.cuts = [cut.start if isinstance(cut, slice) and cut.stop - cut.start == 1 else cut for cut in self.cuts]
+
+    def __call__(self, rows):
+        np = numpy()
+        if self.by_arrays:
+            table = np.array(rows, dtype=float)
+            value = self.function(*(np.ascontiguousarray(table[:, cut]) for cut in self.cuts))
+            return self.read(value, True, len(rows))
+        block = np.array if np else list
+        return [self.one(row, [row[cut] if isinstance(cut, int) else block(row[cut]) for cut in self.cuts]) for row in rows]
+
+    def one(self, row, arguments):
+        try:
+            value = self.function(*arguments)
+        except Exception as error:
+            error.given = f", for ({', '.join(map(repr, row))})"
+            raise
+        return self.read(value, False, 1)
+
+
+def parameters(function, name):
+    """The number of parameters that a caller must give; None if that is not known."""
+    if not callable(function):
+        raise Refused(f"{name} is {repr(function)[:40]}; wanted a function", 3)
+    try:
+        known = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(p.kind is p.VAR_POSITIONAL for p in known):
+        return None
+    return sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in known)
+
+
+def first(attempts):
+    """The result of the first attempt that works; else the error of the one that came furthest."""
+    errors = []
+    for attempt in attempts:
+        try:
+            return attempt()
+        except Exception as error:
+            errors.append(error)
+    raise max(errors, key=lambda error: (getattr(error, "rank", 0), line_of(error)))
+
+
+def forms(function, name, widths, read, rows):
+    """Attempts to call a function: for arrays and for one sample, with numbers and with rows of one number."""
+
+    def attempt(by_arrays, as_numbers):
+        call = Call(function, name, widths, by_arrays, as_numbers, read)
+        return call, call(rows)
+
+    numbers = (True, False) if 1 in widths else (False,)
+    arrays = (True, False) if numpy() else (False,)
+    return [lambda a=a, n=n: attempt(a, n) for n in numbers for a in arrays]
+
+
+def numbers_of(name, widths):
+    """Reads what a function returns that has as many numbers for each sample as one of `widths`."""
+
+    def read(value, by_arrays, n):
+        return array_rows(value, name, n, widths) if by_arrays else one_row(value, name, widths)
+
+    return read
+
+
+def maybe(read):
+    """Reads None as "no sample"."""
+    return lambda value, by_arrays, n: None if value is None and not by_arrays else read(value, by_arrays, n)
+
+
+def uniform(n, dimension):
+    """Points of the unit cube, by the golden ratio's generalization (Roberts 2018)."""
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1 + ratio) ** (1 / (dimension + 1))
+    return [[(0.5 + (i + 1) * ratio ** -(j + 1)) % 1 for j in range(dimension)] for i in range(n)]
+
+
+def declaration(module, names):
+    """The file's variables of these names, as words of the greeting."""
+    words = []
+    for name in names:
+        value = getattr(module, name, None)
+        if value is not None:
+            text = {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
+            separator = "x" if name == "table" else ","
+            words.append(f"{name}={separator.join(map(str, text)) if isinstance(text, (tuple, list)) else text}")
+    return words
+
+
+class SamplerFile:
+    def __init__(self, module, domain):
+        count = parameters(module.sample, "sample")
+        if count == 0:
+            raise Refused("sample takes no argument; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
+        self.domain = getattr(module, "domain", domain)
+        of_one = self.domain == "line" or str(self.domain).startswith("discrete")
+        own = getattr(module, "dimension", None)
+        dimensions = [own] if own else [count] if count and count > 1 else [1, 2] if of_one else [2, 1]
+
+        def attempt(dimension, form):
+            sample, points = form()
+            try:
+                points = [point for point in points if point is not None]
+                if not points:
+                    raise Refused("sample returned None for all of the first samples")
+                of_point = [len(points[0])]
+                pdf, _ = first(forms(module.pdf, "pdf", of_point, numbers_of("pdf", [1]), points))
+            except Exception as error:
+                # Further than any attempt whose samples make no sense
+                error.rank = getattr(error, "rank", 0) + 4
+                raise
+            return dimension, sample, pdf
+
+        read = maybe(numbers_of("sample", [3, 2, 1]))
+        attempts = (
+            lambda d=d, form=form: attempt(d, form)
+            for d in dimensions
+            for form in forms(module.sample, "sample", [d], read, uniform(ROWS, d))
+        )
+        dimension, self.sample, self.pdf = first(attempts)
+        found = self.sample(uniform(1024, dimension))
+        points = [point for point in found if point is not None]
+        if self.domain is None:
+            self.domain = guessed(points)
+        width = WIDTHS.get(self.domain, 1)
+        if len(points[0]) != width:
+            raise Refused(f"sample returns {len(points[0])} coordinates; a point of the domain {self.domain} has {width}")
+        words = declaration(module, DECLARED)
+        if len(points) < len(found) and not hasattr(module, "mass"):
+            words.append("mass=at-most-1")
+        if not hasattr(module, "dimension"):
+            words.append(f"dimension={dimension}")
+        self.greeting = " ".join([f"domain={self.domain}", *words])
+
+    def answer(self, verb, rows):
+        if verb == "pdf":
+            return self.pdf(rows)
+        return self.sample(rows)
+
+
+def guessed(points):
+    """The domain of samples, by the number of coordinates and the side of directions."""
+    width = len(points[0])
+    if width == 3:
+        return "sphere" if any(z < 0 for _, _, z in points) else "hemisphere"
+    outside = [point for point in points if any(isfinite(x) and not 0 <= x <= 1 for x in point)]
+    if 10 * len(outside) > len(points):
+        raise Refused(
+            f"sample returns points such as ({', '.join(f'{x:.4g}' for x in outside[0])}), which no domain has: "
+            "coordinates of square and line are from 0 to 1, directions of sphere and hemisphere are unit vectors x, y, z, "
+            'and a file with domain = "discrete:6" returns 0 to 5'
+        )
+    return {2: "square", 1: "line"}[width]
+
+
+class BsdfFile:
+    def __init__(self, module):
+        count = parameters(module.sample, "sample")
+        if count is not None and count < 2:
+            raise Refused(f"sample takes {count} arguments; wanted sample(wo, u)")
+        self.module, self.parameters = module, getattr(module, "parameters", {})
+        wos = [[0.6 * x, 0.6 * y, (1 - 0.36 * (x * x + y * y)) ** 0.5] for x, y in uniform(ROWS, 2)]
+        pairs = [[*wo, *wi] for wo, wi in zip(wos, reversed(wos))]
+        name = "value" if hasattr(module, "value") else "eval"
+        function = getattr(module, name)
+        self.value, values = first(forms(function, name, [3, 3], numbers_of(name, [1, 3]), pairs))
+        self.pdf, _ = first(forms(module.pdf, "pdf", [3, 3], numbers_of("pdf", [1]), pairs))
+        self.channels = len(values[0])
+        own = getattr(module, "dimension", None)
+        dimensions = [own] if own else [count - 1] if count and count > 2 else [3, 2, 1]
+        attempts = (
+            lambda d=d, form=form: (d, form())
+            for d in dimensions
+            for form in forms(
+                module.sample, "sample", [3, d], self.scattered, [wo + u for wo, u in zip(wos, uniform(ROWS, d))]
+            )
+        )
+        dimension, (self.sample, _) = first(attempts)
+        words = declaration(module, DECLARED_OF_BSDFS)
+        if own is None:
+            words.insert(0, f"dimension={dimension}")
+        lines = [f"\n{name} {value!r} {low!r} {high!r}" for name, (value, low, high) in self.parameters.items()]
+        self.greeting = " ".join(["kind=bsdf", f"channels={self.channels}", *words]) + "".join(lines)
+
+    def scattered(self, value, by_arrays, n):
+        """What `sample` returned as rows of wi, the weight or [], the pdf or []; None where there is no sample."""
+        if value is None and not by_arrays:
+            return None
+        is_wi = not isinstance(value, tuple) or not hasattr(value[0], "__len__")
+        if is_wi or (by_arrays and getattr(value[0], "ndim", 2) == 1):
+            value = (value,)
+        if not 1 <= len(value) <= 3:
+            raise Refused(f"sample returned {len(value)} values; wanted wi, (wi, weight) or (wi, weight, pdf)", 2)
+        widths = ([3], [self.channels], [1])
+        names = ("sample", "the weight of sample", "the pdf of sample")
+        if by_arrays:
+            parts = [array_rows(part, name, n, width) for part, name, width in zip(value, names, widths)]
+            return [list(row) + [[]] * (3 - len(row)) for row in zip(*parts)]
+        parts = [one_row(part, name, width) for part, name, width in zip(value, names, widths)]
+        return parts + [[]] * (3 - len(parts))
+
+    def answer(self, verb, rows):
+        if verb != "sample":
+            return (self.value if verb == "eval" else self.pdf)(rows)
+        found = self.sample(rows)
+        pairs = [row[:3] + sample[0] for row, sample in zip(rows, found) if sample is not None]
+        # What `sample` leaves out follows from the other functions
+        pdfs = iter(self.pdf(pairs) if any(sample and not sample[2] for sample in found) else ())
+        values = iter(self.value(pairs) if any(sample and not sample[1] for sample in found) else ())
+        return [sample and self.completed(*sample, next(pdfs, None), next(values, None)) for sample in found]
+
+    def completed(self, wi, weight, own, pdf, value):
+        """A sample with all of its numbers; None, "no sample", where the pdf is 0."""
+        (p,) = own or pdf
+        return [*wi, *(weight or [f * abs(wi[2]) / p for f in value]), p] if p != 0 else None
+
+    def set(self, values):
+        for name, value in zip(self.parameters, values):
+            setattr(self.module, name, value)
+
+
+def loaded(path, domain):
+    """The sampler or BSDF of the file."""
+    sys.path[0], sys.argv = os.path.dirname(os.path.abspath(path)), [path]
+    module = ModuleType("etalon_file")
+    module.__file__ = path
+    sys.modules[module.__name__] = module
+    with open(path, "rb") as file:
+        exec(compile(file.read(), path, "exec"), module.__dict__)
+    missing = [name for name in ("sample", "pdf") if not hasattr(module, name)]
+    is_bsdf = hasattr(module, "value") or module.__dict__.get("eval")
+    if missing:
+        raise Refused(
+            f"it has no function {' and no function '.join(missing)}; wanted sample(u) and pdf(w) for a sampler, "
+            "sample(wo, u), pdf(wo, wi) and value(wo, wi) for a BSDF"
+        )
+    if is_bsdf:
+        return BsdfFile(module)
+    if next(iter(getattr(getattr(module.sample, "__code__", None), "co_varnames", ())), "") == "wo":
+        raise Refused("it has sample(wo, …) and no function value; wanted value(wo, wi), the BSDF without the cosine")
+    return SamplerFile(module, domain)
+
+
+def line_of(error):
+    """The last line of the file that an exception went through, 0 if none."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return max([frame.lineno for frame in frames if frame.filename == PATH][-1:], default=0)
+
+
+def told(error):
+    """An exception in one line."""
+    if isinstance(error, Refused):
+        return str(error)
+    what = traceback.format_exception_only(type(error), error)[-1].strip()
+    if isinstance(error, SyntaxError) and error.filename == PATH:
+        return f"line {error.lineno}: {what}"
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == PATH]
+    if not frames:
+        return what
+    place = f"line {frames[-1].lineno}" + (f", in {frames[-1].name}" if frames[-1].name != "<module>" else "")
+    return f"{place}: {what} ({frames[-1].line}){getattr(error, 'given', '')}"
+
+
+def serve(requests, answers):
+    served = None
+    for request in requests:
+        verb, *words = request.split()
+        if verb == "quit":
+            return
+        lines = []
+        if verb == "etalon":
+            served = loaded(PATH, DOMAIN)
+            name = "-".join(os.path.splitext(os.path.basename(PATH))[0].split())
+            lines = [f"etalon 1 name={name} {served.greeting}"]
+        elif verb == "set":
+            served.set(map(float, words))
+        else:
+            rows = [[float(word) for word in next(requests).split()] for _ in range(int(words[0]))]
+            lines = ["none" if row is None else " ".join(map(float.hex, row)) for row in served.answer(verb, rows)]
+        answers.write("".join(f"{line}\n" for line in [*lines, "end"]))
+        answers.flush()
+
+
+PATH, DOMAIN = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None
+# What the file prints goes to standard error, and it reads nothing: the pipes belong to the protocol
+requests, answers = os.fdopen(os.dup(0)), os.fdopen(os.dup(1), "w", encoding="utf-8", errors="replace")
+os.dup2(2, 1)
+os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+try:
+    serve(requests, answers)
+except BaseException as error:
+    text = " ".join(told(error).split())
+    answers.write(f"error {text[:900]}\nend\n")
+    answers.flush()
+    sys.exit(2)

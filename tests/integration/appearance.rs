@@ -1,0 +1,51 @@
+//! BSDFs of Python files as images: what a fault does to them.
+
+use crate::program::{etalon, json};
+
+/// A diffuse BSDF of albedo 0.5, with a `FACTOR` on its values.
+const DIFFUSE: &str = "
+from math import cos, pi, sin, sqrt, tau
+
+def value(wo, wi):
+    return FACTOR * 0.5 / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+
+def pdf(wo, wi):
+    return wi[2] / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+
+def sample(wo, u):
+    return (sqrt(u[0]) * cos(tau * u[1]), sqrt(u[0]) * sin(tau * u[1]), sqrt(1 - u[0])), 0.5
+";
+
+#[test]
+fn a_fault_is_shown_beside_the_closest_model() {
+    if !crate::exec::has("python3", &["--version"]) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mine = |factor: &str| {
+        std::fs::write(folder.path().join("mine.py"), DIFFUSE.replace("FACTOR", factor)).unwrap();
+        json(folder.path(), &["render", "cornell-spheres", "--bsdf", "mine.py", "-r", "24", "18", "-s", "8"])
+    };
+    let right = mine("1");
+    let number = |value: &serde_json::Value, key: &str| value[key].as_f64().unwrap();
+    assert!(right["model"]["name"] == "diffuse" && number(&right["model"], "difference") < 0.01, "{right}");
+    let noise = number(&right, "standard_error_percent");
+    assert!(noise < 1.0 && number(&right, "mean_difference_percent").abs() < 4.0 * noise + 0.1, "{right}");
+    for file in ["cornell-spheres-mine.png", "cornell-spheres-mine.exr", "cornell-spheres-mine-model.exr"] {
+        assert!(folder.path().join("out").join(file).is_file(), "{file}");
+    }
+    // Weights that do not have the factor of the values: light is lost where lights are sampled
+    let wrong = mine("0.5");
+    let [found, noise] = ["mean_difference_percent", "standard_error_percent"].map(|key| number(&wrong, key));
+    assert!(found.abs() > 5.0 * noise && found.abs() > 1.0, "{wrong}");
+    for (args, said) in [
+        (&["render", "cornell-statue-au", "--bsdf", "mine.py"][..], "no sphere"),
+        (&["render", "sphere-env", "--bsdf", "mine.py", "--kernel", "lanes"], "cannot be used"),
+        (&["render", "sphere-env", "--bsdf", "mine.py", "-s", "1"], "at least 2"),
+        (&["render", "sphere-env", "--bsdf", "nothing.py"], "no such file"),
+        (&["render", "sphere-env", "--set", "a=1"], "required"),
+    ] {
+        let ran = etalon(folder.path(), args);
+        assert!(ran.code == 2 && ran.stderr.contains(said), "{args:?}: {}", ran.stderr);
+    }
+}

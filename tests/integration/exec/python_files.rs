@@ -1,0 +1,162 @@
+//! Python files with the functions of a sampler or a BSDF: right ones, a wrong one whose mistake is named, wrong shapes, exceptions.
+
+use super::has;
+use crate::program::{Ran, etalon};
+use tempfile::tempdir;
+
+/// Runs `etalon WORDS` in a folder with the file `mine.py`; `None` where there is no Python, or no NumPy that it imports.
+fn run(file: &str, words: &[&str]) -> Option<Ran> {
+    let needed = if file.contains("import numpy") { "import numpy" } else { "" };
+    if !has("python3", &["-c", needed]) {
+        return None;
+    }
+    let folder = tempdir().unwrap();
+    std::fs::write(folder.path().join("mine.py"), file).unwrap();
+    Some(etalon(folder.path(), words))
+}
+
+fn validate(file: &str, more: &[&str]) -> Option<Ran> {
+    run(file, &[&["validate", "mine.py"], more].concat())
+}
+
+/// Cosine-weighted directions in plain Python; `PDF` is to be filled in.
+const PLAIN: &str = "
+from math import cos, pi, sin, sqrt, tau
+print('etalon 1')
+
+def sample(u0, u1):
+    print('end')
+    r, phi = sqrt(u0), tau * u1
+    return r * cos(phi), r * sin(phi), sqrt(1 - u0)
+
+def pdf(w):
+    return PDF
+";
+
+/// The same with NumPy; `ROWS` and `PDF` are to be filled in.
+const ARRAYS: &str = "
+import numpy as np
+
+def sample(u):
+    r, phi = np.sqrt(u[:, 0]), 2 * np.pi * u[:, 1]
+    return ROWS
+
+def pdf(w):
+    return PDF
+";
+const STACK: &str = "np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 0])], axis=1)";
+
+fn arrays(rows: &str, pdf: &str) -> String {
+    ARRAYS.replace("ROWS", rows).replace("PDF", pdf)
+}
+
+#[test]
+fn samplers_of_files_are_tested_and_mistakes_named() {
+    let few = ["--samples", "20000"];
+    for right in [PLAIN.replace("PDF", "w[2] / pi"), arrays(STACK, "w[:, 2] / np.pi")] {
+        let Some(ran) = validate(&right, &few) else { continue };
+        assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+        assert!(ran.stderr.contains("the domain is hemisphere"), "{}", ran.stderr);
+    }
+    for wrong in [PLAIN.replace("PDF", "1 / tau"), arrays(STACK, "np.full(len(w), 0.5 / np.pi)")] {
+        let Some(ran) = validate(&wrong, &[]) else { continue };
+        let first = ran.stdout.lines().nth(2).unwrap_or_default();
+        assert!(ran.code == 1 && first.contains("samples follow cos θ/π, not the pdf"), "{}", ran.stdout);
+    }
+}
+
+#[test]
+fn domains_come_from_the_file_the_flag_or_the_samples() {
+    let uniform = "def sample(u):\n    return u\n\ndef pdf(x):\n    return 1.0\n";
+    let die = "domain = 'discrete:6'\n\ndef sample(u):\n    return int(6 * u)\n\ndef pdf(i):\n    return 1 / 6\n";
+    let sphere = "from math import *\ndef sample(u0, u1):\n    z = 2 * u0 - 1\n    r = sqrt(1 - z * z)\n    return r * cos(u1 * tau), r * sin(u1 * tau), z\n\n\
+                  def pdf(x, y, z):\n    return 1 / (4 * pi)\n";
+    let disc = "def sample(u0, u1):\n    return 2 * u0 - 1, u1\n\ndef pdf(p):\n    return 1.0\n";
+    for (file, more, code, said) in [
+        (uniform, &[][..], 0, "the domain is square"),
+        (uniform, &["--domain", "line"], 0, ""),
+        (sphere, &[], 0, "the domain is sphere"),
+        (die, &[], 0, "the domain is discrete:6"),
+        (die, &["--domain", "line"], 2, "its domain is discrete:6"),
+        (disc, &[], 2, "which no domain has"),
+        (disc, &["--domain", "line"], 2, "sample returns 2 coordinates; a point of the domain line has 1"),
+    ] {
+        let Some(ran) = validate(file, &[&["--samples", "20000"], more].concat()) else { return };
+        assert!(ran.code == code && ran.stderr.contains(said), "{file}: {} {}", ran.stdout, ran.stderr);
+    }
+}
+
+#[test]
+fn functions_of_a_wrong_shape_are_told_the_right_one() {
+    let pdf = "w[:, 2] / np.pi";
+    for (file, said) in [
+        (
+            arrays(&STACK.replace("stack", "array").replace(", axis=1", ""), pdf),
+            "shape (3, 7) for 7 samples; wanted (7, 3)",
+        ),
+        (arrays(&STACK.replace("np.stack([", "").replace("], axis=1)", ""), pdf), "a tuple of 3 arrays"),
+        (arrays(STACK, "w[:, 2:] / np.pi"), "pdf returned an array of shape (7, 1) for 7 samples; wanted (7,): take"),
+        (arrays(STACK, "w[:, 2].mean()"), "pdf returned one number for 7 samples"),
+        (PLAIN.replace("pdf(w)", "pdf(w, q)"), "pdf takes 2 arguments; wanted 1, or one for each of 3 coordinates"),
+        (PLAIN.replace("sample(u0, u1)", "sample()"), "sample takes no argument; wanted sample(u)"),
+        (PLAIN.replace("    return PDF", "    pass"), "pdf returned None for one sample; wanted a number"),
+        (PLAIN.replace("pdf(w)", "density(w)"), "it has no function pdf; wanted sample(u) and pdf(w)"),
+        (
+            PLAIN.replace("PDF", "w[2] / 0"),
+            "line 11, in pdf: ZeroDivisionError: float division by zero (return w[2] / 0), for (",
+        ),
+        (PLAIN.replace("PDF", "w[2"), "SyntaxError"),
+        (PLAIN.replace("print('etalon 1')", "raise SystemExit(0)"), "line 3: SystemExit: 0"),
+    ] {
+        let Some(ran) = validate(&file, &[]) else { continue };
+        assert_eq!(ran.code, 2, "{file}: {} {}", ran.stdout, ran.stderr);
+        assert!(ran.stderr.starts_with("error: mine.py: ") && ran.stderr.contains(said), "{file}: {}", ran.stderr);
+    }
+    let folder = tempdir().unwrap();
+    for (words, said) in [
+        (&["validate", "nothing.py"][..], "nothing.py: there is no such file"),
+        (&["furnace", "nothing.py"], "nothing.py: there is no such file"),
+        (&["validate", "a.py", "warp"], "a.py is not the only one"),
+        (&["validate", "a.py", "--exec", "true"], "cannot be used"),
+        (&["validate", "warp", "--set", "alpha=1"], "--set"),
+    ] {
+        let ran = etalon(folder.path(), words);
+        assert!(ran.code == 2 && ran.stderr.contains(said), "{words:?}: {}", ran.stderr);
+    }
+}
+
+/// A diffuse BSDF; `WEIGHT` is to be filled in.
+const DIFFUSE: &str = "
+from math import cos, pi, sin, sqrt, tau
+
+albedo = 0.5
+parameters = {'albedo': (0.5, 0, 1)}
+
+def value(wo, wi):
+    return albedo / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+
+def pdf(wo, wi):
+    return wi[2] / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+
+def sample(wo, u):
+    u0, u1 = u
+    wi = sqrt(u0) * cos(tau * u1), sqrt(u0) * sin(tau * u1), sqrt(1 - u0)
+    return (wi, WEIGHT) if wo[2] > 0 else None
+";
+
+#[test]
+fn bsdfs_of_files_are_tested() {
+    let (right, wrong) = (DIFFUSE.replace("WEIGHT", "albedo"), DIFFUSE.replace("WEIGHT", "albedo / wi[2]"));
+    let few = ["--detect", "0.2", "--set", "albedo=0.9"];
+    let (Some(ran), Some(rejected)) = (validate(&right, &few), validate(&wrong, &["--samples", "10000"])) else {
+        return;
+    };
+    assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+    assert!(rejected.code == 1 && rejected.stdout.contains("mine/formula/30"), "{}", rejected.stdout);
+    let furnace = |file: &str| run(file, &["furnace", "mine.py", "--size", "2x2", "--error", "0.05"]).unwrap();
+    let (right, wrong) = (furnace(&right), furnace(&wrong));
+    assert!(right.code == 0 && right.stdout.contains("albedo = 1.0000"), "{} {}", right.stdout, right.stderr);
+    assert!(wrong.code == 1 && wrong.stdout.contains("VIOLATIONS"), "{} {}", wrong.stdout, wrong.stderr);
+    let sampler = run(&PLAIN.replace("PDF", "w[2] / pi"), &["furnace", "mine.py"]).unwrap();
+    assert!(sampler.code == 2 && sampler.stderr.contains("no BSDF"), "{}", sampler.stderr);
+}
