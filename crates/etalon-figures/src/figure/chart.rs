@@ -1,8 +1,8 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
-use super::drawing::Drawing;
 use super::frame::{self, Axes, Sides};
 use super::legend::{Legend, Occupancy};
+use super::page::Page;
 use super::panel::{Mark, Panel};
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
 use super::{heatmap, text, theme};
@@ -18,7 +18,7 @@ const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
-    pub drawing: Drawing,
+    pub drawing: Page,
     /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
@@ -26,11 +26,12 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// `has_own` says whether the panel shows a legend and a colour bar of its own, or shares them with others.
-    pub fn new(panel: &Panel, width: f64, height: f64, has_own: Parts) -> Self {
-        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
+    /// `has_own` says whether the panel shows a legend and a colour bar of its own, or shares them with others; titles are broken
+    /// within the width `limit`.
+    pub fn new(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Self {
+        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height), limit);
         let mut sketch = Sketch {
-            drawing: Drawing::new(width, height, 1.0),
+            drawing: Page::new(width, height, 1.0),
             space: Occupancy::new(axes.frame),
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
@@ -55,7 +56,8 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
-        let legend = Legend::new(&panel.marks).filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
+        let legend = Legend::new(&panel.marks).filter(|_| has_own.legend).map(|legend| legend.within(limit));
+        let legend = legend.and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
@@ -68,7 +70,7 @@ pub(super) struct Parts {
 }
 
 pub(super) struct Sketch<'a> {
-    pub drawing: Drawing,
+    pub drawing: Page,
     /// With the frame at the origin.
     pub axes: Axes<'a>,
     /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.

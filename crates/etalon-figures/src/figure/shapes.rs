@@ -26,7 +26,11 @@ impl Colour {
 
     /// The same colour at another opacity, from 0 to 1.
     pub fn faded(self, opacity: f64) -> Self {
-        Self { alpha: (opacity * 255.0).round() as u8, ..self }
+        self.with_alpha((opacity * 255.0).round() as u8)
+    }
+
+    pub const fn with_alpha(self, alpha: u8) -> Self {
+        Self { alpha, ..self }
     }
 }
 
@@ -133,6 +137,11 @@ impl Rect {
 
     pub fn moved(&self, dx: f64, dy: f64) -> Self {
         Self { x: self.x + dx, y: self.y + dy, ..*self }
+    }
+
+    /// The rectangle enlarged about the origin.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.width * factor, self.height * factor)
     }
 }
 

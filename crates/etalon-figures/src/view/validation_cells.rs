@@ -1,7 +1,7 @@
 //! One test's counts: observed, expected, and their residuals.
 
 use super::text::{finding, p_value, wrapped};
-use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Cell, Counts};
 use serde::Serialize;
@@ -58,10 +58,10 @@ pub fn drawing(tested: &Tested) -> Drawing {
     let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
     let findings = p.into_iter().chain(outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines));
     let Some(counts) = outcome.counts.as_ref() else {
-        return headed(Drawing::new(0.0, 0.0, SCALE), title, findings.collect());
+        return nothing().headed(title, findings.collect());
     };
     let (plot, beyond) = plot(counts);
-    headed(plot.draw(), title, beyond.into_iter().chain(findings).collect())
+    plot.draw().headed(title, beyond.into_iter().chain(findings).collect())
 }
 
 /// The plot of the cells, and what has no place there.
@@ -81,8 +81,11 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
 
 /// Most letters of a line above a drawing.
 const WIDEST: usize = 110;
-/// Pixels of a unit of length in drawings without a plot.
-const SCALE: f64 = 2.0;
+
+/// What stands below lines of text alone.
+fn nothing() -> Drawing {
+    Drawing::stacked(Vec::new(), 0.5)
+}
 
 /// A line for each cause for which tests are not accepted; `None` if all are.
 pub fn reasons(validation: &Validation) -> Option<Drawing> {
@@ -95,27 +98,7 @@ pub fn reasons(validation: &Validation) -> Option<Drawing> {
     };
     let more = found.len().checked_sub(MOST + 1).map(|rest| format!("and {} more", rest + 1));
     let lines: Vec<String> = found.iter().take(MOST).map(line).chain(more).collect();
-    (!lines.is_empty()).then(|| headed(Drawing::new(0.0, 0.0, SCALE), "Why".into(), lines))
-}
-
-/// Puts a title and some lines above a drawing.
-fn headed(drawing: Drawing, title: String, remarks: Vec<String>) -> Drawing {
-    const EDGE: f64 = 12.0;
-    let (first, pitch) = (EDGE + theme::TITLE_SIZE, 1.5 * theme::NOTE_SIZE);
-    let top = first + pitch * remarks.len().max(1) as f64;
-    let widest = remarks.iter().map(|line| text::width(line, theme::NOTE_SIZE, false));
-    let widest = widest.fold(text::width(&title, theme::TITLE_SIZE, true), f64::max);
-    let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
-    let left = 0.5 * (width - drawing.width);
-    let mut page = Drawing::new(width, (top + drawing.height.max(EDGE)).ceil(), drawing.scale);
-    page.append(drawing, left, top);
-    let centred =
-        |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
-    page.text(centred(first, theme::TITLE_SIZE, title).bold());
-    for (i, line) in remarks.into_iter().enumerate() {
-        page.text(centred(first + pitch * (i + 1) as f64, theme::NOTE_SIZE, line));
-    }
-    page
+    (!lines.is_empty()).then(|| nothing().headed("Why", lines))
 }
 
 /// Three heat maps: at their places where all cells are equal, else by number of row and column.
