@@ -13,6 +13,11 @@ pub(super) const CLEAR: f64 = 3.0;
 const OUTSIDE: f64 = 300.0;
 /// Width kept for the factor of the y axis, above the frame's left end.
 const FACTOR: f64 = 45.0;
+/// Length of the sample before the name of a curve, and their distance.
+const NAME_SAMPLE: f64 = 18.0;
+const NAME_GAP: f64 = 4.0;
+/// Where along a curve its name may stand, the best place first.
+const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95];
 /// Distance of a legend from the frame.
 const INSET: f64 = 8.0;
 
@@ -56,7 +61,11 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
-        let legend = Legend::new(&panel.marks).filter(|_| has_own.legend).map(|legend| legend.within(limit));
+        let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
+        let legend = Legend::new(&panel.marks)
+            .filter(|_| has_own.legend)
+            .and_then(|legend| legend.without(&named))
+            .map(|legend| legend.within(limit));
         let legend = legend.and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
@@ -157,6 +166,43 @@ impl Sketch<'_> {
             .held(Anchor::Middle, Level::Middle)
             .coloured(colour);
         self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+    }
+
+    /// Writes the names of curves beside them, each with a sample of its line, wherever its own curve is the nearest one; returns the
+    /// names that have a place.
+    fn name_curves(&mut self, marks: &[Mark]) -> Vec<String> {
+        let curve = |mark: &Mark| match mark {
+            Mark::Line { label, stroke, points } if !label.is_empty() => {
+                let inside = |p: &Point| p.iter().all(|v| (0.0..=1.0).contains(v));
+                let places = points.iter().map(|&p| self.position(p)).filter(inside).map(|p| self.place(p));
+                Some((label.clone(), *stroke, places.collect::<Vec<Point>>()))
+            }
+            _ => None,
+        };
+        let curves: Vec<_> = marks.iter().filter_map(curve).collect();
+        let mut named = Vec::new();
+        for (i, (label, stroke, places)) in curves.iter().enumerate() {
+            let high = theme::NOTE_SIZE + 4.0;
+            let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
+            let is_own = |place: &Rect| {
+                let distance =
+                    |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
+                let others = curves.iter().enumerate().filter(|(other, _)| *other != i);
+                others.map(|(_, (.., places))| distance(places)).all(|other| other > 1.5 * distance(places))
+            };
+            let along = ALONG.map(|share| (share * places.len() as f64) as usize).into_iter();
+            let near = along.filter_map(|at| places.get(at));
+            let found: Vec<Rect> =
+                near.filter_map(|&at| self.space.nearest_free(at, [long, high], CLEAR + 3.5, 16.0)).collect();
+            let Some(place) = found.into_iter().find(is_own) else { continue };
+            self.space.add(&place.grown(CLEAR));
+            let [x, y] = [place.x + 2.0, place.centre()[1]];
+            self.drawing.line([[x, y], [x + NAME_SAMPLE, y]], *stroke);
+            let text = Text::new([x + NAME_SAMPLE + NAME_GAP, y], theme::NOTE_SIZE, label.clone());
+            self.drawing.text(text.held(Anchor::Start, Level::Middle));
+            named.push(label.clone());
+        }
+        named
     }
 
     /// Draws the legend in a free corner, or returns it when there is none.

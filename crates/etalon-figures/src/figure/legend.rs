@@ -51,6 +51,12 @@ impl Legend {
         (!entries.is_empty()).then_some(Self { entries, page: f64::INFINITY })
     }
 
+    /// The legend without some of its labels, or none if no others are left.
+    pub fn without(mut self, labels: &[String]) -> Option<Self> {
+        self.entries.retain(|(label, _)| !labels.contains(label));
+        (!self.entries.is_empty()).then_some(self)
+    }
+
     /// The legend with labels broken so that an entry is no wider than this.
     pub fn within(self, page: f64) -> Self {
         Self { page, ..self }

@@ -15,7 +15,7 @@ pub struct Picture {
 }
 
 /// Height of a line of the key, space at its left end, between a mark and its text, and after the text.
-const LINE: f64 = 30.0;
+const LINE: f64 = 24.0;
 const LEFT: f64 = 12.0;
 const GAP: f64 = 6.0;
 const AFTER: f64 = 28.0;
@@ -50,14 +50,17 @@ impl Picture {
         let mut lines: Vec<Vec<(f64, Colour, String, f64)>> = Vec::new();
         let mut x = f64::INFINITY;
         for (side, colour, name) in &self.key {
-            let (side, long) = (side * factor, text::width(name, theme::NOTE_SIZE, false));
-            let needed = side + GAP + long;
-            if x + needed > width {
-                lines.push(Vec::new());
-                x = LEFT;
+            let limit = width - 2.0 * LEFT - side * factor - GAP;
+            for (i, part) in text::wrapped(name, theme::NOTE_SIZE, false, limit).into_iter().enumerate() {
+                let side = if i == 0 { side * factor } else { 0.0 };
+                let long = text::width(&part, theme::NOTE_SIZE, false);
+                if x + side + GAP + long > width || i > 0 {
+                    lines.push(Vec::new());
+                    x = LEFT;
+                }
+                x += side + GAP + long + AFTER;
+                lines.last_mut().expect("a line was begun").push((side, *colour, part, long));
             }
-            x += needed + AFTER;
-            lines.last_mut().expect("a line was begun").push((side, *colour, name.clone(), long));
         }
         lines
     }

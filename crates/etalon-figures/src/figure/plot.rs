@@ -40,6 +40,8 @@ const HEADING: f64 = 24.0;
 const BAR: f64 = 420.0;
 /// Smallest frame on a page of limited size.
 const SMALLEST: [f64; 2] = [90.0, 70.0];
+/// Largest height over width of a chart's frame on a page of limited width, where panels stand above each other.
+const FLAT: f64 = 0.62;
 /// The part of its own width that a frame keeps beside others.
 const NARROWEST: f64 = 0.6;
 
@@ -144,7 +146,7 @@ impl Plot {
             () if self.is_map() => height * width / natural,
             () if room.is_finite() => room,
             () if is_named => height,
-            () => height * width / natural,
+            () => (height * width / natural).min(FLAT * width),
         };
         wanted.min(room)
     }
@@ -248,6 +250,9 @@ impl Plot {
 
     /// The legend of all panels, if there are several and all have the same.
     fn shared_legend(&self) -> Option<Legend> {
+        if self.panels().any(|panel| panel.names_curves) {
+            return None;
+        }
         let mut legends = self.panels().map(|panel| Legend::new(&panel.marks));
         let first = legends.next()??;
         (self.panels().count() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)

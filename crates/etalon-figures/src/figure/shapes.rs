@@ -130,6 +130,12 @@ impl Rect {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
+    /// Distance of a point from the rectangle; 0 inside.
+    pub fn distance(&self, [x, y]: Point) -> f64 {
+        let beyond = |v: f64, from: f64, to: f64| (from - v).max(v - to).max(0.0);
+        beyond(x, self.x, self.right()).hypot(beyond(y, self.y, self.bottom()))
+    }
+
     /// The rectangle with every side moved outwards by `margin` (inwards when negative).
     pub fn grown(&self, margin: f64) -> Self {
         Self::new(self.x - margin, self.y - margin, self.width + 2.0 * margin, self.height + 2.0 * margin)

@@ -116,7 +116,7 @@ pub fn strategies(names: &[&str]) -> Vec<Colour> {
 }
 
 /// Colours of ink, lines and marks, and what they become on dark paper.
-pub(super) const EXCHANGED: [(Colour, Colour); 13] = [
+pub(super) const EXCHANGED: [(Colour, Colour); 14] = [
     (Colour::BLACK, Colour::rgb(242, 242, 242)),
     (INK, Colour::rgb(228, 228, 230)),
     (RULE.colour, Colour::rgb(180, 184, 190)),
@@ -127,6 +127,7 @@ pub(super) const EXCHANGED: [(Colour, Colour); 13] = [
     (BLUE, Colour::rgb(51, 151, 216)),
     (VERMILION, Colour::rgb(234, 116, 32)),
     (GREEN, Colour::rgb(16, 178, 132)),
+    (RED, Colour::rgb(240, 92, 66)),
     (VIOLET, Colour::rgb(205, 105, 190)),
     (WINE, Colour::rgb(214, 92, 140)),
     (INDIGO, Colour::rgb(138, 124, 236)),

@@ -40,6 +40,10 @@ const PAGE: [usize; 2] = [512, 2048];
 /// The map's height over the sides of the inset and of the part that it shows.
 const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
+/// The side of the marker of a light of average flux, in those of a sample.
+const AVERAGE: usize = 3;
+/// Times that a marker on black has the side of one on the map, where it would cover what it marks.
+const ALONE: usize = 2;
 /// Times that a larger marker of the key has the area of the smaller one.
 const LARGER: usize = 16;
 
@@ -173,7 +177,7 @@ impl Display {
         let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
         let colour = |rgb: &[u8]| Colour::rgb(rgb[0], rgb[1], rgb[2]);
         let markers: Vec<_> =
-            rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), side, colour(rgb))).collect();
+            rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), ALONE * side, colour(rgb))).collect();
         self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
         drawing.into()
     }
@@ -204,20 +208,26 @@ impl Display {
         drawing.into()
     }
 
-    /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux. The brightest light is
-    /// shown at full scale, the others in proportion before the power law of 1/2.2.
+    /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux and of an area in proportion to it.
+    /// The brightest light is shown at full scale, the others in proportion before the power law of 1/2.2.
     pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
         // Part of the map's brightness on the page
-        const DIMMED: f64 = 0.4;
+        const DIMMED: f64 = 0.3;
+        let flux = |r: &median_cut::RegionRow| r.flux_r + r.flux_g + r.flux_b;
+        let mean = rows.iter().map(flux).sum::<f64>() / rows.len().max(1) as f64;
+        let wide = |r: &median_cut::RegionRow| match (flux(r) / mean).sqrt() {
+            size if size.is_finite() => ((AVERAGE * side) as f64 * size).round().max(side as f64) as usize,
+            _ => side,
+        };
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
         let dim = |v: u8| (DIMMED * f64::from(v)) as u8;
         let base = Rgb8::from_fn(self.base.width(), self.base.height(), |x, y| self.base.pixel(x, y).map(dim));
-        let mut drawing = Page::over(base);
+        let mut page = Page::over(base);
         let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
-        let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), side, colour(r))).collect();
-        self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
-        drawing.into()
+        let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), wide(r), colour(r))).collect();
+        self.markers(&mut page, &markers, &[(1.5, theme::MARKER_RIM)]);
+        page.into()
     }
 }
 
