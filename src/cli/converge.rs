@@ -4,6 +4,7 @@ use super::console::Console;
 use super::families::reply_limit;
 use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs};
+use super::style::StyleArgs;
 use clap::{ArgAction, Args};
 use etalon_bench::converge::answer::Answer;
 use etalon_bench::converge::contender::{Contender, Fault};
@@ -73,6 +74,8 @@ pub struct Converge {
     /// Most scatterings of a path [default: the scene's]
     #[arg(short, long = "depth", help_heading = SAMPLING, value_name = "DEPTH")]
     max_depth: Option<u32>,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 fn after_help() -> String {
@@ -129,7 +132,7 @@ impl Converge {
         let renderers = self.renderers(global)?;
         let recorded = self.runs.as_deref().map(Recorded::read_all).transpose()?.unwrap_or_default();
         let Loaded { mut scene, request: asked } = self.scene.load(console)?;
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let replicates = target.stem(&name, "-replicates", &["csv"])?;
@@ -165,11 +168,11 @@ impl Converge {
         result.notes.iter().for_each(|note| console.warn(note));
         let mut saving = Saving::default();
         if !result.curves.is_empty() {
-            saving.add(output::write(&stem, &view::curves(&result), &output::csv(&view::rows(&result))?));
+            saving.add(output::write(&stem, &view::curves(&result), &style, &output::csv(&view::rows(&result))?));
             let table = output::with_extension(&replicates, "csv");
             let rows = output::csv(&view::replicate_rows(&result))?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
-            saving.add(view::images(&result).write(&images));
+            saving.add(view::images(&result).write(&images, &style));
         }
         let (files, saved) = saving.end();
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::global::{Global, Verdict, out};
+use super::style::StyleArgs;
 use super::values::{choice, model};
 use clap::{ArgAction, Args};
 use etalon_bench::media::Interface;
@@ -65,6 +66,8 @@ pub struct Fresnel {
     /// ended at the critical angle.
     #[arg(help_heading = "Curves", long, value_parser = model(), default_value = "exact")]
     model: Formulas,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 /// Reads an index of refraction, or the name of a dielectric, at the d line.
@@ -153,7 +156,7 @@ impl Fresnel {
         let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
         let target = global.target();
         let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &drawing, &output::csv(&rows)?)?);
+        let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
             Table::of(&curves.media)
@@ -179,7 +182,8 @@ impl Fresnel {
         let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
         let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &view::of_special_angles(&angles), &output::csv(&rows)?)?);
+        let drawing = view::of_special_angles(&angles);
+        let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
         console.saved(&angles, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             Table::of(&angles.media)
@@ -197,7 +201,8 @@ impl Fresnel {
         let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
         let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let files = output::write(&stem, &view::dielectric(&curves), &output::csv(&curves.rows)?)?;
+        let files =
+            output::write(&stem, &view::dielectric(&curves), &self.style.style()?, &output::csv(&curves.rows)?)?;
         let written = target.written(files);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
@@ -234,7 +239,8 @@ impl Fresnel {
         let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
         let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &view::metal(curves), &output::csv(&rows)?)?);
+        let written =
+            target.written(output::write(&stem, &view::metal(curves), &self.style.style()?, &output::csv(&rows)?)?);
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
             console.warn(&format!(
                 "{}: the second report's approximation is unusable for eta² + k² = {:.1} < 5",

@@ -3,6 +3,7 @@
 use super::console::{Console, shown};
 use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, Verdict, out, seed, threads};
+use super::style::StyleArgs;
 use super::values::setting;
 use clap::{ArgAction, Args};
 use etalon_bench::albedo::{Request, albedo_table};
@@ -45,6 +46,8 @@ pub struct Furnace {
     error: Option<f64>,
     #[command(flatten)]
     external: ExternalBsdf,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 impl Furnace {
@@ -66,7 +69,7 @@ impl Furnace {
                 own.collect::<Result<_>>()?
             }
         };
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let bar = console.progress(subjects.len() as u64, "furnace", "families");
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         for (family, own) in subjects {
@@ -74,7 +77,7 @@ impl Furnace {
             bar.set_message(shown(family.name()));
             let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
             let table = albedo_table(family, &facets, &request)?;
-            files.extend(output::write(&stem, &view::drawing(&table), &output::csv(&table.rows)?)?);
+            files.extend(output::write(&stem, &view::drawing(&table), &style, &output::csv(&table.rows)?)?);
             tables.push(table);
             bar.inc(1);
         }

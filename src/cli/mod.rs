@@ -20,6 +20,7 @@ mod scene_file;
 mod scenes;
 mod signals;
 mod stability;
+mod style;
 mod sweep;
 mod validate;
 mod values;

@@ -2,6 +2,7 @@
 
 use super::console::Console;
 use super::global::{Global, Reports, Verdict, out, seed, threads};
+use super::style::StyleArgs;
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use etalon_bench::table::Table;
@@ -40,6 +41,8 @@ pub struct Stability {
     list: bool,
     #[command(flatten)]
     reports: Reports,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 #[derive(Serialize)]
@@ -72,7 +75,7 @@ impl Stability {
         }
         let start = Instant::now();
         self.reports.check()?;
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem("stability", "", &output::STUDY)?;
         let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
@@ -90,9 +93,9 @@ impl Stability {
             return Err(Error::Interrupted);
         }
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &output::csv(&result.rows)?));
+        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &style, &output::csv(&result.rows)?));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            saving.add(view::maps(&result.sweeps).write(&maps_stem));
+            saving.add(view::maps(&result.sweeps).write(&maps_stem, &style));
         }
         saving.add(self.reports.write(&checks(&result, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();

@@ -1,7 +1,7 @@
 //! Files of results: tables as CSV, drawings as SVG, PNG and PDF, under one name.
 
-use crate::figure::Drawing;
 pub use crate::figure::with_extension;
+use crate::figure::{Drawing, Style};
 pub use etalon_bench::table::{csv, file_name};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
@@ -189,10 +189,14 @@ pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
 
 /// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
-pub fn write(stem: &Path, drawing: &Drawing, table: &[u8]) -> Result<Vec<PathBuf>> {
+pub fn write(stem: &Path, drawing: &Drawing, style: &Style, table: &[u8]) -> Result<Vec<PathBuf>> {
+    Ok([vec![write_table(stem, table)?], drawing.write(stem, style)?].concat())
+}
+
+/// Writes `stem.csv` and returns its path.
+pub fn write_table(stem: &Path, table: &[u8]) -> Result<PathBuf> {
     let csv = with_extension(stem, "csv");
-    files::write_bytes(&csv, table)?;
-    Ok([vec![csv], drawing.write(stem)?].concat())
+    files::write_bytes(&csv, table).map(|()| csv)
 }
 
 #[cfg(test)]

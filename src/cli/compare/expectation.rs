@@ -63,7 +63,7 @@ impl Compare {
         let start = Instant::now();
         self.reports.check()?;
         let name = format!("{}-against-{}", short_name(self.a[0].as_os_str()), short_name(self.against[0].as_os_str()));
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem(&name, "", &output::STUDY)?;
         let a = Side::read(&self.a, self.spp)?;
         let b = match self.against.as_slice() {
@@ -80,7 +80,7 @@ impl Compare {
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::drawing(&compared), &output::csv(&view::rows(&compared))?));
+        saving.add(output::write(&stem, &view::drawing(&compared), &style, &output::csv(&view::rows(&compared))?));
         saving.add(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();
         for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {

@@ -5,6 +5,7 @@ mod expectation;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use super::map_file::short_name;
+use crate::cli::style::StyleArgs;
 use clap::{ArgAction, Args};
 use etalon_bench::compare::{Explanation, explain};
 use etalon_bench::table::Table;
@@ -59,6 +60,8 @@ pub struct Compare {
     relative: bool,
     #[command(flatten)]
     reports: Reports,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 impl Compare {
@@ -105,7 +108,7 @@ impl Compare {
             let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
             return Err(Error::input(a_path, message).with_hint("`etalon envmap info` counts values by kind"));
         }
-        let written = target.written(view::difference(&a, &b, self.relative).write(&stem)?);
+        let written = target.written(view::difference(&a, &b, self.relative).write(&stem, &self.style.style()?)?);
         if numbers.non_finite > 0 {
             console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
         }

@@ -3,6 +3,7 @@
 use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
+use crate::cli::style::StyleArgs;
 use crate::cli::values::choice;
 use clap::{ArgAction, Args};
 use etalon_bench::median_cut::{self, Centroid, RegionRow};
@@ -45,6 +46,8 @@ pub struct Cut {
     look: LookArgs,
     #[command(flatten)]
     map: MapArgs,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 #[derive(Serialize)]
@@ -65,17 +68,17 @@ impl Cut {
         let flux = Info::of(&source.map).flux_rgb;
         let cuts = median_cut::cut(&source.map, &self.n, self.split, self.sides, self.centroid)?;
         let display = Display::new(&source.map, self.look.look());
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let name = self.map.short_name();
         // Draw the regions over the map, and their lights on black.
         let one = |(&n, rows): (&usize, Vec<RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
-            let mut files = output::write(&stem, &display.partition(&rows), &output::csv(&rows)?)?;
+            let mut files = output::write(&stem, &display.partition(&rows), &style, &output::csv(&rows)?)?;
             // Half a million regions take seconds to draw.
             interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
-            files.extend(display.lights(&rows, self.look.window as usize).write(&lights)?);
+            files.extend(display.lights(&rows, self.look.window as usize).write(&lights, &style)?);
             let (flux_error, imbalance) = (median_cut::flux_error(&rows, flux), median_cut::imbalance(&rows));
             Ok(Output { n, flux_error, imbalance, lights: rows, written: target.written(files) })
         };

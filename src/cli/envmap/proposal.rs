@@ -3,6 +3,7 @@
 use super::MapArgs;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
+use crate::cli::style::StyleArgs;
 use clap::Args;
 use etalon_bench::proposal::{self, Along, Cost};
 use etalon_bench::table::Table;
@@ -26,6 +27,8 @@ pub struct Proposal {
     n: usize,
     #[command(flatten)]
     map: MapArgs,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 /// What `--json` prints.
@@ -42,14 +45,14 @@ impl Proposal {
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
-        let mut files = output::write(&stem, &view::drawing(&result), &output::csv(&result.bins)?)?;
+        let mut files = output::write(&stem, &view::drawing(&result), &style, &output::csv(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate
         let costs = proposal::costs(&source.map, CHECKED, global.seed);
         if let Some(costs) = &costs {
             let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
-            files.extend(output::write(&stem, &view::costs(costs), &output::csv(&costs.costs)?)?);
+            files.extend(output::write(&stem, &view::costs(costs), &style, &output::csv(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
         console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {

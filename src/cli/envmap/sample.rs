@@ -3,6 +3,7 @@
 use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
+use crate::cli::style::StyleArgs;
 use crate::cli::values::{map_samplers, map_sampling, model};
 use clap::{ArgAction, Args};
 use etalon_bench::map_samples::{self, MapSamples, SampleRow};
@@ -43,6 +44,8 @@ pub struct Sample {
     look: LookArgs,
     #[command(flatten)]
     map: MapArgs,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 #[derive(Serialize)]
@@ -85,7 +88,7 @@ impl Sample {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = self.map.load(console)?;
         let display = Display::new(&source.map, self.look.look());
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let name = self.map.short_name();
         let (sampler, complete) = self.sampler(&source.map)?;
         // Sample before drawing, so that the sampler's tables and the pages of figures are not in memory together.
@@ -105,11 +108,11 @@ impl Sample {
             let window = self.look.window as usize;
             let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
             let mut files =
-                output::write(&stem, &display.samples(&samples.rows, window), &output::csv(&samples.rows)?)?;
+                output::write(&stem, &display.samples(&samples.rows, window), &style, &output::csv(&samples.rows)?)?;
             // Many markers take seconds to draw.
             interrupt::check()?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
-            files.extend(display.samples_only(&samples.rows, window).write(&only)?);
+            files.extend(display.samples_only(&samples.rows, window).write(&only, &style)?);
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
             let flux_standard_error = flux_estimate.and(Some(samples.flux_standard_error)).filter(|e| e.is_finite());
             let (samples, written) = (samples.rows, target.written(files));

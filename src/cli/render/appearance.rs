@@ -13,6 +13,7 @@ use etalon_bench::validation::families;
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Metadata};
 use etalon_core::scene::Request;
+use etalon_figures::figure::Style;
 use etalon_figures::output;
 use etalon_figures::view::appearance as view;
 use etalon_stats::bsdf::Family;
@@ -99,7 +100,7 @@ impl Render {
         let bar = console.progress(2 * u64::from(request.spp), "render", "samples");
         let found = appearance((program.name(), &*bsdf), &scene, &request, global.seed, &|| bar.inc(1))?;
         bar.finish_and_clear();
-        let mut files = view::drawing(&found).write(&stem)?;
+        let mut files = view::drawing(&found).write(&stem, &Style::default())?;
         let metadata = Metadata::default().with("command", command_line()).with("seed", global.seed);
         for (image, path) in found.images.iter().zip([output::with_extension(&stem, "exr"), of_model]) {
             raster::write(&path, image, &metadata)?;

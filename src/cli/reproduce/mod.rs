@@ -5,6 +5,7 @@ mod progress;
 use super::console::Console;
 use super::global::{DEFAULT_SEED, Global, OUTPUT, Reports, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
+use crate::cli::style::StyleArgs;
 use clap::{ArgAction, Args};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
@@ -56,6 +57,8 @@ pub struct Reproduce {
     verbose: bool,
     #[command(flatten)]
     reports: Reports,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 #[derive(Serialize)]
@@ -141,8 +144,9 @@ impl Reproduce {
             (self.scenes.is_some(), format!("--scenes {}", quoted(&scenes))),
             (self.scale != 1, format!("--scale {}", self.scale)),
         ];
-        let given: Vec<String> = options.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag).collect();
-        given.join(" ")
+        let given = options.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
+        let style = self.style.flags().into_iter().map(|(flag, value)| format!("{flag} {}", quoted(&value)));
+        given.chain(style).collect::<Vec<_>>().join(" ")
     }
 
     /// Loads the map and the scenes.
@@ -157,7 +161,7 @@ impl Reproduce {
             None => None,
         };
         let effort = if self.quick { Effort::Quick } else { Effort::Full };
-        Ok(Inputs { map, originals, seed: global.seed, effort, scale: self.scale })
+        Ok(Inputs { map, originals, seed: global.seed, effort, style: self.style.style()?, scale: self.scale })
     }
 }
 

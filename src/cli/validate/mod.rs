@@ -6,10 +6,12 @@ mod planted;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
+use crate::cli::style::StyleArgs;
 use clap::Args;
 use etalon_bench::validation::{Tested, Validation, run, select, suite};
 use etalon_core::error::Result;
 use etalon_core::files;
+use etalon_figures::figure::Style;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::{validation as view, validation_cells as cells};
@@ -67,6 +69,8 @@ pub struct Validate {
     external: external::Arguments,
     #[command(flatten)]
     reports: Reports,
+    #[command(flatten)]
+    style: StyleArgs,
 }
 
 impl Validate {
@@ -93,7 +97,7 @@ impl Validate {
         }
         let protocol = self.protocol(global);
         self.reports.check()?;
-        let target = global.target();
+        let (target, style) = (global.target(), self.style.style()?);
         let name = subject.name().map_or("validation".into(), |name| format!("validation-{}", output::file_name(name)));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
@@ -104,13 +108,13 @@ impl Validate {
         bar.finish_and_clear();
         let mut saving = Saving::default();
         let table = output::csv(&view::rows(&validation))?;
-        saving.add(output::write(&stem, &view::drawing(&validation), &table));
+        saving.add(output::write(&stem, &view::drawing(&validation), &style, &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
                 match validation.tests.as_slice() {
                     [_] => saving.add(write_counts(tested, &name, &target)),
-                    _ => saving.add(draw_counts(tested, &target)),
+                    _ => saving.add(draw_counts(tested, &style, &target)),
                 }
             }
         }
@@ -155,10 +159,10 @@ impl Validate {
 }
 
 /// Writes the counts of one test, if it has any, and their drawing.
-fn draw_counts(tested: &Tested, target: &output::Target) -> Result<Vec<PathBuf>> {
+fn draw_counts(tested: &Tested, style: &Style, target: &output::Target) -> Result<Vec<PathBuf>> {
     let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
-    output::write(&stem, &cells::drawing(tested), &output::csv(&cells::rows(counts))?)
+    output::write(&stem, &cells::drawing(tested), style, &output::csv(&cells::rows(counts))?)
 }
 
 /// Writes the counts of the only test, if it has any.

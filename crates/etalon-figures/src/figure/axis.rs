@@ -67,6 +67,16 @@ impl Axis {
         }
     }
 
+    /// The axis with steps between labelled ticks as many times as long, if its steps are fixed.
+    pub(super) fn coarser(&self, times: f64) -> Option<Self> {
+        let every = self.every.map(|step| step * times)?;
+        Some(Self { every: Some(every), ..self.clone() })
+    }
+
+    pub(super) fn is_named(&self) -> bool {
+        !self.names.is_empty()
+    }
+
     /// Up to about `most` labelled ticks, at their positions along `span`.
     pub(super) fn ticks(&self, span: &Span, most: usize) -> Ticks {
         let mut ticks = match (self.scale, self.every) {

@@ -5,8 +5,8 @@
 //! [`super::text`].
 
 use super::axis::Ticks;
-use super::drawing::Drawing;
 use super::frame::Sides;
+use super::page::Page;
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::text;
 use plotters::coord::ranged1d::{KeyPointHint, KeyPointWeight, NoDefaultFormatting, Ranged, ValueFormatter};
@@ -28,7 +28,7 @@ pub const NEVER: &str = "drawing into memory cannot fail";
 /// A frame in a drawing on which plotters draws a chart, with room for labels beside it. Lines get the given dash pattern,
 /// which plotters does not have.
 pub struct Canvas<'a> {
-    pub drawing: &'a mut Drawing,
+    pub drawing: &'a mut Page,
     pub frame: Rect,
     pub room: Sides,
     pub dash: &'static [f64],
@@ -182,14 +182,14 @@ impl ValueFormatter<f64> for &Ticks {
 #[cfg(test)]
 mod tests {
     use super::super::axis::Tick;
-    use super::super::drawing::Item;
+    use super::super::page::Item;
     use super::*;
     use plotters::prelude::{Circle, IntoFont, PathElement};
 
     #[test]
     fn what_plotters_draws_arrives_in_drawing_units() {
         let ticks = Ticks { major: vec![Tick { at: 0.25, label: "10^{−3}".into() }], ..Ticks::default() };
-        let mut drawing = Drawing::new(0.0, 0.0, 1.0);
+        let mut drawing = Page::new(0.0, 0.0, 1.0);
         let frame = Rect::new(10.0, 20.0, 100.0, 50.0);
         let room = Sides { left: 30.0, bottom: 15.0, ..Sides::default() };
         let mut chart = Canvas { drawing: &mut drawing, frame, room, dash: &[4.0, 2.0] }.chart(&ticks, &ticks);

@@ -1,8 +1,8 @@
 //! A panel drawn: marks by plotters, the frame around them, labels and legend where there is room.
 
-use super::drawing::Drawing;
 use super::frame::{self, Axes, Sides};
 use super::legend::{Legend, Occupancy};
+use super::page::Page;
 use super::panel::{Mark, Panel};
 use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
 use super::{heatmap, text, theme};
@@ -13,12 +13,17 @@ pub(super) const CLEAR: f64 = 3.0;
 const OUTSIDE: f64 = 300.0;
 /// Width kept for the factor of the y axis, above the frame's left end.
 const FACTOR: f64 = 45.0;
+/// Length of the sample before the name of a curve, and their distance.
+const NAME_SAMPLE: f64 = 18.0;
+const NAME_GAP: f64 = 4.0;
+/// Where along a curve its name may stand, the best place first.
+const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95];
 /// Distance of a legend from the frame.
 const INSET: f64 = 8.0;
 
 /// A panel drawn with its frame's top left corner at the origin, and the room that it needs outside the frame.
 pub(super) struct Chart {
-    pub drawing: Drawing,
+    pub drawing: Page,
     /// Space that ticks, labels and title take around the frame.
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
@@ -26,11 +31,12 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// `has_own` says whether the panel shows a legend and a colour bar of its own, or shares them with others.
-    pub fn new(panel: &Panel, width: f64, height: f64, has_own: Parts) -> Self {
-        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height));
+    /// `has_own` says whether the panel shows a legend and a colour bar of its own, or shares them with others; titles are broken
+    /// within the width `limit`.
+    pub fn new(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Self {
+        let axes = Axes::new(panel, Rect::new(0.0, 0.0, width, height), limit);
         let mut sketch = Sketch {
-            drawing: Drawing::new(width, height, 1.0),
+            drawing: Page::new(width, height, 1.0),
             space: Occupancy::new(axes.frame),
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
@@ -55,7 +61,12 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
-        let legend = Legend::new(&panel.marks).filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
+        let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
+        let legend = Legend::new(&panel.marks)
+            .filter(|_| has_own.legend)
+            .and_then(|legend| legend.without(&named))
+            .map(|legend| legend.within(limit));
+        let legend = legend.and_then(|legend| sketch.legend(legend));
         Self { drawing: sketch.drawing, room, legend }
     }
 }
@@ -68,7 +79,7 @@ pub(super) struct Parts {
 }
 
 pub(super) struct Sketch<'a> {
-    pub drawing: Drawing,
+    pub drawing: Page,
     /// With the frame at the origin.
     pub axes: Axes<'a>,
     /// Occupied cells within the frame; `above` and `beside` are those above it and to its right.
@@ -155,6 +166,43 @@ impl Sketch<'_> {
             .held(Anchor::Middle, Level::Middle)
             .coloured(colour);
         self.drawing.text(if place.height > place.width { text.upwards() } else { text });
+    }
+
+    /// Writes the names of curves beside them, each with a sample of its line, wherever its own curve is the nearest one; returns the
+    /// names that have a place.
+    fn name_curves(&mut self, marks: &[Mark]) -> Vec<String> {
+        let curve = |mark: &Mark| match mark {
+            Mark::Line { label, stroke, points } if !label.is_empty() => {
+                let inside = |p: &Point| p.iter().all(|v| (0.0..=1.0).contains(v));
+                let places = points.iter().map(|&p| self.position(p)).filter(inside).map(|p| self.place(p));
+                Some((label.clone(), *stroke, places.collect::<Vec<Point>>()))
+            }
+            _ => None,
+        };
+        let curves: Vec<_> = marks.iter().filter_map(curve).collect();
+        let mut named = Vec::new();
+        for (i, (label, stroke, places)) in curves.iter().enumerate() {
+            let high = theme::NOTE_SIZE + 4.0;
+            let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
+            let is_own = |place: &Rect| {
+                let distance =
+                    |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
+                let others = curves.iter().enumerate().filter(|(other, _)| *other != i);
+                others.map(|(_, (.., places))| distance(places)).all(|other| other > 1.5 * distance(places))
+            };
+            let along = ALONG.map(|share| (share * places.len() as f64) as usize).into_iter();
+            let near = along.filter_map(|at| places.get(at));
+            let found: Vec<Rect> =
+                near.filter_map(|&at| self.space.nearest_free(at, [long, high], CLEAR + 3.5, 16.0)).collect();
+            let Some(place) = found.into_iter().find(is_own) else { continue };
+            self.space.add(&place.grown(CLEAR));
+            let [x, y] = [place.x + 2.0, place.centre()[1]];
+            self.drawing.line([[x, y], [x + NAME_SAMPLE, y]], *stroke);
+            let text = Text::new([x + NAME_SAMPLE + NAME_GAP, y], theme::NOTE_SIZE, label.clone());
+            self.drawing.text(text.held(Anchor::Start, Level::Middle));
+            named.push(label.clone());
+        }
+        named
     }
 
     /// Draws the legend in a free corner, or returns it when there is none.

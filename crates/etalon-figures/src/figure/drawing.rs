@@ -1,223 +1,347 @@
-//! A drawing: a page size and a flat list of shapes, text and images, painted in order on white.
-//!
-//! Lengths are drawing units: CSS pixels in SVG, 0.75 pt in PDF, [`Drawing::scale`] pixels in PNG. The origin is the
-//! top left corner, y points down.
+//! A drawing: what a figure shows, before it is laid out for a style; and its pages, written as files.
 
-use super::rgb8::Rgb8;
-use super::shapes::{Colour, Marker, Paint, Point, Rect, Stroke, Text};
+use super::page::Page;
+use super::picture::Picture;
+use super::plot::Plot;
+use super::shapes::{Anchor, Level, Text};
+use super::sheet::Sheet;
+use super::style::{Room, Style, Theme};
+use super::{Heatmap, text, theme};
 use etalon_core::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// One thing on the page.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Item {
-    /// A line through the points, back to the first one when `closed`.
-    Path {
-        points: Vec<Point>,
-        closed: bool,
-        paint: Paint,
-    },
-    Rect {
-        rect: Rect,
-        paint: Paint,
-    },
-    Circle {
-        centre: Point,
-        radius: f64,
-        paint: Paint,
-    },
-    Text(Text),
-    /// An image stretched over `rect`; enlarged pixels stay sharp squares.
-    Image {
-        rect: Rect,
-        image: Rgb8,
-    },
-}
-
-impl Item {
-    fn moved(mut self, dx: f64, dy: f64) -> Self {
-        let shift = |p: &mut Point| *p = [p[0] + dx, p[1] + dy];
-        match &mut self {
-            Item::Path { points, .. } => points.iter_mut().for_each(shift),
-            Item::Rect { rect, .. } | Item::Image { rect, .. } => *rect = rect.moved(dx, dy),
-            Item::Circle { centre, .. } => shift(centre),
-            Item::Text(text) => shift(&mut text.at),
-        }
-        self
-    }
-}
-
-/// A page with its items, painted in order.
+/// Plots, images and texts. A style's room decides how many of them stand side by side, and their size.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct Drawing {
-    pub width: f64,
-    pub height: f64,
-    /// PNG pixels per drawing unit.
-    pub scale: f64,
-    /// The PNG file has at most 256 colours and is a third as large.
-    pub few_colours: bool,
-    /// From the lowest to the topmost.
-    pub items: Vec<Item>,
+pub enum Drawing {
+    Plot(Plot),
+    Sheet(Sheet),
+    Picture(Picture),
+    /// The colour bar of a heat map, of this length where there is room.
+    Bar(Heatmap, f64),
+    /// A title and lines of text, with a drawing below them.
+    Headed {
+        title: String,
+        lines: Vec<String>,
+        below: Box<Drawing>,
+    },
+    /// Drawings below each other; `align` is 0 for their left edges in line, 0.5 for their middles.
+    Stack {
+        rows: Vec<Drawing>,
+        align: f64,
+    },
+}
+
+impl From<Page> for Drawing {
+    /// A page that is enlarged or reduced as a whole.
+    fn from(page: Page) -> Self {
+        Self::Picture(Picture { page, key: Vec::new() })
+    }
 }
 
 impl Drawing {
-    pub fn new(width: f64, height: f64, scale: f64) -> Self {
-        Self { width, height, scale, few_colours: false, items: Vec::new() }
+    /// Drawings below each other.
+    pub fn stacked(rows: Vec<Drawing>, align: f64) -> Self {
+        Self::Stack { rows, align }
     }
 
-    /// A page of the image's size in units, filled by it; pixel (x, y) covers `[x, x + 1] x [y, y + 1]`.
-    pub fn over(image: Rgb8) -> Self {
-        let (width, height) = (image.width() as f64, image.height() as f64);
-        let mut page = Self::new(width, height, 1.0);
-        page.image(Rect::new(0.0, 0.0, width, height), image);
-        page
+    /// A title and some lines above this drawing.
+    pub fn headed(self, title: impl Into<String>, lines: Vec<String>) -> Self {
+        Self::Headed { title: title.into(), lines, below: Box::new(self) }
     }
 
-    /// A page of drawings below each other; `align` is 0 for their left edges in line, 0.5 for their middles.
-    pub fn stacked(rows: Vec<Drawing>, align: f64, scale: f64) -> Self {
-        let width = rows.iter().map(|row| row.width).fold(0.0, f64::max);
-        let mut page = Self::new(width, 0.0, scale);
-        for row in rows {
-            let y = page.height;
-            page.height += row.height;
-            let x = align * (width - row.width);
-            page.append(row, x, y);
-        }
-        page
-    }
-
-    /// Adds an item above the others. One with a coordinate that is not finite has no place on the page and is dropped.
-    fn add(&mut self, item: Item) {
-        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
-        let placed = match &item {
-            Item::Path { points, .. } => points.iter().all(|p| finite(p)),
-            Item::Rect { rect, .. } | Item::Image { rect, .. } => finite(&[rect.x, rect.y, rect.width, rect.height]),
-            Item::Circle { centre, radius, .. } => finite(&[centre[0], centre[1], *radius]),
-            Item::Text(text) => finite(&text.at),
-        };
-        if placed {
-            self.items.push(item);
-        }
-    }
-
-    pub fn line(&mut self, points: impl Into<Vec<Point>>, stroke: Stroke) {
-        self.add(Item::Path { points: points.into(), closed: false, paint: stroke.into() });
-    }
-
-    pub fn polygon(&mut self, points: impl Into<Vec<Point>>, paint: impl Into<Paint>) {
-        self.add(Item::Path { points: points.into(), closed: true, paint: paint.into() });
-    }
-
-    pub fn rect(&mut self, rect: Rect, paint: impl Into<Paint>) {
-        self.add(Item::Rect { rect, paint: paint.into() });
-    }
-
-    pub fn circle(&mut self, centre: Point, radius: f64, paint: impl Into<Paint>) {
-        self.add(Item::Circle { centre, radius, paint: paint.into() });
-    }
-
-    /// A data point's marker.
-    pub fn marker(&mut self, centre: Point, radius: f64, marker: Marker, colour: Colour) {
-        let corners = marker.corners(radius);
-        if corners.is_empty() {
-            self.circle(centre, radius, marker.paint(colour));
-        } else {
-            let moved = |corner: Point| [centre[0] + corner[0], centre[1] + corner[1]];
-            self.polygon(corners.into_iter().map(moved).collect::<Vec<_>>(), marker.paint(colour));
-        }
-    }
-
-    pub fn text(&mut self, text: Text) {
-        self.add(Item::Text(text));
-    }
-
-    pub fn image(&mut self, rect: Rect, image: Rgb8) {
-        self.add(Item::Image { rect, image });
-    }
-
-    pub fn append(&mut self, other: Drawing, dx: f64, dy: f64) {
-        self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
-    }
-
-    /// Writes `stem.svg`, `stem.png` and `stem.pdf` and returns their paths in this order.
-    /// The same drawing gives the same bytes.
+    /// The pages of this drawing in a style: one, but for slides, which have a fixed height.
     ///
     /// # Errors
-    /// When a file cannot be written, or the page has no size that can be painted ([`Drawing::png`]).
-    pub fn write(&self, stem: &Path) -> Result<Vec<PathBuf>> {
-        if stem.file_name().is_none() {
-            return Err(Error::parameter("figure", format!("{}: not a file name", stem.display()))
-                .with_hint("give a name to write to"));
-        }
-        let svg = self.svg();
-        let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
-        let write = |(extension, bytes): (&str, Vec<u8>)| {
-            let path = with_extension(stem, extension);
-            etalon_core::files::write_bytes(&path, &bytes).map(|()| path)
+    /// [`Error::Parameter`] if no panel has one of the names of [`Style::panels`], or a part does not fit.
+    pub fn pages(&self, style: &Style) -> Result<Vec<Page>> {
+        let shown = self.named(&style.panels)?.titled(&style.title);
+        let finished = |page: Page| {
+            let page = Page { unit: style.unit, scale: style.room.pixels.unwrap_or(page.scale), ..page.within(style) };
+            if style.theme == Theme::Dark { page.darkened() } else { page }
         };
-        [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)].into_iter().map(write).collect()
+        Ok(shown.fitted(style)?.into_iter().map(finished).collect())
+    }
+
+    /// The page that is as large as its content.
+    pub fn natural(&self) -> Page {
+        self.laid(Room::UNLIMITED)
+    }
+
+    /// That page as an SVG document.
+    pub fn svg(&self) -> String {
+        self.natural().svg()
+    }
+
+    /// Writes `STEM.svg`, `STEM.png` and `STEM.pdf`, of further pages `STEM-2.svg` and so on, and returns their paths.
+    ///
+    /// # Errors
+    /// Those of [`Drawing::pages`] and [`Page::write`].
+    pub fn write(&self, stem: &Path, style: &Style) -> Result<Vec<PathBuf>> {
+        write_pages(&self.pages(style)?, stem)
+    }
+
+    /// As few pages as there must be: what does not fit on one is divided into halves.
+    fn fitted(self, style: &Style) -> Result<Vec<Page>> {
+        if let Some(page) = self.within(style.room) {
+            return Ok(vec![page]);
+        }
+        let parts = self.names().len();
+        if !style.is_fixed || parts < 2 {
+            return Err(self.too_large(style));
+        }
+        let half = |from: usize, to: usize| {
+            let mut index = 0;
+            self.select(&mut |_| {
+                index += 1;
+                (from..to).contains(&(index - 1))
+            })
+        };
+        let halves = [half(0, parts.div_ceil(2)), half(parts.div_ceil(2), parts)];
+        let pages = halves.into_iter().flatten().map(|half| half.fitted(style)).collect::<Result<Vec<_>>>()?;
+        Ok(pages.concat())
+    }
+
+    fn too_large(&self, style: &Style) -> Error {
+        let mm = style.width_mm();
+        let wider = |factor: &f64| {
+            self.within(Room { width: style.room.width * factor, height: f64::INFINITY, ..style.room }).is_some()
+        };
+        let enough = (1..60).map(|tenths| 1.0 + 0.1 * f64::from(tenths)).find(wider);
+        let error = Error::parameter("page_width", format!("the figure does not fit on a page of {mm:.0} mm"));
+        match enough {
+            Some(factor) if !style.is_fixed => error.with_hint(format!("{:.0} mm are enough", (mm * factor).ceil())),
+            _ => error.with_hint("choose some of its panels with `panels`"),
+        }
+    }
+
+    /// The page, if the drawing fits into the room.
+    fn within(&self, room: Room) -> Option<Page> {
+        const ROUNDING: f64 = 1.0;
+        let page = self.laid(room);
+        (page.width <= room.width + ROUNDING && page.height <= room.height + ROUNDING).then_some(page)
+    }
+
+    /// The page for a room. It is larger where the content needs more.
+    pub(super) fn laid(&self, room: Room) -> Page {
+        match self {
+            Self::Plot(plot) => plot.laid(room),
+            Self::Sheet(sheet) => sheet.laid(room),
+            Self::Picture(picture) => picture.laid(room),
+            Self::Bar(map, length) => map.lying_bar(*length, room.width),
+            Self::Headed { title, lines, below } => headed(title, lines, below, room),
+            Self::Stack { rows, align } => stack(rows, *align, room),
+        }
+    }
+
+    /// What this drawing consists of: the titles of its panels, the captions of its images.
+    fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        self.select(&mut |name| {
+            names.push(text::plain(name));
+            true
+        });
+        names
+    }
+
+    /// The panels and images whose name has one of these in it, in any case.
+    fn named(&self, wanted: &[String]) -> Result<Self> {
+        if wanted.is_empty() {
+            return Ok(self.clone());
+        }
+        let names = self.names();
+        let has = |name: &str, part: &String| name.to_lowercase().contains(&part.to_lowercase());
+        if let Some(unknown) = wanted.iter().find(|part| !names.iter().any(|name| has(name, part))) {
+            let names: Vec<String> = names.iter().filter(|name| !name.is_empty()).map(|n| format!("\"{n}\"")).collect();
+            return Err(Error::parameter("panels", format!("no panel is called \"{unknown}\"")).with_hint(
+                if names.is_empty() { "it has none".into() } else { format!("they are {}", names.join(", ")) },
+            ));
+        }
+        let shown = self.select(&mut |name| wanted.iter().any(|part| has(&text::plain(name), part)));
+        Ok(shown.unwrap_or_else(|| self.clone()))
+    }
+
+    /// The parts that `keep` wants, asked in order; `None` if it wants none.
+    fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
+        match self {
+            Self::Plot(plot) => plot.select(keep).map(Self::Plot),
+            Self::Sheet(sheet) => sheet.select(keep).map(Self::Sheet),
+            Self::Picture(_) => keep("").then(|| self.clone()),
+            Self::Bar(..) => Some(self.clone()),
+            Self::Headed { title, lines, below } => Some(below.select(keep)?.headed(title.clone(), lines.clone())),
+            Self::Stack { rows, align } => {
+                let rows: Vec<Self> = rows.iter().filter_map(|row| row.select(keep)).collect();
+                let is_bar = |row: &Self| matches!(row, Self::Bar(..));
+                (!rows.iter().all(is_bar)).then_some(Self::Stack { rows, align: *align })
+            }
+        }
+    }
+
+    /// The drawing under a title of the user's, if there is one.
+    fn titled(self, title: &str) -> Self {
+        match self {
+            same if title.is_empty() => same,
+            Self::Plot(plot) if plot.is_single() => Self::Plot(plot.titled(title)),
+            Self::Sheet(sheet) => Self::Sheet(Sheet { title: title.into(), ..sheet }),
+            Self::Headed { lines, below, .. } => below.headed(title, lines),
+            other => other.headed(title, Vec::new()),
+        }
     }
 }
 
-/// `stem` with an extension added (a dot inside the stem stays).
-pub fn with_extension(stem: &Path, extension: &str) -> PathBuf {
-    let mut path = stem.as_os_str().to_owned();
-    path.push(".");
-    path.push(extension);
-    path.into()
+/// Writes pages under one name.
+pub fn write_pages(pages: &[Page], stem: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for (i, page) in pages.iter().enumerate() {
+        let further = || PathBuf::from(format!("{}-{}", stem.display(), i + 1));
+        files.extend(page.write(&if i == 0 { stem.to_owned() } else { further() })?);
+    }
+    Ok(files)
+}
+
+/// Space at the page's edge, beside a title and lines of text.
+const EDGE: f64 = 12.0;
+
+fn headed(title: &str, lines: &[String], below: &Drawing, room: Room) -> Page {
+    let limit = room.width - 2.0 * EDGE;
+    let broken = |text: &str, size: f64, bold: bool| text::wrapped(text, size, bold, limit);
+    let (first, pitch) = (EDGE + theme::TITLE_SIZE, 1.5 * theme::NOTE_SIZE);
+    let titles = broken(title, theme::TITLE_SIZE, true);
+    let lines: Vec<String> = lines.iter().flat_map(|line| broken(line, theme::NOTE_SIZE, false)).collect();
+    let count = titles.len().max(1) + lines.len();
+    let top = first + pitch * (count - 1).max(1) as f64;
+    let body = below.laid(Room { height: room.height - top, ..room });
+    let texts = titles.into_iter().map(|line| (line, theme::TITLE_SIZE, true));
+    let texts: Vec<_> = texts.chain(lines.into_iter().map(|line| (line, theme::NOTE_SIZE, false))).collect();
+    let widest = texts.iter().map(|(line, size, bold)| text::width(line, *size, *bold)).fold(0.0, f64::max);
+    let width = body.width.max(widest + 2.0 * EDGE).ceil();
+    let mut page = Page::new(width, (top + body.height.max(EDGE)).ceil(), body.scale);
+    let left = 0.5 * (width - body.width);
+    page.append(body, left, top);
+    for (i, (line, size, bold)) in texts.into_iter().enumerate() {
+        let text = Text::new([0.5 * width, first + pitch * i as f64], size, line).held(Anchor::Middle, Level::Baseline);
+        page.text(if bold { text.bold() } else { text });
+    }
+    page
+}
+
+/// Drawings below each other. Where they are higher than the room, each is given its share of it.
+fn stack(rows: &[Drawing], align: f64, room: Room) -> Page {
+    let free = Room { height: f64::INFINITY, ..room };
+    let natural: Vec<Page> = rows.iter().map(|row| row.laid(free)).collect();
+    let is_bar = |row: &Drawing| matches!(row, Drawing::Bar(..));
+    let heights = |bars: bool| {
+        let of_kind = rows.iter().zip(&natural).filter(|(row, _)| is_bar(row) == bars);
+        of_kind.map(|(_, page)| page.height).sum::<f64>()
+    };
+    let share = (room.height - heights(true)) / heights(false);
+    if share >= 1.0 {
+        return Page::stacked(natural, align);
+    }
+    let laid = |(row, page): (&Drawing, Page)| {
+        let height = page.height * share;
+        if is_bar(row) { page } else { row.laid(Room { height, ..room }) }
+    };
+    Page::stacked(rows.iter().zip(natural).map(laid).collect(), align)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::page::Item;
+    use super::super::style::Medium;
+    use super::super::{Axis, Panel, Rgb8, contact_sheet};
     use super::*;
 
-    #[test]
-    fn extensions_are_appended_to_the_stem() {
-        let dir = tempfile::tempdir().unwrap();
-        let mut drawing = Drawing::new(20.0, 10.0, 2.0);
-        drawing.text(Text::new([1.0, 8.0], 8.0, "a"));
-        let paths = drawing.write(&dir.path().join("new/roughness-0.005")).unwrap();
-        let names: Vec<_> = paths.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
-        assert_eq!(names, ["roughness-0.005.svg", "roughness-0.005.png", "roughness-0.005.pdf"]);
-        assert!(paths.iter().all(|p| p.metadata().unwrap().len() > 100));
-        assert!(drawing.write(Path::new("/")).is_err());
-    }
-
-    #[test]
-    fn items_without_a_place_are_dropped() {
-        let mut drawing = Drawing::new(10.0, 10.0, 1.0);
-        drawing.line([[0.0, 0.0], [f64::NAN, 1.0]], Stroke::solid(Colour::BLACK, 1.0));
-        drawing.circle([0.0, f64::INFINITY], 1.0, Colour::BLACK);
-        drawing.text(Text::new([f64::NAN, 0.0], 8.0, "a"));
-        assert!(drawing.items.is_empty());
-    }
-
-    #[test]
-    fn stacked_drawings_touch_and_line_up() {
-        let row = |width, height| {
-            let mut drawing = Drawing::new(width, height, 1.0);
-            drawing.rect(Rect::new(1.0, 2.0, 3.0, 4.0), Colour::BLACK);
-            drawing
+    fn panels(count: usize) -> Vec<Panel> {
+        let panel = |i: usize| {
+            let title = format!("Panel number {i} with a title that is longer than its frame is wide");
+            let axes =
+                (Axis::linear("angle of incidence /{θ} (degrees)").range(0.0, 90.0).every(15.0), Axis::linear("y"));
+            let wave: Vec<_> = (0..91).map(|x| [f64::from(x), (f64::from(x) * 0.3).sin()]).collect();
+            let name = "the curve of this panel, with a label that no column has room for in one line";
+            Panel::new(axes.0, axes.1).title(title).line(format!("{name} {i}"), theme::series(i), wave)
         };
-        for (align, left) in [(0.0, [1.0, 1.0, 1.0]), (0.5, [6.0, 1.0, 11.0])] {
-            let page = Drawing::stacked(vec![row(20.0, 10.0), row(30.0, 5.0), row(10.0, 6.0)], align, 1.5);
-            assert_eq!((page.width, page.height, page.scale), (30.0, 21.0, 1.5));
-            let rect = |x, y| Item::Rect { rect: Rect::new(x, y, 3.0, 4.0), paint: Colour::BLACK.into() };
-            assert_eq!(page.items, [rect(left[0], 2.0), rect(left[1], 12.0), rect(left[2], 17.0)]);
+        (0..count).map(panel).collect()
+    }
+
+    fn drawings() -> Vec<Drawing> {
+        let images: Vec<_> =
+            (0..7).map(|i| (format!("image {i} of a series"), Rgb8::from_fn(96, 64, |_, _| [9; 3]))).collect();
+        let map = Page::over(Rgb8::from_fn(1024, 512, |_, _| [0; 3]));
+        vec![
+            Plot::new(panels(1)).draw(),
+            Plot::new(panels(3)).draw(),
+            Plot::grid([("Heading".to_owned(), panels(4)), ("Another".to_owned(), panels(2))]).draw(),
+            Drawing::stacked(vec![Plot::new(panels(2)).draw(), contact_sheet("Images", 5, &images)], 0.5),
+            Drawing::from(map),
+            Plot::new(panels(2)).draw().headed("A title", vec!["word ".repeat(60)]),
+        ]
+    }
+
+    fn smallest_type(page: &Page) -> f64 {
+        let size = |item: &Item| if let Item::Text(text) = item { Some(text.size) } else { None };
+        page.items.iter().filter_map(size).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_column_is_84_mm_wide_with_type_of_7_pt() {
+        let style = Style::new(Medium::Column, None).unwrap();
+        for drawing in drawings() {
+            let [page] = &drawing.pages(&style).unwrap()[..] else { panic!("one page") };
+            assert!((page.width * page.unit * 25.4 / 96.0 - 84.0).abs() < 0.3, "{}", page.width);
+            assert!(smallest_type(page) * page.unit * 0.75 >= 7.0);
         }
     }
 
     #[test]
-    fn every_format_is_the_same_at_every_call() {
-        let mut drawing = Drawing::new(80.0, 40.0, 2.0);
-        drawing.text(Text::new([1.0, 20.0], 12.0, "/{R}_{∥} **bold**").bold());
-        drawing.text(Text::new([1.0, 30.0], 12.0, "/{R}_{∥}"));
-        drawing.rect(Rect::new(3.0, 3.0, 10.0, 10.0), Colour::BLACK.faded(0.3));
-        drawing.circle([30.0, 20.0], 5.0, Colour::BLACK.faded(0.7));
-        drawing.image(Rect::new(50.0, 3.0, 10.0, 10.0), Rgb8::from_fn(2, 2, |x, y| [x as u8 * 255, y as u8 * 255, 9]));
-        assert_eq!(drawing.svg(), drawing.svg());
-        assert_eq!(drawing.png().unwrap(), drawing.png().unwrap());
-        assert_eq!(drawing.pdf(), drawing.pdf());
+    fn slides_are_16_to_9_with_type_of_3_percent_of_their_height() {
+        let style = Style::new(Medium::Slide, Some(200.0)).unwrap();
+        let all = drawings();
+        for drawing in &all {
+            for page in drawing.pages(&style).unwrap() {
+                assert!((page.width / page.height - 16.0 / 9.0).abs() < 0.01, "{} {}", page.width, page.height);
+                assert!(smallest_type(&page) >= 0.03 * page.height);
+                let inside =
+                    |item: &Item| !matches!(item, Item::Text(t) if t.at[1] > page.height || t.at[0] > page.width);
+                assert!(page.items.iter().all(inside));
+            }
+        }
+        assert!(all[2].pages(&style).unwrap().len() > 1, "six panels are too many for a slide");
+    }
+
+    #[test]
+    fn a_style_has_its_own_width_colours_title_and_panels() {
+        let drawing = Plot::new(panels(3)).draw();
+        let wide = Style::new(Medium::Screen, Some(200.0)).unwrap();
+        assert!((drawing.pages(&wide).unwrap()[0].width - 200.0 * 96.0 / 25.4).abs() < 2.0);
+        let style =
+            Style { theme: Theme::Dark, title: "Mine".into(), panels: vec!["NUMBER 2".into()], ..Style::default() };
+        let page = &drawing.pages(&style).unwrap()[0];
+        let texts: Vec<&Text> =
+            page.items.iter().filter_map(|i| if let Item::Text(t) = i { Some(t) } else { None }).collect();
+        assert!(texts.iter().any(|t| t.markup == "Mine") && !texts.iter().any(|t| t.markup.contains("Panel number")));
+        assert!(texts.iter().all(|t| t.colour != theme::INK) && page.paper == theme::DARK_PAPER);
+        let unknown = Style { panels: vec!["number 9".into()], ..Style::default() };
+        assert!(drawing.pages(&unknown).unwrap_err().to_string().contains("number 9"));
+    }
+
+    #[test]
+    fn a_page_too_narrow_for_its_content_is_an_error() {
+        let axis = Axis::linear("x").range(0.0, 1.0);
+        let names =
+            Axis::named("", vec!["a name that is longer than a narrow page has room for beside a frame".to_owned()]);
+        let drawing = Plot::new([Panel::new(axis, names)]).draw();
+        let error = drawing.pages(&Style::new(Medium::Column, Some(30.0)).unwrap()).unwrap_err();
+        assert!(format!("{error:?}").contains("mm are enough"), "{error:?}");
+        assert!(Style::new(Medium::Column, Some(3.0)).is_err());
+    }
+
+    #[test]
+    fn further_slides_have_files_of_their_own() {
+        let dir = tempfile::tempdir().unwrap();
+        let style = Style::new(Medium::Slide, None).unwrap();
+        let files = Plot::new(panels(9)).draw().write(&dir.path().join("v1.5"), &style).unwrap();
+        let names: Vec<_> = files.iter().map(|f| f.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names[..4], ["v1.5.svg", "v1.5.png", "v1.5.pdf", "v1.5-2.svg"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::axis::{Span, Tick, Ticks};
 use super::backend::{Canvas, NEVER, PlottersChart, pixels, style};
-use super::drawing::Drawing;
+use super::page::Page;
 use super::panel::Panel;
 use super::shapes::{Anchor, Level, Paint, Point, Rect, Stroke, Text};
 use super::{text, theme};
@@ -19,6 +19,8 @@ const PAD: f64 = 4.0;
 const TITLE_GAP: f64 = 8.0;
 /// Height of an axis title with that gap.
 const TITLE: f64 = TITLE_GAP + theme::LABEL_SIZE * (text::CAP_HEIGHT + text::DESCENT);
+/// Height of a further line of a title.
+const LINE: f64 = 16.0;
 /// From the frame up to the factor that all tick labels share.
 pub(super) const FACTOR_GAP: f64 = 8.0;
 
@@ -52,6 +54,8 @@ pub(super) fn most_rows(height: f64) -> usize {
 pub(super) struct Axes<'a> {
     pub panel: &'a Panel,
     pub frame: Rect,
+    /// Titles above and below the frame are broken within this width.
+    pub limit: f64,
     pub x: Span,
     pub y: Span,
     across: Ticks,
@@ -60,7 +64,7 @@ pub(super) struct Axes<'a> {
 
 impl<'a> Axes<'a> {
     /// Axes with ticks so few that their labels do not touch.
-    pub fn new(panel: &'a Panel, frame: Rect) -> Self {
+    pub fn new(panel: &'a Panel, frame: Rect, limit: f64) -> Self {
         let (x, y) = panel.spans();
         let fits = |ticks: &Ticks| {
             let mut ends = ends(ticks, &frame);
@@ -68,7 +72,9 @@ impl<'a> Axes<'a> {
             ends.windows(2).all(|pair| pair[0][1] + 9.0 <= pair[1][0])
         };
         let most = (frame.width / 42.0) as usize;
-        let across = (2..=most.max(2)).rev().map(|most| panel.x.ticks(&x, most)).find(fits);
+        let fewer =
+            [2.0, 3.0, 4.0, 6.0].into_iter().filter_map(|n| panel.x.coarser(n)).map(|axis| axis.ticks(&x, most));
+        let across = (2..=most.max(2)).rev().map(|most| panel.x.ticks(&x, most)).chain(fewer).find(fits);
         let across = across.unwrap_or_else(|| {
             // Not even the fewest labels fit: the ends must do.
             let mut ticks = panel.x.ticks(&x, 2);
@@ -76,15 +82,15 @@ impl<'a> Axes<'a> {
             ticks
         });
         let up = panel.y.ticks(&y, most_rows(frame.height));
-        Self { panel, frame, x, y, across, up }
+        Self { panel, frame, limit, x, y, across, up }
     }
 
     /// plotters' chart of the panel, without labels.
-    pub fn chart<'b>(&'b self, drawing: &'b mut Drawing, dash: &'static [f64]) -> PlottersChart<'b> {
+    pub fn chart<'b>(&'b self, drawing: &'b mut Page, dash: &'static [f64]) -> PlottersChart<'b> {
         Canvas { drawing, frame: self.frame, room: Sides::default(), dash }.chart(&self.across, &self.up)
     }
 
-    pub fn grid(&self, drawing: &mut Drawing) {
+    pub fn grid(&self, drawing: &mut Page) {
         let lines = style(theme::GRID.colour, false, theme::GRID.width);
         let mut chart = self.chart(drawing, theme::SOLID);
         chart.configure_mesh().disable_axes().bold_line_style(lines).draw().expect(NEVER);
@@ -92,11 +98,13 @@ impl<'a> Axes<'a> {
 
     /// Draws the frame with ticks, labels and titles, clear of the `labels` that stand outside already; returns the room of
     /// all.
-    pub fn draw(&self, drawing: &mut Drawing, labels: Sides) -> Sides {
+    pub fn draw(&self, drawing: &mut Page, labels: Sides) -> Sides {
         let Self { panel, frame, across, up, .. } = self;
         let mut room = labels.union(Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 });
         // Labels at the ends of the x axis, and its title, may overhang the frame
-        let half = text::width(&panel.x.label, theme::LABEL_SIZE, false) / 2.0;
+        let label = text::wrapped(&panel.x.label, theme::LABEL_SIZE, false, self.limit);
+        let width = |line: &String| text::width(line, theme::LABEL_SIZE, false);
+        let half = label.iter().map(width).fold(0.0, f64::max) / 2.0;
         let title = [frame.centre()[0] - half, frame.centre()[0] + half];
         for [left, right] in ends(across, frame).into_iter().chain([title]) {
             let (left, right) = (frame.x - left + 4.0, right - frame.right() + 4.0);
@@ -110,30 +118,46 @@ impl<'a> Axes<'a> {
             bottom += TITLE;
         }
         bottom += title_height(&panel.x.label);
+        let first = label.first().map_or("", String::as_str);
         // The factor of the y axis, above the frame
         draw_factor(drawing, up, [frame.x, frame.y - FACTOR_GAP], (Anchor::Start, Level::Baseline));
         let left = beside_ticks(up) + title_height(&panel.y.label);
         let labelled = Sides { left, bottom, ..Sides::default() };
-        draw_axes(drawing, *frame, labelled, [across, up], [&panel.x.label, &panel.y.label]);
+        draw_axes(drawing, *frame, labelled, [across, up], [first, &panel.y.label]);
+        let bottom = bottom + further_lines(drawing, &label, [frame.centre()[0], frame.bottom() + bottom]);
+        let labelled = Sides { bottom, ..labelled };
         let overhang = text::width(&panel.y.label, theme::LABEL_SIZE, false) - frame.height + 4.0;
         let above = factor_height(up).max(labels.top);
         room = room.union(Sides { top: above.max(overhang), ..labelled });
         // Title above everything
         if !panel.title.is_empty() {
-            let at = [frame.centre()[0], frame.y - above - 9.0];
-            let title = Text::new(at, theme::TITLE_SIZE, panel.title.clone()).bold();
-            let overhang = (title.width() - frame.width) / 2.0;
-            drawing.text(title.held(Anchor::Middle, Level::Baseline));
-            let top = above + 9.0 + theme::TITLE_SIZE;
-            room = room.union(Sides { left: overhang, right: overhang, top, bottom: 0.0 });
+            let lines = text::wrapped(&panel.title, theme::TITLE_SIZE, true, self.limit);
+            let foot = above + 9.0;
+            let top = foot + theme::TITLE_SIZE + LINE * (lines.len() - 1) as f64;
+            for (i, line) in lines.iter().rev().enumerate() {
+                let at = [frame.centre()[0], frame.y - foot - LINE * i as f64];
+                let title = Text::new(at, theme::TITLE_SIZE, line.clone()).bold();
+                let overhang = (title.width() - frame.width) / 2.0;
+                drawing.text(title.held(Anchor::Middle, Level::Baseline));
+                room = room.union(Sides { left: overhang, right: overhang, top, bottom: 0.0 });
+            }
         }
         room
     }
 }
 
+/// Writes the lines of an axis title after its first, which ends at `at`; returns their height.
+pub(super) fn further_lines(drawing: &mut Page, lines: &[String], [x, y]: Point) -> f64 {
+    for (i, line) in lines.iter().enumerate().skip(1) {
+        let text = Text::new([x, y + LINE * i as f64], theme::LABEL_SIZE, line.clone());
+        drawing.text(text.held(Anchor::Middle, Level::Bottom));
+    }
+    LINE * lines.len().saturating_sub(1) as f64
+}
+
 /// Draws a frame with the ticks of both axes, their labels and titles, on those sides that have `room` for labels.
 pub(super) fn draw_axes(
-    drawing: &mut Drawing,
+    drawing: &mut Page,
     frame: Rect,
     room: Sides,
     [x, y]: [&Ticks; 2],
@@ -171,7 +195,7 @@ fn lengths(ticks: &Ticks) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Writes the factor that all labels share, if there is one, and returns its width.
-pub(super) fn draw_factor(drawing: &mut Drawing, ticks: &Ticks, at: Point, held: (Anchor, Level)) -> f64 {
+pub(super) fn draw_factor(drawing: &mut Page, ticks: &Ticks, at: Point, held: (Anchor, Level)) -> f64 {
     if ticks.exponent == 0 {
         return 0.0;
     }

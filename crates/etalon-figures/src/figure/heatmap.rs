@@ -4,6 +4,7 @@
 use super::axis::{Axis, Span, Ticks};
 use super::drawing::Drawing;
 use super::frame::{self, Sides};
+use super::page::{PIXELS, Page};
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Colour, Level, Rect};
 use super::{text, theme};
@@ -90,19 +91,26 @@ impl Heatmap {
         })
     }
 
-    /// The colour bar alone, lying, `length` long (at least 60), with its ticks and its label below.
+    /// The colour bar alone, lying, `length` long where there is room (at least 60), with its ticks and its label below.
     pub fn bar(&self, length: f64) -> Drawing {
-        let length = length.max(60.0);
-        let label = text::width(&self.label, theme::LABEL_SIZE, false);
-        let width = (length + 2.0 * FACTOR).max(label + 2.0 * EDGE).ceil();
+        Drawing::Bar(self.clone(), length)
+    }
+
+    pub(super) fn lying_bar(&self, length: f64, room: f64) -> Page {
+        let length = length.min(room - 2.0 * FACTOR).max(60.0);
+        let label = text::wrapped(&self.label, theme::LABEL_SIZE, false, room - 2.0 * EDGE);
+        let widest = label.iter().map(|line| text::width(line, theme::LABEL_SIZE, false)).fold(0.0, f64::max);
+        let width = (length + 2.0 * FACTOR).max(widest + 2.0 * EDGE).ceil();
         let bar = Rect::new(0.5 * (width - length), EDGE, length, WIDTH);
-        let mut drawing = Drawing::new(width, 0.0, 2.0);
+        let mut drawing = Page::new(width, 0.0, PIXELS);
         let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
         drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
         let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
         let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
         let room = Sides { bottom, ..Sides::default() };
-        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [&self.label, ""]);
+        let first = label.first().map_or("", String::as_str);
+        frame::draw_axes(&mut drawing, bar, room, [&ticks, &Ticks::default()], [first, ""]);
+        let bottom = bottom + frame::further_lines(&mut drawing, &label, [bar.centre()[0], bar.bottom() + bottom]);
         let after = [bar.right() + 6.0, bar.centre()[1]];
         frame::draw_factor(&mut drawing, &ticks, after, (Anchor::Start, Level::Middle));
         drawing.height = (bar.bottom() + bottom + EDGE).ceil();
@@ -161,7 +169,7 @@ const GAP: f64 = 12.0;
 const STEPS: usize = 256;
 
 /// Draws the bar of `map` to the right of `frame`; returns the room needed outside the frame.
-pub(super) fn bar_beside(drawing: &mut Drawing, map: &Heatmap, frame: &Rect) -> Sides {
+pub(super) fn bar_beside(drawing: &mut Page, map: &Heatmap, frame: &Rect) -> Sides {
     let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
     let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
     drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));
@@ -181,7 +189,7 @@ const FACTOR: f64 = 50.0;
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::Item;
+    use super::super::page::Item;
     use super::*;
 
     #[test]
@@ -257,7 +265,7 @@ mod tests {
     #[test]
     fn a_lying_bar_runs_from_the_least_value_to_the_largest() {
         let map = Heatmap::new(1, vec![-1.0, 4.0], Shading::Diverging, "relative error");
-        let bar = map.bar(300.0);
+        let bar = map.lying_bar(300.0, f64::INFINITY);
         let image =
             bar.items.iter().find_map(|item| if let Item::Image { image, .. } = item { Some(image) } else { None });
         let image = image.unwrap();

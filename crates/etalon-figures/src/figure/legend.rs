@@ -1,13 +1,15 @@
 //! Legends, a sample of each mark beside its label, and which cells of a panel are occupied: labels and legends go only where
 //! nothing is drawn.
 
-use super::drawing::Drawing;
+use super::page::Page;
 use super::panel::Mark;
 use super::shapes::{Anchor, Colour, Level, Marker, Paint, Point, Rect, Stroke, Text};
 use super::{text, theme};
 
 const SAMPLE: f64 = 30.0;
 const ROW: f64 = 17.5;
+/// Height of a further line of a label.
+const LINE: f64 = 14.5;
 const PAD: f64 = 7.0;
 const SAMPLE_GAP: f64 = 7.0;
 const COLUMN_GAP: f64 = 20.0;
@@ -24,6 +26,8 @@ enum Sample {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Legend {
     entries: Vec<(String, Vec<Sample>)>,
+    /// Width of the page, within which labels are broken.
+    page: f64,
 }
 
 impl Legend {
@@ -44,7 +48,22 @@ impl Legend {
                 None => entries.push((mark.label().to_owned(), vec![sample])),
             }
         }
-        (!entries.is_empty()).then_some(Self { entries })
+        (!entries.is_empty()).then_some(Self { entries, page: f64::INFINITY })
+    }
+
+    /// The legend without some of its labels, or none if no others are left.
+    pub fn without(mut self, labels: &[String]) -> Option<Self> {
+        self.entries.retain(|(label, _)| !labels.contains(label));
+        (!self.entries.is_empty()).then_some(self)
+    }
+
+    /// The legend with labels broken so that an entry is no wider than this.
+    pub fn within(self, page: f64) -> Self {
+        Self { page, ..self }
+    }
+
+    fn lines(&self, label: &str) -> Vec<String> {
+        text::wrapped(label, theme::NOTE_SIZE, false, self.page - SAMPLE - SAMPLE_GAP - 2.0 * PAD)
     }
 
     pub fn len(&self) -> usize {
@@ -61,35 +80,46 @@ impl Legend {
     pub fn size(&self, columns: usize) -> [f64; 2] {
         let widths = self.widths(columns);
         let width = widths.iter().sum::<f64>() + COLUMN_GAP * (widths.len() - 1) as f64 + 2.0 * PAD;
-        [width, ROW * self.len().div_ceil(columns) as f64 + 2.0 * PAD - 3.0]
+        [width, self.heights(columns).iter().sum::<f64>() + 2.0 * PAD - 3.0]
     }
 
     fn widths(&self, columns: usize) -> Vec<f64> {
         let mut widths = vec![0.0f64; columns];
         for (i, (label, _)) in self.entries.iter().enumerate() {
-            let width = SAMPLE + SAMPLE_GAP + text::width(label, theme::NOTE_SIZE, false);
-            widths[i % columns] = widths[i % columns].max(width);
+            for line in self.lines(label) {
+                let width = SAMPLE + SAMPLE_GAP + text::width(&line, theme::NOTE_SIZE, false);
+                widths[i % columns] = widths[i % columns].max(width);
+            }
         }
         widths
     }
 
+    /// The height of each row.
+    fn heights(&self, columns: usize) -> Vec<f64> {
+        let lines = |row: &[(String, Vec<Sample>)]| row.iter().map(|(label, _)| self.lines(label).len()).max();
+        let height = |row| ROW + LINE * (lines(row).unwrap_or(1).max(1) - 1) as f64;
+        self.entries.chunks(columns).map(height).collect()
+    }
+
     /// Draws the entries with the legend's top left corner at `at`.
-    pub fn draw(&self, drawing: &mut Drawing, at: Point, columns: usize) {
-        let widths = self.widths(columns);
+    pub fn draw(&self, drawing: &mut Page, at: Point, columns: usize) {
+        let (widths, heights) = (self.widths(columns), self.heights(columns));
         for (i, (label, samples)) in self.entries.iter().enumerate() {
             let (row, column) = (i / columns, i % columns);
             let x = at[0] + PAD + widths[..column].iter().map(|w| w + COLUMN_GAP).sum::<f64>();
-            let y = at[1] + PAD - 1.5 + ROW * (row as f64 + 0.5);
+            let y = at[1] + PAD - 1.5 + heights[..row].iter().sum::<f64>() + 0.5 * ROW;
             for sample in samples {
                 draw_sample(drawing, sample, [x, y]);
             }
-            let text = Text::new([x + SAMPLE + SAMPLE_GAP, y], theme::NOTE_SIZE, label.clone());
-            drawing.text(text.held(Anchor::Start, Level::Middle));
+            for (line, label) in self.lines(label).into_iter().enumerate() {
+                let at = [x + SAMPLE + SAMPLE_GAP, y + LINE * line as f64];
+                drawing.text(Text::new(at, theme::NOTE_SIZE, label).held(Anchor::Start, Level::Middle));
+            }
         }
     }
 }
 
-fn draw_sample(drawing: &mut Drawing, sample: &Sample, [x, y]: Point) {
+fn draw_sample(drawing: &mut Page, sample: &Sample, [x, y]: Point) {
     match *sample {
         Sample::Line(stroke) => drawing.line([[x, y], [x + SAMPLE, y]], stroke),
         Sample::Dot(colour, marker) => drawing.marker([x + SAMPLE / 2.0, y], theme::DOT, marker, colour),

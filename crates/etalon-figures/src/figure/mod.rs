@@ -8,26 +8,31 @@ mod frame;
 mod heatmap;
 mod legend;
 mod marks;
+mod page;
 mod panel;
 mod pdf;
+mod picture;
 mod plot;
 mod png;
 mod rgb8;
 mod shapes;
 mod sheet;
+pub mod style;
 mod svg;
 pub mod text;
 pub mod theme;
 
 pub use axis::Axis;
-#[cfg(test)]
-pub use drawing::Item;
-pub use drawing::{Drawing, with_extension};
+pub use drawing::{Drawing, write_pages};
 pub use heatmap::{Heatmap, Shading};
+#[cfg(test)]
+pub use page::Item;
+pub use page::{Page, with_extension};
 pub use panel::Panel;
+pub use picture::Picture;
 pub use plot::Plot;
 pub use rgb8::Rgb8;
 pub use shapes::{Anchor, Colour, Level, Marker, Point, Rect, Stroke, Text};
-pub use sheet::{contact_sheet, table, wrapped};
-pub use svg::escape;
-pub use svg::with_dark_colours;
+pub use sheet::{contact_sheet, table};
+pub use style::Style;
+pub use svg::{escape, with_dark_colours};

@@ -29,11 +29,13 @@ pub struct Panel {
     pub(super) marks: Vec<Mark>,
     /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
+    /// Curves have their names beside them, where there is room.
+    pub(super) names_curves: bool,
 }
 
 impl Panel {
     pub fn new(x: Axis, y: Axis) -> Self {
-        Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None }
+        Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None, names_curves: false }
     }
 
     pub fn title(self, title: impl Into<String>) -> Self {
@@ -113,6 +115,11 @@ impl Panel {
     /// A text in the free place nearest to a point.
     pub fn note(self, at: Point, text: impl Into<String>, colour: Colour) -> Self {
         self.with(Mark::Note { at, text: text.into(), colour })
+    }
+
+    /// Writes the names of curves where they run; the legend has those for which there is no room.
+    pub fn with_names_on_curves(self) -> Self {
+        Self { names_curves: true, ..self }
     }
 
     /// A heat map that fills the frame, with a colour bar beside it. Axes without a range count columns from the left and

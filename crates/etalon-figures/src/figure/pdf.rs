@@ -1,7 +1,7 @@
-//! A drawing as a one-page PDF: vector shapes, selectable text, compressed images. Subsets of the embedded fonts have the glyphs
+//! A page as PDF: vector shapes, selectable text, compressed images. Subsets of the embedded fonts have the glyphs
 //! that the page uses, their widths, and their characters for search and copy.
 
-use super::drawing::{Drawing, Item};
+use super::page::{Item, Page};
 use super::rgb8::Rgb8;
 use super::shapes::{Colour, Paint, Point, Text};
 use super::text::{self, Face};
@@ -13,22 +13,27 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use subsetter::GlyphRemapper;
 
-/// A drawing unit is a CSS pixel: 1/96 inch, in points.
+/// A CSS pixel, 1/96 inch, in points.
 const POINTS: f64 = 0.75;
 
-impl Drawing {
-    /// The drawing as a PDF document of one page, `0.75 * width` by `0.75 * height` points.
+impl Page {
+    /// The page as a PDF document, `0.75 * unit * width` by `0.75 * unit * height` points.
     pub fn pdf(&self) -> Vec<u8> {
-        let mut page = Page::new(self.height);
+        let points = POINTS * self.unit;
+        let mut page = Contents::new(points, self.height);
+        if self.paper != Colour::WHITE {
+            let paper = super::shapes::Rect::new(0.0, 0.0, self.width, self.height);
+            page.item(&Item::Rect { rect: paper, paint: self.paper.into() });
+        }
         for item in &self.items {
             page.item(item);
         }
-        page.finish(self.width, self.height)
+        page.finish(self.width * points, self.height * points)
     }
 }
 
 /// The page's content and the resources that it uses so far.
-struct Page {
+struct Contents {
     content: Content,
     fonts: BTreeMap<Face, Subset>,
     /// Pairs of opacities, of fills and of strokes, in the order of their first use.
@@ -37,11 +42,11 @@ struct Page {
     images: Vec<Rgb8>,
 }
 
-impl Page {
-    fn new(height: f64) -> Self {
+impl Contents {
+    fn new(points: f64, height: f64) -> Self {
         let mut content = Content::new();
         // From drawing units with y down to points with y up.
-        content.transform([POINTS as f32, 0.0, 0.0, -POINTS as f32, 0.0, (height * POINTS) as f32]);
+        content.transform([points as f32, 0.0, 0.0, -points as f32, 0.0, (height * points) as f32]);
         content.set_line_join(LineJoinStyle::RoundJoin);
         Self { content, fonts: BTreeMap::new(), opacities: Vec::new(), current: [255; 2], images: Vec::new() }
     }
@@ -175,7 +180,7 @@ impl Page {
         // The page with its resources: fonts, images, opacities
         let mut dict = pdf.page(page);
         dict.parent(tree).contents(content);
-        dict.media_box(Rect::new(0.0, 0.0, (width * POINTS) as f32, (height * POINTS) as f32));
+        dict.media_box(Rect::new(0.0, 0.0, width as f32, height as f32));
         let mut resources = dict.resources();
         let mut names = resources.fonts();
         for &(face, font) in &fonts {
@@ -357,7 +362,7 @@ mod tests {
 
     #[test]
     fn fonts_are_small_subsets_that_say_what_they_mean() {
-        let mut drawing = Drawing::new(100.0, 40.0, 1.0);
+        let mut drawing = Page::new(100.0, 40.0, 1.0);
         drawing.text(Text::new([5.0, 20.0], 12.0, "θ_{B} = 55.41°"));
         let pdf = drawing.pdf();
         assert!(pdf.starts_with(b"%PDF-"));
@@ -381,7 +386,7 @@ mod tests {
 
     #[test]
     fn an_opacity_is_declared_once() {
-        let mut drawing = Drawing::new(100.0, 40.0, 1.0);
+        let mut drawing = Page::new(100.0, 40.0, 1.0);
         for _ in 0..3 {
             drawing.rect(shapes::Rect::new(0.0, 0.0, 9.0, 9.0), Colour::BLACK.faded(0.2));
             drawing.circle([5.0, 5.0], 2.0, Colour::BLACK);

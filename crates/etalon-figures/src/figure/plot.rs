@@ -5,9 +5,11 @@ use super::drawing::Drawing;
 use super::frame::Sides;
 use super::heatmap::Heatmap;
 use super::legend::Legend;
+use super::page::{PIXELS, Page};
 use super::panel::Panel;
 use super::shapes::Text;
-use super::theme;
+use super::style::Room;
+use super::{text, theme};
 
 /// Panels that make up one figure.
 ///
@@ -36,8 +38,12 @@ const LEGEND_GAP: f64 = 6.0;
 const HEADING: f64 = 24.0;
 /// Longest colour bar of several heat maps.
 const BAR: f64 = 420.0;
-/// PNG pixels per unit.
-const SCALE: f64 = 2.0;
+/// Smallest frame on a page of limited size.
+const SMALLEST: [f64; 2] = [90.0, 70.0];
+/// Largest height over width of a chart's frame on a page of limited width, where panels stand above each other.
+const FLAT: f64 = 0.62;
+/// The part of its own width that a frame keeps beside others.
+const NARROWEST: f64 = 0.6;
 
 impl Plot {
     /// Panels side by side.
@@ -58,30 +64,155 @@ impl Plot {
         Self { frame: [width, height].map(|v| if v.is_nan() { 60.0 } else { v.clamp(60.0, 4000.0) }), ..self }
     }
 
-    pub fn draw(&self) -> Drawing {
-        let [width, height] = self.frame;
-        let (legend, bar) = (self.shared_legend(), self.shared_bar());
-        let has_own = Parts { legend: legend.is_none(), bar: bar.is_none() };
-        let draw_row = |row: &Row| -> Vec<Chart> {
-            row.panels.iter().map(|panel| chart(panel, [width, height], has_own)).collect()
+    pub fn draw(self) -> Drawing {
+        Drawing::Plot(self)
+    }
+
+    pub(super) fn is_single(&self) -> bool {
+        self.panels().count() == 1
+    }
+
+    /// The plot with another title of each panel.
+    pub(super) fn titled(mut self, title: &str) -> Self {
+        self.rows.iter_mut().flat_map(|row| &mut row.panels).for_each(|panel| panel.title = title.into());
+        self
+    }
+
+    /// The panels whose title `keep` wants; the title of the y axis stands for that of a panel without one.
+    pub(super) fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
+        let name = |panel: &Panel| if panel.title.is_empty() { panel.y.label.clone() } else { panel.title.clone() };
+        let rows = self.rows.iter().map(|row| {
+            let panels = row.panels.iter().filter(|panel| keep(&name(panel))).cloned().collect();
+            Row { panels, ..row.clone() }
+        });
+        let rows: Vec<Row> = rows.filter(|row| !row.panels.is_empty()).collect();
+        (!rows.is_empty()).then_some(Self { rows, ..self.clone() })
+    }
+
+    /// The page for a room: as it was made, or in limited room with as many panels in a row as keep their frames large.
+    pub(super) fn laid(&self, room: Room) -> Page {
+        if room.width.is_infinite() {
+            return self.page(&self.rows, self.frame, f64::INFINITY);
+        }
+        let most = if self.has_headings() { self.columns() } else { self.panels().count() };
+        let candidates = (1..=most.max(1)).map(|columns| self.fitted(columns, room));
+        // Frames are as wide as the page; on one of fixed height they are as large as they can be
+        let score = |page: &Page, [width, height]: [f64; 2]| match () {
+            () if page.width > room.width + 1.0 || page.height > room.height + 1.0 => -1.0,
+            () if room.height.is_finite() => width.min(1.6 * height),
+            () if width >= NARROWEST * self.frame[0] => 1.0,
+            () => 0.0,
         };
-        let rows: Vec<Vec<Chart>> = self.rows.iter().map(draw_row).collect();
+        let mut best: Option<(f64, Page)> = None;
+        for (page, frame) in candidates {
+            let score = score(&page, frame);
+            if best.as_ref().is_none_or(|(other, _)| score > *other || (score == 1.0 && room.height.is_infinite())) {
+                best = Some((score, page));
+            }
+        }
+        best.map_or_else(|| Page::new(0.0, 0.0, PIXELS), |(_, page)| page)
+    }
+
+    /// The page with at most this many panels in a row, in frames as wide as the room allows and no higher; and their size.
+    fn fitted(&self, columns: usize, room: Room) -> (Page, [f64; 2]) {
+        let rows = self.arranged(columns);
+        let columns = rows.iter().map(|row| row.panels.len()).max().unwrap_or(1).max(1) as f64;
+        let cell = (room.width - 2.0 * EDGE - BETWEEN * (columns - 1.0)) / columns;
+        let share = room.height / rows.len() as f64;
+        let mut frame = [cell, self.height_of(cell, share)];
+        let mut page = self.page(&rows, frame, cell.max(SMALLEST[0]));
+        // What stands around the frames hardly depends on their size
+        for _ in 0..8 {
+            let [wide, high] = [page.width - room.width, page.height - room.height];
+            if (wide <= 0.0 && high <= 0.0) || frame == SMALLEST {
+                break;
+            }
+            let width = (frame[0] - (wide / columns).max(0.0)).floor().max(SMALLEST[0]);
+            let height = self.height_of(width, frame[1] - (high / rows.len() as f64).max(0.0)).floor();
+            // Images keep their shape
+            let width = if self.is_map() { width.min(height * self.frame[0] / self.frame[1]) } else { width };
+            frame = [width, height.max(SMALLEST[1])];
+            page = self.page(&rows, frame, cell.max(SMALLEST[0]));
+        }
+        (page, frame)
+    }
+
+    /// The height of a frame of this width: in proportion, as high as the room where that is limited, and as it was made where each
+    /// of its places has a name.
+    fn height_of(&self, width: f64, room: f64) -> f64 {
+        let [natural, height] = self.frame;
+        let is_named = self.panels().any(|panel| panel.y.is_named());
+        let wanted = match () {
+            () if self.is_map() => height * width / natural,
+            () if room.is_finite() => room,
+            () if is_named => height,
+            () => (height * width / natural).min(FLAT * width),
+        };
+        wanted.min(room)
+    }
+
+    fn is_map(&self) -> bool {
+        self.panels().any(|panel| panel.heatmap.is_some())
+    }
+
+    fn has_headings(&self) -> bool {
+        self.rows.iter().any(|row| !row.heading.is_empty())
+    }
+
+    /// Panels in the longest row.
+    fn columns(&self) -> usize {
+        self.rows.iter().map(|row| row.panels.len()).max().unwrap_or(0)
+    }
+
+    /// The panels in rows of at most `columns`. Rows without headings are one sequence.
+    fn arranged(&self, columns: usize) -> Vec<Row> {
+        let all = |panels: Vec<Panel>| vec![Row { heading: String::new(), panels }];
+        let rows = if self.has_headings() { self.rows.clone() } else { all(self.panels().cloned().collect()) };
+        let parts = |row: Row| -> Vec<Row> {
+            let part = |(i, panels): (usize, &[Panel])| {
+                let heading = if i == 0 { row.heading.clone() } else { String::new() };
+                Row { heading, panels: panels.to_vec() }
+            };
+            row.panels.chunks(columns).enumerate().map(part).collect()
+        };
+        rows.into_iter().flat_map(parts).collect()
+    }
+
+    /// A page of rows with frames of one size; titles and legends are broken within the width `limit`.
+    fn page(&self, rows: &[Row], [width, height]: [f64; 2], limit: f64) -> Page {
+        let (legend, bar) = (self.shared_legend(), self.shared_bar());
+        // Of panels with the same legend the last one shows it
+        let legends: Vec<Option<Legend>> =
+            rows.iter().flat_map(|row| &row.panels).map(|p| Legend::new(&p.marks)).collect();
+        let is_last = |i: usize| legends[i].is_some() && !legends[i + 1..].contains(&legends[i]);
+        let mut index = 0;
+        let mut draw_row = |row: &Row| -> Vec<Chart> {
+            let draw = |panel: &Panel| {
+                index += 1;
+                let has_own = Parts { legend: legend.is_none() && is_last(index - 1), bar: bar.is_none() };
+                chart(panel, [width, height], has_own, limit)
+            };
+            row.panels.iter().map(draw).collect()
+        };
+        let charts: Vec<Vec<Chart>> = rows.iter().map(&mut draw_row).collect();
 
         // Frames line up: those of a column share what is left and right of them, those of a row what is above and below
-        let count = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let count = charts.iter().map(Vec::len).max().unwrap_or(0);
         let around = |charts: &mut dyn Iterator<Item = &Chart>| {
             charts.fold(Sides::default(), |sides, chart| sides.union(chart.room))
         };
         let columns: Vec<Sides> =
-            (0..count).map(|column| around(&mut rows.iter().filter_map(|row| row.get(column)))).collect();
-        let mut page = Drawing::new(0.0, 0.0, SCALE);
+            (0..count).map(|column| around(&mut charts.iter().filter_map(|row| row.get(column)))).collect();
+        let mut page = Page::new(0.0, 0.0, PIXELS);
         let mut y = EDGE;
-        for (charts, Row { heading, .. }) in rows.into_iter().zip(&self.rows) {
+        for (charts, Row { heading, .. }) in charts.into_iter().zip(rows) {
             if !heading.is_empty() {
-                let text = Text::new([EDGE, y + theme::TITLE_SIZE], theme::TITLE_SIZE, heading.clone()).bold();
-                page.width = page.width.max(text.width() + 2.0 * EDGE);
-                page.text(text);
-                y += HEADING;
+                for line in text::wrapped(heading, theme::TITLE_SIZE, true, limit * count as f64) {
+                    let text = Text::new([EDGE, y + theme::TITLE_SIZE], theme::TITLE_SIZE, line).bold();
+                    page.width = page.width.max(text.width() + 2.0 * EDGE);
+                    page.text(text);
+                    y += HEADING;
+                }
             }
             let room = around(&mut charts.iter());
             let mut x = EDGE;
@@ -97,6 +228,7 @@ impl Plot {
 
         // What all panels share goes below them
         if let Some(legend) = legend {
+            let legend = legend.within(page.width - 2.0 * EDGE);
             let columns = legend.columns_within(page.width - 2.0 * EDGE);
             let [w, h] = legend.size(columns);
             let at = [(page.width - w) / 2.0, page.height - EDGE + LEGEND_GAP];
@@ -105,8 +237,8 @@ impl Plot {
         }
         match bar {
             Some(map) => {
-                let bar = map.bar(BAR.min(page.width - 2.0 * EDGE));
-                Drawing::stacked(vec![page, bar], 0.5, SCALE)
+                let bar = map.lying_bar(BAR.min(page.width - 2.0 * EDGE), limit * count as f64);
+                Page::stacked(vec![page, bar], 0.5)
             }
             None => page,
         }
@@ -118,6 +250,9 @@ impl Plot {
 
     /// The legend of all panels, if there are several and all have the same.
     fn shared_legend(&self) -> Option<Legend> {
+        if self.panels().any(|panel| panel.names_curves) {
+            return None;
+        }
         let mut legends = self.panels().map(|panel| Legend::new(&panel.marks));
         let first = legends.next()??;
         (self.panels().count() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)
@@ -133,8 +268,8 @@ impl Plot {
 }
 
 /// A panel drawn; a legend that found no free place inside the frame goes below it.
-fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts) -> Chart {
-    let mut chart = Chart::new(panel, width, height, has_own);
+fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Chart {
+    let mut chart = Chart::new(panel, [width, height], has_own, limit);
     if let Some(legend) = chart.legend.take() {
         let columns = legend.columns_within(width + 0.5 * chart.room.left);
         let [w, h] = legend.size(columns);
@@ -150,10 +285,9 @@ fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::super::axis::Axis;
-    use super::super::drawing::Item;
     use super::super::heatmap::{Heatmap, Shading};
+    use super::super::page::Item;
     use super::super::shapes::{Point, Rect, Text};
-    use super::super::{text, theme};
     use super::*;
 
     /// The box around a text's capitals and descenders.
@@ -168,12 +302,12 @@ mod tests {
         }
     }
 
-    fn texts(page: &Drawing) -> Vec<&Text> {
+    fn texts(page: &Page) -> Vec<&Text> {
         page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect()
     }
 
     /// Nothing is cut off, and no text lies on another or on the data.
-    fn assert_sound(page: &Drawing) {
+    fn assert_sound(page: &Page) {
         let sheet = Rect::new(0.0, 0.0, page.width, page.height);
         let boxes: Vec<(Rect, &str)> = texts(page).into_iter().map(|t| (bounds(t), t.markup.as_str())).collect();
         let overlap = |a: &Rect, b: &Rect| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
@@ -225,8 +359,8 @@ mod tests {
                 Plot::new(both.clone()),
                 Plot::grid(both.map(|panel| (String::new(), vec![panel]))),
             ] {
-                assert_sound(&plot.draw());
-                assert_sound(&plot.frame_size(150.0, 120.0).draw());
+                assert_sound(&plot.laid(Room::UNLIMITED));
+                assert_sound(&plot.frame_size(150.0, 120.0).laid(Room::UNLIMITED));
             }
         }
     }
@@ -237,13 +371,13 @@ mod tests {
         let y = Axis::linear("another one, higher than its frame").range(0.0, 3e-9);
         let panel = Panel::new(x, y).line("", theme::series(0), [[0.0, 0.0], [1e7, 3e-9]]);
         let panel = panel.vertical(5e6, "1").horizontal(1e-9, "h");
-        assert_sound(&Plot::new([panel.clone()]).frame_size(130.0, 100.0).draw());
-        assert_sound(&Plot::new([panel]).frame_size(700.0, 500.0).draw());
+        assert_sound(&Plot::new([panel.clone()]).frame_size(130.0, 100.0).laid(Room::UNLIMITED));
+        assert_sound(&Plot::new([panel]).frame_size(700.0, 500.0).laid(Room::UNLIMITED));
         // A label too long for any place is not lost.
         let endless = "long ".repeat(300);
         let panel = Panel::new(Axis::linear("").range(0.0, 1.0), Axis::linear("").range(0.0, 1.0));
         let panel = panel.vertical(0.5, endless.clone()).horizontal(0.5, endless.clone());
-        let page = Plot::new([panel]).draw();
+        let page = Plot::new([panel]).laid(Room::UNLIMITED);
         assert_eq!(texts(&page).iter().filter(|t| t.markup == endless).count(), 2);
     }
 
@@ -261,18 +395,18 @@ mod tests {
                         .vertical(x, "v")
                         .horizontal(y, "h")
                         .note([x, y], "n", theme::INK);
-                    let page = Plot::new([panel]).frame_size(100.0, 80.0).draw();
+                    let page = Plot::new([panel]).frame_size(100.0, 80.0).laid(Room::UNLIMITED);
                     assert!(page.width < 2000.0 && page.height < 2000.0, "{x} {y}");
                 }
             }
         }
-        assert!(Plot::new([]).draw().png().is_ok());
+        assert!(Plot::new([]).laid(Room::UNLIMITED).png().is_ok());
     }
 
     #[test]
     fn panels_with_the_same_legend_share_it() {
         let panel = || Panel::new(Axis::linear("x"), Axis::linear("y")).line("only once", theme::series(0), wave(0));
-        let count = |plot: Plot| texts(&plot.draw()).iter().filter(|t| t.markup == "only once").count();
+        let count = |plot: Plot| texts(&plot.laid(Room::UNLIMITED)).iter().filter(|t| t.markup == "only once").count();
         assert_eq!(count(Plot::new([panel(), panel()])), 1);
         assert_eq!(count(Plot::new([panel(), panel().line("more", theme::series(1), wave(1))])), 2);
     }
@@ -282,13 +416,13 @@ mod tests {
         let map = Heatmap::new(2, vec![1e-8, 2e-8, f64::NAN, 5e-8], Shading::Linear, "density (1/sr)");
         let panel = Panel::new(Axis::linear("/{φ} (°)").range(0.0, 360.0), Axis::linear("/{θ} (°)").range(180.0, 0.0));
         let panel = panel.title("Observed").heatmap(map);
-        let page = Plot::new([panel.clone(), panel.clone()]).frame_size(200.0, 100.0).draw();
+        let page = Plot::new([panel.clone(), panel.clone()]).frame_size(200.0, 100.0).laid(Room::UNLIMITED);
         assert_sound(&page);
-        let images = |page: &Drawing| page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count();
+        let images = |page: &Page| page.items.iter().filter(|item| matches!(item, Item::Image { .. })).count();
         assert_eq!(images(&page), 3, "two maps of one scale share a colour bar");
         let other = Heatmap::new(2, vec![0.0, 1.0], Shading::Linear, "density (1/sr)");
         let other = Panel::new(Axis::linear("x"), Axis::linear("y")).heatmap(other);
-        let page = Plot::new([panel, other]).frame_size(200.0, 100.0).draw();
+        let page = Plot::new([panel, other]).frame_size(200.0, 100.0).laid(Room::UNLIMITED);
         assert_sound(&page);
         assert_eq!(images(&page), 4);
     }
@@ -297,7 +431,7 @@ mod tests {
     fn frames_of_a_grid_line_up() {
         let panel = |label: &str| Panel::new(Axis::linear("x").range(0.0, 1.0), Axis::linear(label).range(0.0, 1.0));
         let rows = [("First", vec![panel("a label"), panel("")]), ("", vec![panel(""), panel("y")])];
-        let page = Plot::grid(rows.map(|(heading, panels)| (heading.to_owned(), panels))).draw();
+        let page = Plot::grid(rows.map(|(heading, panels)| (heading.to_owned(), panels))).laid(Room::UNLIMITED);
         assert_sound(&page);
         let frame = |item: &Item| if let Item::Rect { rect, .. } = item { Some(*rect) } else { None };
         let frames: Vec<Rect> = page.items.iter().filter_map(frame).collect();
@@ -314,7 +448,7 @@ mod tests {
             let points = [[f64::from(i) + 1.0, 1.0], [f64::from(i) + 2.0, 1.2]];
             panel.dotted_line(format!("{i}"), theme::series(i as usize), points)
         });
-        let page = Plot::new([panel]).draw();
+        let page = Plot::new([panel]).laid(Room::UNLIMITED);
         assert_sound(&page);
         let light = texts(&page).into_iter().find(|t| t.markup == "light").unwrap().at[1];
         let bsdf = texts(&page).into_iter().find(|t| t.markup == "bsdf").unwrap().at[1];

@@ -1,6 +1,6 @@
-//! A drawing as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
+//! A page as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
 
-use super::drawing::{Drawing, Item};
+use super::page::{Item, Page};
 use super::rgb8::{Rgb8, palette};
 use super::shapes::{Colour, Paint, Rect, Text};
 use super::text;
@@ -14,8 +14,8 @@ use tiny_skia::{
 const MAX_SIDE: f64 = 32768.0;
 const MAX_PIXELS: f64 = 134_217_728.0;
 
-impl Drawing {
-    /// The drawing as a PNG file of `width * scale` by `height * scale` pixels, each rounded up.
+impl Page {
+    /// The page as a PNG file of `width * scale` by `height * scale` pixels, each rounded up.
     ///
     /// # Errors
     /// When a side is less than one pixel or more than 32768, or the area more than 2^27 pixels.
@@ -27,15 +27,19 @@ impl Drawing {
             Error::parameter("figure size", format!("{w} x {h} pixels: cannot be painted"))
                 .with_hint(format!("a figure may have 1 to {MAX_SIDE} pixels a side and {MAX_PIXELS} in all"))
         })?;
-        page.fill(tiny_skia::Color::WHITE);
+        let Colour { r, g, b, .. } = self.paper;
+        page.fill(tiny_skia::Color::from_rgba8(r, g, b, 255));
         let to_pixels = Transform::from_scale(self.scale as f32, self.scale as f32);
         for item in &self.items {
             paint_item(&mut page, to_pixels, item);
         }
-        // The page is opaque white below everything, so alpha is not needed.
+        // The paper is opaque below everything, so alpha is not needed.
         let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         let image = Rgb8::new(w as usize, h as usize, rgb);
-        Ok(with_resolution(&if self.few_colours { indexed(&image) } else { image.png().to_vec() }, self.scale))
+        Ok(with_resolution(
+            &if self.few_colours { indexed(&image) } else { image.png().to_vec() },
+            self.scale / self.unit,
+        ))
     }
 }
 
@@ -56,12 +60,13 @@ fn indexed(image: &Rgb8) -> Vec<u8> {
 
 /// Length of a PNG file's signature and of its header, before which no other chunk stands.
 const PNG_HEADER: usize = 8 + 25;
-/// Drawing units, which are CSS pixels, per metre.
-const UNITS_PER_METRE: f64 = 96.0 / 0.0254;
+/// Page units, which are CSS pixels, per metre.
+const CSS_PER_METRE: f64 = 96.0 / 0.0254;
 
-/// A PNG file with a chunk that states its pixels per metre (pHYs), so that it is printed at the size of the drawing.
+/// A PNG file with a chunk that states its pixels per metre (pHYs), from those per CSS pixel, so that it is printed at the size of
+/// the drawing.
 fn with_resolution(png: &[u8], scale: f64) -> Vec<u8> {
-    let density = ((scale * UNITS_PER_METRE).round() as u32).to_be_bytes();
+    let density = ((scale * CSS_PER_METRE).round() as u32).to_be_bytes();
     let chunk = [b"pHYs", &density[..], &density, &[1]].concat();
     let mut crc = flate2::Crc::new();
     crc.update(&chunk);
@@ -197,14 +202,14 @@ impl ttf_parser::OutlineBuilder for Outlines {
 mod tests {
     use super::*;
 
-    fn painted(drawing: &Drawing) -> image::RgbImage {
+    fn painted(drawing: &Page) -> image::RgbImage {
         image::load_from_memory(&drawing.png().unwrap()).unwrap().into_rgb8()
     }
 
     #[test]
     fn images_and_rectangles_at_scale_1_are_exact() {
         let base = Rgb8::from_fn(37, 23, |x, y| [(x * 7) as u8, (y * 11) as u8, (x * y) as u8]);
-        let mut drawing = Drawing::over(base.clone());
+        let mut drawing = Page::over(base.clone());
         drawing.rect(Rect::new(33.0, 5.0, 9.0, 5.0), Colour::rgb(1, 200, 3));
         let out = painted(&drawing);
         assert_eq!(out.dimensions(), (37, 23));
@@ -217,7 +222,7 @@ mod tests {
 
     #[test]
     fn enlarged_pixels_stay_sharp() {
-        let mut drawing = Drawing::new(4.0, 4.0, 2.0);
+        let mut drawing = Page::new(4.0, 4.0, 2.0);
         drawing.image(Rect::new(0.0, 0.0, 4.0, 4.0), Rgb8::new(2, 1, vec![10, 20, 30, 200, 100, 50]));
         for (x, _, pixel) in painted(&drawing).enumerate_pixels() {
             assert_eq!(pixel.0, if x < 4 { [10, 20, 30] } else { [200, 100, 50] });
@@ -226,7 +231,7 @@ mod tests {
 
     #[test]
     fn text_is_painted_with_the_embedded_font() {
-        let mut drawing = Drawing::new(40.0, 20.0, 1.0);
+        let mut drawing = Page::new(40.0, 20.0, 1.0);
         drawing.text(Text::new([2.0, 15.0], 14.0, "θ∥"));
         let dark = painted(&drawing).pixels().filter(|p| p.0[0] < 100).count();
         assert!((10..200).contains(&dark), "{dark} dark pixels");
@@ -234,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_file_states_its_resolution() {
-        let png = Drawing::new(20.0, 10.0, 2.0).png().unwrap();
+        let png = Page::new(20.0, 10.0, 2.0).png().unwrap();
         assert_eq!(png[PNG_HEADER + 4..PNG_HEADER + 8], *b"pHYs");
         // 192 pixels per inch are 7559 per metre; decoders check the sum
         assert_eq!(png[PNG_HEADER + 8..PNG_HEADER + 12], 7559u32.to_be_bytes());
@@ -243,9 +248,9 @@ mod tests {
 
     #[test]
     fn few_colours_are_the_same_picture_in_a_smaller_file() {
-        let mut drawing = Drawing::new(200.0, 100.0, 2.0);
+        let mut drawing = Page::new(200.0, 100.0, 2.0);
         drawing.text(Text::new([2.0, 60.0], 40.0, "θ∥ 0.25"));
-        let (exact, few) = (painted(&drawing), Drawing { few_colours: true, ..drawing.clone() });
+        let (exact, few) = (painted(&drawing), Page { few_colours: true, ..drawing.clone() });
         assert_eq!(painted(&few), exact, "a text has few colours");
         assert!(few.png().unwrap().len() < drawing.png().unwrap().len());
     }
@@ -253,7 +258,7 @@ mod tests {
     #[test]
     fn impossible_sizes_are_errors() {
         for size in [0.0, -3.0, f64::NAN, f64::INFINITY, 1e9] {
-            assert!(Drawing::new(size, 10.0, 1.0).png().is_err(), "{size}");
+            assert!(Page::new(size, 10.0, 1.0).png().is_err(), "{size}");
         }
     }
 }

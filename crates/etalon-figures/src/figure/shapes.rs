@@ -26,7 +26,11 @@ impl Colour {
 
     /// The same colour at another opacity, from 0 to 1.
     pub fn faded(self, opacity: f64) -> Self {
-        Self { alpha: (opacity * 255.0).round() as u8, ..self }
+        self.with_alpha((opacity * 255.0).round() as u8)
+    }
+
+    pub const fn with_alpha(self, alpha: u8) -> Self {
+        Self { alpha, ..self }
     }
 }
 
@@ -126,6 +130,12 @@ impl Rect {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
+    /// Distance of a point from the rectangle; 0 inside.
+    pub fn distance(&self, [x, y]: Point) -> f64 {
+        let beyond = |v: f64, from: f64, to: f64| (from - v).max(v - to).max(0.0);
+        beyond(x, self.x, self.right()).hypot(beyond(y, self.y, self.bottom()))
+    }
+
     /// The rectangle with every side moved outwards by `margin` (inwards when negative).
     pub fn grown(&self, margin: f64) -> Self {
         Self::new(self.x - margin, self.y - margin, self.width + 2.0 * margin, self.height + 2.0 * margin)
@@ -133,6 +143,11 @@ impl Rect {
 
     pub fn moved(&self, dx: f64, dy: f64) -> Self {
         Self { x: self.x + dx, y: self.y + dy, ..*self }
+    }
+
+    /// The rectangle enlarged about the origin.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.width * factor, self.height * factor)
     }
 }
 

@@ -2,8 +2,10 @@
 //! print.
 
 use super::drawing::Drawing;
+use super::page::{PIXELS, Page};
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Level, Rect, Stroke, Text};
+use super::style::Room;
 use super::{text, theme};
 use etalon_bench::table::{Column, Table};
 use image::imageops::{self, FilterType};
@@ -12,49 +14,109 @@ use image::imageops::{self, FilterType};
 /// factors.
 const WIDEST: usize = 640;
 const WIDEST_ROW: usize = 2000;
-/// PNG pixels per unit.
-const SCALE: f64 = 2.0;
+/// Narrowest cell, and lowest image, on a page of limited size.
+const NARROWEST: f64 = 110.0;
+const LOWEST: f64 = 60.0;
 const EDGE: f64 = 12.0;
 const GAP: f64 = 14.0;
 const LINE: f64 = 16.0;
+const TITLE_LINE: f64 = 18.0;
 
-/// Draws captioned images in rows of `columns` (at least one), with an optional title. Captions may carry the markup of
+/// Captioned images in rows of `columns`, with an optional title.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Sheet {
+    pub title: String,
+    pub columns: usize,
+    pub images: Vec<(String, Rgb8)>,
+}
+
+/// Captioned images in rows of at most `columns` (at least one), with an optional title. Captions may carry the markup of
 /// [`super::text`] and are broken between words where they are wider than their image.
 pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
-    let columns = columns.clamp(1, images.len().max(1));
-    let limit = WIDEST.min(WIDEST_ROW / columns);
-    let shown: Vec<Rgb8> = images.iter().map(|(_, image)| reduced(image, limit)).collect();
-    let size = |image: &Rgb8| size(image, limit);
-    let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
-    let cell = widest.max(text::width(title, theme::TITLE_SIZE, true) / columns as f64 - GAP);
-    let captioned = |((caption, _), image): (&(String, Rgb8), Rgb8)| (size(&image), image, wrapped(caption, cell));
-    let cells: Vec<([f64; 2], Rgb8, Vec<String>)> = images.iter().zip(shown).map(captioned).collect();
+    Drawing::Sheet(Sheet {
+        title: title.into(),
+        columns: columns.clamp(1, images.len().max(1)),
+        images: images.to_vec(),
+    })
+}
 
-    // Rows of images, aligned at the bottom, with their captions below
-    let mut page = Drawing::new(0.0, 0.0, SCALE);
-    let mut y = if title.is_empty() { EDGE } else { EDGE + theme::TITLE_SIZE + GAP };
-    for row in cells.chunks(columns) {
-        let tallest = row.iter().map(|([_, h], ..)| *h).fold(0.0, f64::max);
-        let lines = row.iter().map(|(.., caption)| caption.len()).max().unwrap_or(0);
-        for (i, ([w, h], image, caption)) in row.iter().enumerate() {
-            let x = EDGE + i as f64 * (cell + GAP);
-            let left = (x + (cell - w) / 2.0).round();
-            page.image(Rect::new(left, y + (tallest - h).round(), *w, *h), image.clone());
-            for (line, text) in caption.iter().enumerate() {
-                let at = [x + cell / 2.0, y + tallest + 7.0 + LINE * line as f64];
-                page.text(Text::new(at, theme::TICK_SIZE, text.clone()).held(Anchor::Middle, Level::Top));
-            }
+impl Sheet {
+    /// The images whose caption `keep` wants.
+    pub(super) fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
+        let images: Vec<_> = self.images.iter().filter(|(caption, _)| keep(caption)).cloned().collect();
+        let columns = self.columns.min(images.len());
+        (!images.is_empty()).then_some(Self { title: self.title.clone(), columns, images })
+    }
+
+    /// The page for a room: in limited room images fill its width, or are as large as its height allows.
+    pub(super) fn laid(&self, room: Room) -> Page {
+        if room.width.is_infinite() {
+            return self.page(self.columns, WIDEST.min(WIDEST_ROW / self.columns) as f64, [f64::INFINITY; 2], room);
         }
-        y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();
+        let cell = |columns: usize| {
+            let columns = columns as f64;
+            (room.width - 2.0 * EDGE - GAP * (columns - 1.0)) / columns
+        };
+        let pixels = room.pixels.unwrap_or(PIXELS);
+        let page = |columns: usize, high: f64| self.page(columns, cell(columns) * pixels, [cell(columns), high], room);
+        if room.height.is_infinite() {
+            let columns = (1..=self.columns).rev().find(|&columns| cell(columns) >= NARROWEST).unwrap_or(1);
+            return page(columns, f64::INFINITY);
+        }
+        // The largest images that fit
+        let highs = (0..20).map(|i| room.height * 0.9f64.powi(i)).filter(|&high| high >= LOWEST);
+        let fit = |high: f64| (1..=self.images.len()).filter(move |&n| cell(n) >= NARROWEST).map(move |n| (n, high));
+        let mut pages = highs.flat_map(fit).map(|(columns, high)| page(columns, high));
+        pages.find(|page| page.height <= room.height).unwrap_or_else(|| page(self.columns, LOWEST))
     }
-    // The title in the page's middle
-    page.width = (2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil();
-    page.height = (y - GAP + EDGE - 2.0).ceil();
-    if !title.is_empty() {
-        let text = Text::new([page.width / 2.0, EDGE], theme::TITLE_SIZE, title).held(Anchor::Middle, Level::Top);
-        page.text(text.bold());
+
+    /// A page with images of at most `limit` PNG pixels across, in cells of a width and at most a height.
+    fn page(&self, columns: usize, limit: f64, [width, high]: [f64; 2], room: Room) -> Page {
+        let pixels = room.pixels.unwrap_or(PIXELS);
+        let fit = |image: &Rgb8| limit.min(high * pixels * image.width() as f64 / image.height() as f64) as usize;
+        let shown: Vec<Rgb8> = self.images.iter().map(|(_, image)| reduced(image, fit(image).max(1))).collect();
+        let size = |image: &Rgb8| size(image, fit(image), pixels);
+        let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
+        let title_width = text::width(&self.title, theme::TITLE_SIZE, true);
+        let natural = widest.max(title_width / columns as f64 - GAP);
+        let cell = if width.is_finite() { width } else { natural };
+        let captioned = |((caption, _), image): (&(String, Rgb8), Rgb8)| {
+            (size(&image), image, text::wrapped(caption, theme::TICK_SIZE, false, cell))
+        };
+        let cells: Vec<([f64; 2], Rgb8, Vec<String>)> = self.images.iter().zip(shown).map(captioned).collect();
+
+        // The title in the middle of the page
+        let mut page = Page::new((2.0 * EDGE + columns as f64 * (cell + GAP) - GAP).ceil(), 0.0, PIXELS);
+        let mut y = EDGE;
+        let title = &self.title;
+        let limit = if width.is_finite() { page.width - 2.0 * EDGE } else { f64::INFINITY };
+        for line in text::wrapped(title, theme::TITLE_SIZE, true, limit).into_iter().filter(|line| !line.is_empty()) {
+            let text = Text::new([page.width / 2.0, y], theme::TITLE_SIZE, line).held(Anchor::Middle, Level::Top);
+            page.text(text.bold());
+            y += TITLE_LINE;
+        }
+        if !title.is_empty() {
+            y += theme::TITLE_SIZE + GAP - TITLE_LINE;
+        }
+        // Rows of images, aligned at the bottom, with their captions below
+        for row in cells.chunks(columns) {
+            let tallest = row.iter().map(|([_, h], ..)| *h).fold(0.0, f64::max);
+            let lines = row.iter().map(|(.., caption)| caption.len()).max().unwrap_or(0);
+            for (i, ([w, h], image, caption)) in row.iter().enumerate() {
+                let x = EDGE + i as f64 * (cell + GAP);
+                let left = (x + (cell - w) / 2.0).round();
+                page.image(Rect::new(left, y + (tallest - h).round(), *w, *h), image.clone());
+                for (line, text) in caption.iter().enumerate() {
+                    let at = [x + cell / 2.0, y + tallest + 7.0 + LINE * line as f64];
+                    page.text(Text::new(at, theme::TICK_SIZE, text.clone()).held(Anchor::Middle, Level::Top));
+                }
+            }
+            y += (tallest + 7.0 + LINE * lines as f64 + GAP).ceil();
+        }
+        page.height = (y - GAP + EDGE - 2.0).ceil();
+        page
     }
-    page
 }
 
 /// The image at no more than `widest` pixels across.
@@ -67,25 +129,9 @@ fn reduced(image: &Rgb8, widest: usize) -> Rgb8 {
 }
 
 /// Size on the sheet in units: a whole number of PNG pixels for each pixel.
-fn size(image: &Rgb8, widest: usize) -> [f64; 2] {
+fn size(image: &Rgb8, widest: usize, pixels: f64) -> [f64; 2] {
     let zoom = (widest / image.width()).max(1) as f64;
-    [image.width() as f64 * zoom / SCALE, image.height() as f64 * zoom / SCALE]
-}
-
-/// Breaks a caption between words into lines of at most `width` (a single word may be wider).
-pub fn wrapped(caption: &str, width: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    // At blanks only: others, as the one between a number and its unit, hold words together.
-    for word in caption.split(' ').filter(|word| !word.is_empty()) {
-        match lines.last_mut() {
-            Some(line) if text::width(&format!("{line} {word}"), theme::TICK_SIZE, false) <= width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
+    [image.width() as f64 * zoom / pixels, image.height() as f64 * zoom / pixels]
 }
 
 const TABLE_EDGE: f64 = 14.0;
@@ -96,6 +142,10 @@ const COLUMN_GAP: f64 = 26.0;
 /// Draws a table: words begin at the left end of their column, numbers end at its right end. Cells may carry the markup of
 /// [`super::text`].
 pub fn table<T>(table: &Table<'_, T>) -> Drawing {
+    page_of(table).into()
+}
+
+fn page_of<T>(table: &Table<'_, T>) -> Page {
     let columns = &table.columns;
     let rows = columns.first().map_or(0, |column| column.cells.len());
     let width = |column: &Column| {
@@ -105,7 +155,7 @@ pub fn table<T>(table: &Table<'_, T>) -> Drawing {
     let widths: Vec<f64> = columns.iter().map(width).collect();
     let total = widths.iter().sum::<f64>() + COLUMN_GAP * columns.len().saturating_sub(1) as f64;
     let height = 2.0 * TABLE_EDGE + ROW * (rows + 1) as f64;
-    let mut page = Drawing::new((total + 2.0 * TABLE_EDGE).ceil(), height, 2.0);
+    let mut page = Page::new((total + 2.0 * TABLE_EDGE).ceil(), height, 2.0);
     for (line, width) in [(0, 1.2), (1, 0.8), (rows + 1, 1.2)] {
         let y = TABLE_EDGE + ROW * line as f64;
         page.line([[TABLE_EDGE, y], [TABLE_EDGE + total, y]], Stroke::solid(theme::INK, width));
@@ -126,45 +176,37 @@ pub fn table<T>(table: &Table<'_, T>) -> Drawing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawing::Item;
+    use super::super::page::Item;
     use super::*;
 
     #[test]
     fn small_images_are_enlarged_by_whole_factors_and_large_ones_reduced() {
         let grey = |width| Rgb8::from_fn(width, 10, |_, _| [99; 3]);
-        let sheet = contact_sheet("", 2, &[("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))]);
-        let width = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.width * SCALE) } else { None };
+        let images = [("a".into(), grey(200)), ("b".into(), grey(640)), ("c".into(), grey(2000))];
+        let sheet = contact_sheet("", 2, &images).laid(Room::UNLIMITED);
+        let width = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.width * PIXELS) } else { None };
         assert_eq!(sheet.items.iter().filter_map(width).collect::<Vec<_>>(), [600.0, 640.0, 640.0]);
         let many: Vec<_> = (0..4).map(|_| (String::new(), grey(160))).collect();
-        let sheet = contact_sheet("", 4, &many);
+        let sheet = contact_sheet("", 4, &many).laid(Room::UNLIMITED);
         assert_eq!(sheet.items.iter().find_map(width), Some(480.0), "rows of many images stay on the page");
     }
 
     #[test]
-    fn captions_are_broken_between_words() {
-        let lines = wrapped("one two three four five six seven eight nine", 100.0);
-        assert!(lines.len() > 1);
-        assert!(lines.iter().all(|line| text::width(line, theme::TICK_SIZE, false) <= 100.0), "{lines:?}");
-        assert_eq!(lines.join(" "), "one two three four five six seven eight nine");
-        assert!(wrapped("about 13.5\u{a0}% of the light", 1.0).contains(&"13.5\u{a0}%".to_owned()));
-    }
-
-    #[test]
     fn an_empty_sheet_can_be_painted() {
-        assert!(contact_sheet("", 0, &[]).png().is_ok());
-        assert!(contact_sheet("only a title", 3, &[]).png().is_ok());
+        assert!(contact_sheet("", 0, &[]).laid(Room::UNLIMITED).png().is_ok());
+        assert!(contact_sheet("only a title", 3, &[]).laid(Room::UNLIMITED).png().is_ok());
     }
 
     #[test]
     fn cells_stand_in_columns_on_the_page() {
         let rows = [("copper", "0.2"), ("Au", "")];
-        let page = table(&Table::of(&rows).words("metal", |row| row.0).numbers("/{η}", |row| row.1));
+        let page = page_of(&Table::of(&rows).words("metal", |row| row.0).numbers("/{η}", |row| row.1));
         let texts: Vec<&Text> =
             page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect();
         assert_eq!(texts.len(), 6);
         let ends = texts.iter().map(|t| t.at[0] + t.start() + t.width());
         assert!(ends.clone().all(|end| end <= page.width - TABLE_EDGE + 1e-9), "{:?}", ends.collect::<Vec<_>>());
         assert_eq!(texts[0].at[0], texts[1].at[0]);
-        assert!(table(&Table::of(&rows[..0])).png().is_ok());
+        assert!(page_of(&Table::of(&rows[..0])).png().is_ok());
     }
 }

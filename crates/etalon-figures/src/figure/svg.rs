@@ -1,7 +1,7 @@
-//! A drawing as SVG: searchable text, real dash patterns, coordinates to a hundredth of a unit. On a dark page neutral colours are
+//! A page as SVG: searchable text, real dash patterns, coordinates to a hundredth of a unit. On a dark page neutral colours are
 //! exchanged, and those that mean something keep their hue.
 
-use super::drawing::{Drawing, Item};
+use super::page::{Item, Page};
 use super::shapes::{Anchor, Colour, Paint, Point, Rect, Text};
 use super::text::{self, Face};
 use super::theme;
@@ -11,14 +11,24 @@ use std::fmt::Write;
 /// DejaVu Sans, or at the viewer's without it Verdana, whose letters are as wide.
 const FONTS: &str = "DejaVu Sans,Verdana,sans-serif";
 
-impl Drawing {
-    /// The drawing as an SVG document. Text stays text; images are embedded as PNG.
+/// Millimetres per CSS pixel.
+const MM_PER_CSS: f64 = 25.4 / 96.0;
+
+impl Page {
+    /// The page as an SVG document. Text stays text; images are embedded as PNG. A page whose unit is no CSS pixel has its size in
+    /// millimetres.
     pub fn svg(&self) -> String {
         let (w, h) = (number(self.width), number(self.height));
+        let size = |units: f64| match self.unit {
+            1.0 => number(units),
+            unit => format!("{}mm", number(units * unit * MM_PER_CSS)),
+        };
+        let (width, height) = (size(self.width), size(self.height));
+        let paper = if self.paper == Colour::WHITE { "#fff".to_owned() } else { hexadecimal(self.paper) };
         let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {w} {h}\" \
              font-family=\"{FONTS}\" stroke-linejoin=\"round\" xml:space=\"preserve\">\n\
-             <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
+             <rect width=\"{w}\" height=\"{h}\" fill=\"{paper}\"/>\n"
         );
         for item in &self.items {
             write_item(&mut out, item);
@@ -158,32 +168,14 @@ fn number(value: f64) -> String {
     if short == "-0" { "0".to_owned() } else { short.to_owned() }
 }
 
-/// Colours of ink, lines and marks, and what they become on a dark page.
-const EXCHANGED: [(Colour, Colour); 10] = [
-    (Colour::BLACK, Colour::rgb(242, 242, 242)),
-    (theme::INK, Colour::rgb(228, 228, 230)),
-    (theme::RULE.colour, Colour::rgb(180, 184, 190)),
-    (theme::MARKER_RIM, Colour::rgb(168, 173, 180)),
-    (theme::GUIDE.colour, Colour::rgb(152, 158, 166)),
-    (theme::GRID.colour, Colour::rgb(58, 63, 70)),
-    // The darkest of the palette become lighter.
-    (theme::BLUE, Colour::rgb(51, 151, 216)),
-    (theme::VERMILION, Colour::rgb(234, 116, 32)),
-    (theme::GREEN, Colour::rgb(16, 178, 132)),
-    // Behind other marks
-    (theme::EXPLAINED_BY_INPUT.colour, Colour::rgb(52, 86, 110)),
-];
-/// What white areas become. White text and white lines lie over images, and stay.
-const PAPER: Colour = Colour::rgb(31, 34, 38);
-
 /// An SVG drawing of this program with a style that applies where the page around it is dark.
 pub fn with_dark_colours(svg: &str) -> String {
     let rule = |(light, dark): &(Colour, Colour)| {
         let [light, dark] = [*light, *dark].map(hexadecimal);
         format!("[fill=\"{light}\"]{{fill:{dark}}}[stroke=\"{light}\"]{{stroke:{dark}}}")
     };
-    let rules: String = EXCHANGED.iter().map(rule).collect();
-    let paper = format!(":is([fill=\"#fff\"],[fill=\"#ffffff\"]):not(text){{fill:{}}}", hexadecimal(PAPER));
+    let rules: String = theme::EXCHANGED.iter().map(rule).collect();
+    let paper = format!(":is([fill=\"#fff\"],[fill=\"#ffffff\"]):not(text){{fill:{}}}", hexadecimal(theme::DARK_PAPER));
     let style = format!("<style>@media (prefers-color-scheme:dark){{{paper}{rules}}}</style>");
     match svg.split_once('>') {
         Some((tag, rest)) => format!("{tag}>{style}{rest}"),
@@ -194,7 +186,7 @@ pub fn with_dark_colours(svg: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::shapes::Stroke;
-    use super::super::{Drawing, Rect};
+    use super::super::{Page, Rect};
     use super::*;
 
     #[test]
@@ -216,7 +208,7 @@ mod tests {
 
     #[test]
     fn text_stays_searchable_and_escaped() {
-        let mut drawing = Drawing::new(100.0, 20.0, 1.0);
+        let mut drawing = Page::new(100.0, 20.0, 1.0);
         drawing.text(Text::new([0.0, 10.0], 10.0, "a < b & \u{1}θ_{B} done"));
         let svg = drawing.svg();
         let index = "<tspan dy=\"2\" font-size=\"7\">B</tspan><tspan dy=\"-2\"> done</tspan>";
@@ -225,7 +217,7 @@ mod tests {
 
     #[test]
     fn dashes_are_real() {
-        let mut drawing = Drawing::new(100.0, 20.0, 1.0);
+        let mut drawing = Page::new(100.0, 20.0, 1.0);
         drawing.line([[0.0, 1.0], [9.0, 1.0]], Stroke { colour: Colour::BLACK, width: 1.5, dash: &[6.0, 2.5] });
         drawing.rect(Rect::new(1.0, 2.0, 3.0, 4.0), Colour::BLACK.faded(0.5));
         let svg = drawing.svg();
@@ -237,7 +229,7 @@ mod tests {
 
     #[test]
     fn every_colour_of_the_theme_has_a_dark_counterpart_that_is_as_distinct() {
-        let mut drawing = Drawing::new(20.0, 10.0, 1.0);
+        let mut drawing = Page::new(20.0, 10.0, 1.0);
         drawing.line([[0.0, 0.0], [9.0, 9.0]], Stroke::solid(theme::INK, 1.0));
         drawing.rect(Rect::new(1.0, 1.0, 2.0, 2.0), theme::BLUE);
         let dark = with_dark_colours(&drawing.svg());
@@ -248,24 +240,10 @@ mod tests {
         // Contrast with the paper: lines at least 3 to 1, and no pair of marks becomes one colour.
         let linear = |c: u8| (f64::from(c) / 255.0).powf(2.2);
         let luminance = |c: Colour| 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
-        let marks = [
-            Colour::BLACK,
-            theme::INK,
-            theme::BLUE,
-            theme::VERMILION,
-            theme::GREEN,
-            theme::PURPLE,
-            theme::ORANGE,
-            theme::SKY_BLUE,
-            theme::RED,
-            theme::CYAN,
-            theme::YELLOW,
-            theme::VIOLET,
-        ];
-        let shown =
-            marks.map(|mark| EXCHANGED.iter().find(|(light, _)| *light == mark).map_or(mark, |(_, dark)| *dark));
+        let marks = theme::marks();
+        let shown: Vec<Colour> = marks.iter().map(|mark| theme::in_the_dark(*mark)).collect();
         for (i, colour) in shown.iter().enumerate() {
-            assert!((luminance(*colour) + 0.05) / (luminance(PAPER) + 0.05) > 3.0, "{colour:?}");
+            assert!((luminance(*colour) + 0.05) / (luminance(theme::DARK_PAPER) + 0.05) > 3.0, "{colour:?}");
             assert!(!shown[..i].contains(colour), "{colour:?} twice");
         }
     }

@@ -110,6 +110,33 @@ pub fn width(markup: &str, size: f64, bold: bool) -> f64 {
     runs(markup, size, bold).iter().map(Run::width).sum()
 }
 
+/// The text without its markup.
+pub fn plain(markup: &str) -> String {
+    runs(markup, 1.0, false).into_iter().map(|run| run.text).collect()
+}
+
+/// Breaks a text between words into lines of at most `limit` (a single word, or a group of the markup, may be wider).
+pub fn wrapped(markup: &str, size: f64, bold: bool, limit: f64) -> Vec<String> {
+    if limit == f64::INFINITY {
+        return vec![markup.to_owned()];
+    }
+    let is_open = |line: &str| {
+        ["_{", "^{", "/{"].map(|open| line.matches(open).count()).iter().sum::<usize>() > line.matches('}').count()
+    };
+    let mut lines: Vec<String> = Vec::new();
+    // At blanks only: others, as the one between a number and its unit, hold words together.
+    for word in markup.split(' ').filter(|word| !word.is_empty()) {
+        match lines.last_mut() {
+            Some(line) if is_open(line) || width(&format!("{line} {word}"), size, bold) <= limit => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,6 +175,15 @@ mod tests {
                 assert!(face.tables().glyph_index(c).is_some(), "{face:?} lacks {c}");
             }
         }
+    }
+
+    #[test]
+    fn lines_are_broken_between_words() {
+        let lines = wrapped("one two three four five six seven eight nine", 11.5, false, 100.0);
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|line| width(line, 11.5, false) <= 100.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "one two three four five six seven eight nine");
+        assert!(wrapped("about 13.5\u{a0}% of the light", 11.5, false, 1.0).contains(&"13.5\u{a0}%".to_owned()));
     }
 
     #[test]

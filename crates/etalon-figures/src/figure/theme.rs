@@ -83,8 +83,8 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 pub const MARKER_SHADE: Colour = Colour::rgb(16, 16, 24);
 /// The rim of a marker on black, whose own colour may be nearly black.
 pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
-/// Borders of regions, and the rims of markers.
-pub const BORDER: Colour = Colour::WHITE;
+/// Borders of regions, and the rims of markers: over images, and not quite the white of paper, so that they stay in the dark.
+pub const BORDER: Colour = Colour::rgb(254, 254, 254);
 
 /// The sampling strategies, each of which has one colour in all figures.
 const STRATEGIES: [(&str, Colour); 12] = [
@@ -113,6 +113,48 @@ pub fn strategies(names: &[&str]) -> Vec<Colour> {
     let taken: Vec<Colour> = names.iter().filter_map(|name| own(name)).collect();
     let mut free = SERIES.into_iter().filter(|colour| !taken.contains(colour)).chain(SERIES.into_iter().cycle());
     names.iter().filter_map(|name| own(name).or_else(|| free.next())).collect()
+}
+
+/// Colours of ink, lines and marks, and what they become on dark paper.
+pub(super) const EXCHANGED: [(Colour, Colour); 14] = [
+    (Colour::BLACK, Colour::rgb(242, 242, 242)),
+    (INK, Colour::rgb(228, 228, 230)),
+    (RULE.colour, Colour::rgb(180, 184, 190)),
+    (MARKER_RIM, Colour::rgb(168, 173, 180)),
+    (GUIDE.colour, Colour::rgb(152, 158, 166)),
+    (GRID.colour, Colour::rgb(58, 63, 70)),
+    // The darkest of the palettes become lighter.
+    (BLUE, Colour::rgb(51, 151, 216)),
+    (VERMILION, Colour::rgb(234, 116, 32)),
+    (GREEN, Colour::rgb(16, 178, 132)),
+    (RED, Colour::rgb(240, 92, 66)),
+    (VIOLET, Colour::rgb(205, 105, 190)),
+    (WINE, Colour::rgb(214, 92, 140)),
+    (INDIGO, Colour::rgb(138, 124, 236)),
+    // Behind other marks
+    (EXPLAINED_BY_INPUT.colour, Colour::rgb(52, 86, 110)),
+];
+/// What white areas become in the dark. White text and white lines lie over images, and stay.
+pub(super) const DARK_PAPER: Colour = Colour::rgb(31, 34, 38);
+
+/// The colour on dark paper of ink, a line or a mark, at its opacity.
+pub(super) fn in_the_dark(colour: Colour) -> Colour {
+    let opaque = colour.with_alpha(255);
+    let dark = EXCHANGED.iter().find(|(light, _)| *light == opaque).map_or(opaque, |(_, dark)| *dark);
+    dark.with_alpha(colour.alpha)
+}
+
+/// Every colour of a mark.
+#[cfg(test)]
+pub(super) fn marks() -> Vec<Colour> {
+    let mut marks = vec![INK, RED, CYAN, YELLOW, VIOLET];
+    let more = SERIES.into_iter().chain(STRATEGIES.map(|(_, colour)| colour));
+    more.for_each(|colour| {
+        if !marks.contains(&colour) {
+            marks.push(colour)
+        }
+    });
+    marks
 }
 
 /// Dash patterns, in drawing units.

@@ -2,6 +2,7 @@
 //!
 //! Results of studies that several figures show are computed once per run, when they are first needed.
 
+use crate::figure::Style;
 use crate::view::map::{Display, Look};
 use etalon_core::envmap::info::Info;
 use etalon_core::envmap::{Grace, NamedMap};
@@ -60,6 +61,7 @@ pub struct Inputs {
     pub originals: Option<Originals>,
     pub seed: u64,
     pub effort: Effort,
+    pub style: Style,
     /// PNG files have this many times the pixels along each side.
     pub scale: u32,
 }

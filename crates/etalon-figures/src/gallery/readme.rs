@@ -4,6 +4,7 @@
 use super::figure::{Figure, Report};
 use super::figures::registry;
 use super::inputs::{Effort, Inputs};
+use crate::figure::Style;
 use etalon_core::envmap::synthetic::Synthetic;
 use etalon_core::envmap::{EnvMap, NamedMap};
 use std::fmt::Write;
@@ -59,7 +60,7 @@ fn of_report<'a>(all: &'a [Figure], report: Report, labels: &[&'static str]) -> 
 
 fn text() -> String {
     let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "nave".into() };
-    let inputs = Inputs { map, originals: None, seed: 1, effort: Effort::Full, scale: 1 };
+    let inputs = Inputs { map, originals: None, seed: 1, effort: Effort::Full, style: Style::default(), scale: 1 };
     let all = registry();
     let mut text = "# The figures of the two reports\n\nEach figure and table of the reports beside the one that `etalon reproduce` makes here. \
                     These show the built-in map `nave` and built-in scenes, with a statue of ours in place of bunny and dragon; \

@@ -3,6 +3,7 @@
 use super::check::Check;
 use super::inputs::{Effort, Inputs};
 use super::page::{Record, Setup};
+use crate::figure::Style;
 use etalon_core::envmap::synthetic::Synthetic;
 use etalon_core::envmap::{EnvMap, NamedMap};
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 /// The smallest inputs.
 pub fn inputs() -> Inputs {
     let map = NamedMap { map: Arc::new(EnvMap::new(Synthetic::Onehot.make())), name: "onehot".into() };
-    Inputs { map, originals: None, seed: 1, effort: Effort::Quick, scale: 1 }
+    Inputs { map, originals: None, seed: 1, effort: Effort::Quick, style: Style::default(), scale: 1 }
 }
 
 /// A record with one good and one bad check.

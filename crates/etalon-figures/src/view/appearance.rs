@@ -26,7 +26,7 @@ pub fn drawing(found: &Appearance) -> Drawing {
         (format!("difference, {mean} % in the mean over the spheres"), map.image()),
     ];
     let title = format!("{} on {}", found.bsdf, found.scene);
-    Drawing::stacked(vec![contact_sheet(&title, 3, &cells), map.bar(360.0)], 0.5, 2.0)
+    Drawing::stacked(vec![contact_sheet(&title, 3, &cells), map.bar(360.0)], 0.5)
 }
 
 /// A model with its parameters.

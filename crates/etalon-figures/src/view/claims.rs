@@ -2,7 +2,7 @@
 
 use super::depth::tone_mapped;
 use super::text::superscript;
-use crate::figure::{Anchor, Colour, Drawing, Level, Rgb8, Stroke, Text, contact_sheet, theme, wrapped};
+use crate::figure::{Anchor, Colour, Drawing, Level, Page, Rgb8, Stroke, Text, contact_sheet, text, theme};
 use etalon_bench::claims::{self, Bound, Claim, Finding, Place, PlacePicture, Unit, Verdict};
 use etalon_bench::depth::Depths;
 use etalon_core::math::{Rgb, mean_rgb};
@@ -139,13 +139,13 @@ struct Line {
 /// The lines of a text in a column.
 fn lines(text: &str, width: f64) -> Vec<Line> {
     let line = |text| Line { text, ink: theme::INK, is_bold: false, indent: 0.0, dot: None };
-    wrapped(text, width).into_iter().map(line).collect()
+    text::wrapped(text, theme::TICK_SIZE, false, width).into_iter().map(line).collect()
 }
 
 /// A table of claims: what the report says and prints, what is measured, the verdict, the figures that show it.
 pub fn table(claims: &[Claim]) -> Drawing {
     let width = 2.0 * EDGE + WIDTHS.iter().sum::<f64>() + GAP * (WIDTHS.len() - 1) as f64;
-    let mut sheet = Drawing::new(width, 0.0, 2.0);
+    let mut sheet = Page::new(width, 0.0, 2.0);
     let lefts = [0, 1, 2, 3, 4].map(|column| EDGE + WIDTHS[..column].iter().sum::<f64>() + GAP * column as f64);
     let heavy = Stroke::solid(theme::INK, theme::LINE);
     let heads =
@@ -181,7 +181,7 @@ pub fn table(claims: &[Claim]) -> Drawing {
     sheet.text(note([EDGE, y], "Dots: a number with what the claim demands of it."));
     sheet.text(note([lefts[2] + BULLET, y + LINE], "no dot: measured on another input than the report's"));
     sheet.height = (y + 2.0 * LINE + EDGE).ceil();
-    sheet
+    sheet.into()
 }
 
 /// The colour of a finding.

@@ -149,7 +149,7 @@ pub fn drawing(compared: &Compared) -> Drawing {
     if tiles.is_empty() {
         return plots;
     }
-    Drawing::stacked(vec![plots, crops(compared, &tiles)], 0.5, 2.0)
+    Drawing::stacked(vec![plots, crops(compared, &tiles)], 0.5)
 }
 
 fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {

@@ -426,7 +426,7 @@ pub fn round(value: f64) -> f64 {
 
 /// Curves above images at equal time.
 pub fn sheet(result: &Convergence) -> Drawing {
-    Drawing::stacked(vec![curves(result), images(result)], 0.5, 2.0)
+    Drawing::stacked(vec![curves(result), images(result)], 0.5)
 }
 
 /// The label of the colour bar of relative errors.
@@ -486,7 +486,7 @@ pub fn images(result: &Convergence) -> Drawing {
     let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
     let sheet = contact_sheet(&title, COLUMNS, &cells);
     let bar = scale(1, Vec::new()).bar(420.0);
-    Drawing::stacked(vec![sheet, bar], 0.5, 2.0)
+    Drawing::stacked(vec![sheet, bar], 0.5)
 }
 
 /// A square region of an image: its left upper corner and its side.

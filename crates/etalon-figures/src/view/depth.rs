@@ -1,7 +1,7 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
 
 use super::text::rounded;
-use crate::figure::{Drawing, Rgb8, contact_sheet};
+use crate::figure::{Drawing, Page, Rgb8, contact_sheet};
 use etalon_bench::depth::{ALL, ClassRow, DEPTHS, Depths};
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
 
@@ -12,7 +12,7 @@ pub(super) fn tone_mapped(image: &Image) -> Rgb8 {
 
 /// An image as the second report shows its own, and nothing else: ready for slides.
 pub fn image(image: &Image) -> Drawing {
-    Drawing::over(tone_mapped(image))
+    Page::over(tone_mapped(image)).into()
 }
 
 /// The share of the pixels of a difference that its exposure leaves below white.

@@ -1,7 +1,7 @@
 //! Drawings of reflectance curves: of one interface; of several media in one panel, with Schlick's error beside it; of Brewster's
 //! angle and the critical angle over the index of refraction, and of those of named media.
 
-use super::text::capitalized;
+use super::text::{capitalized, rounded};
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumRow};
 use etalon_bench::{fresnel, metal};
@@ -10,8 +10,10 @@ pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Str
     Stroke { colour, width: theme::LINE, dash }
 }
 
+const ANGLE: &str = "angle of incidence /{θ} (degrees)";
+
 fn angle_axis() -> Axis {
-    Axis::linear("angle of incidence /{θ} (degrees)").range(0.0, 90.0).every(15.0)
+    Axis::linear(ANGLE).range(0.0, 90.0).every(15.0)
 }
 
 /// Curves of one interface, and beside them Schlick's error.
@@ -19,7 +21,7 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let title = format!("From /{{η}} = {} into /{{η}} = {}", curves.eta_i, curves.eta_t);
+    let title = format!("From /{{η}} = {} into /{{η}} = {}", index(curves.eta_i), index(curves.eta_t));
     let schlick = match (curves.critical_deg, curves.model) {
         (None, _) => "Schlick",
         (Some(_), "exact") => "Schlick, angle of refraction",
@@ -33,7 +35,8 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
         .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
         .line("/{T} = 1 − /{R}", stroke(theme::TRANSMITTANCE, theme::DASH_DOT), of(|r| r.transmittance))
-        .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick));
+        .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
+        .with_names_on_curves();
     let special = |colour| Stroke { colour, width: theme::BOLD, dash: theme::DASHED };
     if let Some(brewster) = curves.brewster_deg {
         let label = format!("Brewster's angle /{{θ}}_{{B}} = {brewster:.2}°");
@@ -54,7 +57,12 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
     let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
     let panel = |title: &str, label: &str, points: Vec<Point>| {
-        let panel = Panel::new(angle_axis(), Axis::linear(label)).title(title).horizontal(0.0, "");
+        // Nothing is left to see beyond the critical angle
+        let angle = match curves.critical_deg.map(|critical| (critical / 5.0 + 0.5).ceil() * 5.0) {
+            Some(end) if end < 75.0 => Axis::linear(ANGLE).range(0.0, end).every(5.0),
+            _ => angle_axis(),
+        };
+        let panel = Panel::new(angle, Axis::linear(label)).title(title).horizontal(0.0, "");
         panel.line("", stroke(theme::SCHLICK, theme::DASHED), points)
     };
     let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
@@ -65,6 +73,11 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let relative =
         panel(&format!("Schlick's relative error{whose}"), "(Schlick − exact) / exact (%)", points(&relative));
     Plot::new([main, absolute, relative]).frame_size(350.0, 290.0).draw()
+}
+
+/// An index of refraction in as many digits as it is known to.
+fn index(eta: f64) -> String {
+    rounded(eta, 5).trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// What happens beyond the critical angle.
@@ -84,38 +97,34 @@ fn total_reflection(panel: Panel, critical: f64) -> Panel {
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
 pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
-    // The channels have one legend, below the last of them
-    let is_last = |i: usize| i + 1 == curves.channels.len();
-    let channels = curves.channels.iter().enumerate();
-    let mut panels: Vec<Panel> = channels.map(|(i, c)| channel(&curves.metal, c, is_last(i))).collect();
+    let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c)).collect();
     panels.push(errors(curves));
     Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).draw()
 }
 
-fn channel(metal: &str, c: &metal::Channel, legend: bool) -> Panel {
-    let label = |text: &'static str| if legend { text } else { "" };
+fn channel(metal: &str, c: &metal::Channel) -> Panel {
     let of =
         |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
     // Metals reflect most of the light: show the part of the axis where something happens.
     let lowest = of(|r| r.r_parallel.min(r.r_parallel_approximate)).iter().map(|p| p[1]).fold(1.0, f64::min);
     let title = if c.name.contains("nm") {
-        format!("{}, {}: /{{η}} = {}, /{{k}} = {}", capitalized(metal), c.name, c.eta, c.k)
+        format!("{}, {}: /{{η}}\u{a0}=\u{a0}{}, /{{k}}\u{a0}=\u{a0}{}", capitalized(metal), c.name, c.eta, c.k)
     } else {
         c.name.clone()
     };
     Panel::new(angle_axis(), Axis::linear("reflectance").range((lowest * 10.0).floor() / 10.0, 1.0))
         .title(title)
-        .line(label("/{R}_{∥}"), stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
-        .line(label("/{R}_{⊥}"), stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
-        .line(label("/{F}"), stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
-        .line(label("/{R}_{∥} approximate"), stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
+        .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
+        .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
+        .line("/{F}", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
+        .line("/{R}_{∥} approximate", stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
         .line(
-            label("/{R}_{⊥} approximate"),
+            "/{R}_{⊥} approximate",
             stroke(theme::R_PERPENDICULAR, theme::DOTTED),
             of(|r| r.r_perpendicular_approximate),
         )
-        .line(label("/{F} approximate"), stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
-        .line(label("Schlick"), stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
+        .line("/{F} approximate", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
+        .line("Schlick", stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
         .vertical(c.pseudo_brewster_deg, format!("pseudo-Brewster angle {:.1}°", c.pseudo_brewster_deg))
 }
 
@@ -206,8 +215,8 @@ pub fn of_media(curves: &MediaCurves, show: &[Curve]) -> Drawing {
     let shares: Vec<Curve> = show.iter().copied().filter(|curve| *curve != Curve::Error).collect();
     let mut panels = Vec::new();
     let side = match &*curves.media {
-        [only] => format!("From /{{η}} = {} into {}", curves.eta_i, only.name),
-        _ => format!("Light from /{{η}} = {}", curves.eta_i),
+        [only] => format!("From /{{η}} = {} into {}", index(curves.eta_i), only.name),
+        _ => format!("Light from /{{η}} = {}", index(curves.eta_i)),
     };
     if let [only] = *shares {
         let axis = Axis::linear(axis_name(only)).range(0.0, 1.0);
@@ -248,7 +257,7 @@ fn panel(curves: &MediaCurves, show: &[Curve], y: Axis) -> Panel {
             panel = panel.line(label, stroke(colour, curve.dash()), points);
         }
     }
-    panel
+    panel.with_names_on_curves()
 }
 
 /// An angle: its label, its place in the rows, and how it is drawn.

@@ -17,7 +17,7 @@ pub fn drawing(table: &Table) -> Drawing {
     let cells: Vec<(String, &Image)> = spheres.iter().map(|(caption, image)| (caption.clone(), image)).collect();
     // Darker, so that radiance above 1 shows, too.
     let title = "Spheres in light of radiance 1 from everywhere";
-    Drawing::stacked(vec![map(table), grid(title, SPHERES, -0.5, &cells)], 0.5, 2.0)
+    Drawing::stacked(vec![map(table), grid(title, SPHERES, -0.5, &cells)], 0.5)
 }
 
 fn map(table: &Table) -> Drawing {

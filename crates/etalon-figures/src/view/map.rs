@@ -1,6 +1,6 @@
 //! Environment maps with markers of samples and of regions.
 
-use crate::figure::{Anchor, Colour, Drawing, Level, Rect, Rgb8, Stroke, Text, text, theme};
+use crate::figure::{Colour, Drawing, Page, Picture, Rect, Rgb8, Stroke, theme};
 use etalon_bench::{map_samples, median_cut};
 use etalon_core::envmap::EnvMap;
 use etalon_core::math::Rgb;
@@ -40,8 +40,10 @@ const PAGE: [usize; 2] = [512, 2048];
 /// The map's height over the sides of the inset and of the part that it shows.
 const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
-/// Height of the strip below a map that explains its markers.
-const KEY: f64 = 30.0;
+/// The side of the marker of a light of average flux, in those of a sample.
+const AVERAGE: usize = 3;
+/// Times that a marker on black has the side of one on the map, where it would cover what it marks.
+const ALONE: usize = 2;
 /// Times that a larger marker of the key has the area of the smaller one.
 const LARGER: usize = 16;
 
@@ -59,13 +61,13 @@ impl Display {
         Self { base, look, width, height, scale: enlarge as f64 / reduce as f64 }
     }
 
-    fn black(&self) -> Drawing {
-        Drawing::over(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
+    fn black(&self) -> Page {
+        Page::over(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
     }
 
     /// A square marker around texel (x, y), `side` texels wide and `rim` drawing units wider on all sides: wrapped at the
     /// seam, clipped at the poles.
-    fn marker(&self, drawing: &mut Drawing, (x, y): (f64, f64), side: usize, rim: f64, colour: Colour) {
+    fn marker(&self, drawing: &mut Page, (x, y): (f64, f64), side: usize, rim: f64, colour: Colour) {
         // Rows are clipped at the poles, columns wrap around the seam in two parts
         let half = (side / 2) as i64;
         let (x, y) = (x as i64, (y as i64).min(self.height as i64 - 1));
@@ -84,7 +86,7 @@ impl Display {
     }
 
     /// Markers with rims, which stand out from every background; rims lie below all markers.
-    fn markers(&self, drawing: &mut Drawing, markers: &[((f64, f64), usize, Colour)], rims: &[(f64, Colour)]) {
+    fn markers(&self, drawing: &mut Page, markers: &[((f64, f64), usize, Colour)], rims: &[(f64, Colour)]) {
         for &(rim, colour) in rims {
             markers.iter().for_each(|&(at, side, _)| self.marker(drawing, at, side, rim, colour));
         }
@@ -94,7 +96,7 @@ impl Display {
     /// The map with a blue marker at each sample; samples that one marker would cover have one of as many times its area. An
     /// inset enlarges the place with most samples.
     pub fn samples(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
-        let mut drawing = Drawing::over(self.base.clone());
+        let mut drawing = Page::over(self.base.clone());
         let groups = grouped(rows, side);
         let marker = |group: &Group| {
             let wide = (side as f64 * (group.count as f64).sqrt()).round() as usize;
@@ -104,32 +106,21 @@ impl Display {
         self.markers(&mut drawing, &markers, &[(2.0, theme::MARKER_SHADE), (1.0, theme::BORDER)]);
         let densest = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1);
         let zoom = densest.map(|densest| self.inset(&mut drawing, rows, densest.at));
-        self.key(&mut drawing, side, zoom);
-        drawing
+        Drawing::Picture(Picture { page: drawing, key: self.key(side, zoom) })
     }
 
-    /// What the markers mean, in a strip below the map.
-    fn key(&self, drawing: &mut Drawing, side: usize, zoom: Option<usize>) {
-        let middle = drawing.height + 0.5 * KEY;
-        drawing.height += KEY;
-        let mut x = 12.0;
-        let inset = zoom.map(|zoom| (0, format!("inset: {zoom} times as large, a dot for each sample")));
+    /// What the markers mean.
+    fn key(&self, side: usize, zoom: Option<usize>) -> Vec<(f64, Colour, String)> {
+        let inset =
+            zoom.map(|zoom| (0, format!("inset: the framed square, {zoom} times as large, a dot for each sample")));
         let markers = [(1, "1 sample".to_owned()), (LARGER, format!("{LARGER} samples close together"))];
-        for (count, name) in markers.into_iter().chain(inset) {
-            let wide = side as f64 * (count as f64).sqrt() * self.scale;
-            if count > 0 {
-                drawing.rect(Rect::new(x, middle - 0.5 * wide, wide, wide), theme::MARKER);
-                x += wide + 6.0;
-            }
-            let width = text::width(&name, theme::NOTE_SIZE, false);
-            drawing.text(Text::new([x, middle], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Middle));
-            x += width + 28.0;
-        }
+        let side = |count: usize| side as f64 * (count as f64).sqrt() * self.scale;
+        markers.into_iter().chain(inset).map(|(count, name)| (side(count), theme::MARKER, name)).collect()
     }
 
     /// An enlarged part of the map around a texel, with a marker at each sample, in the corner with the fewest samples;
     /// by how much it is enlarged.
-    fn inset(&self, drawing: &mut Drawing, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) -> usize {
+    fn inset(&self, drawing: &mut Page, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) -> usize {
         let (width, height) = (self.base.width(), self.base.height());
         // Pixels of the page that the part has along each side
         let part = (height / INSET_PART).max(1);
@@ -178,7 +169,7 @@ impl Display {
     pub fn samples_only(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = self.black();
         if rows.is_empty() {
-            return drawing;
+            return drawing.into();
         }
         let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
         let strip = Image::from_pixels(rows.len(), 1, colours);
@@ -186,15 +177,15 @@ impl Display {
         let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
         let colour = |rgb: &[u8]| Colour::rgb(rgb[0], rgb[1], rgb[2]);
         let markers: Vec<_> =
-            rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), side, colour(rgb))).collect();
+            rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), ALONE * side, colour(rgb))).collect();
         self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
-        drawing
+        drawing.into()
     }
 
     /// The map with white lines between the regions and a blue dot at each centroid.
     pub fn partition(&self, rows: &[median_cut::RegionRow]) -> Drawing {
         let s = self.scale;
-        let mut drawing = Drawing::over(self.base.clone());
+        let mut drawing = Page::over(self.base.clone());
         // White lines on dark ones are seen on windows as on walls
         for line in [Stroke::solid(theme::MARKER_SHADE, 3.4), Stroke::solid(theme::BORDER, 1.4)] {
             for r in rows {
@@ -214,23 +205,29 @@ impl Display {
                 drawing.circle(centre, radius, colour);
             }
         }
-        drawing
+        drawing.into()
     }
 
-    /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux. The brightest light is
-    /// shown at full scale, the others in proportion before the power law of 1/2.2.
+    /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux and of an area in proportion to it.
+    /// The brightest light is shown at full scale, the others in proportion before the power law of 1/2.2.
     pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
         // Part of the map's brightness on the page
-        const DIMMED: f64 = 0.4;
+        const DIMMED: f64 = 0.3;
+        let flux = |r: &median_cut::RegionRow| r.flux_r + r.flux_g + r.flux_b;
+        let mean = rows.iter().map(flux).sum::<f64>() / rows.len().max(1) as f64;
+        let wide = |r: &median_cut::RegionRow| match (flux(r) / mean).sqrt() {
+            size if size.is_finite() => ((AVERAGE * side) as f64 * size).round().max(side as f64) as usize,
+            _ => side,
+        };
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);
         let byte = |v: f64| if brightest > 0.0 { (255.0 * (v / brightest).powf(1.0 / 2.2)).round() as u8 } else { 0 };
         let dim = |v: u8| (DIMMED * f64::from(v)) as u8;
         let base = Rgb8::from_fn(self.base.width(), self.base.height(), |x, y| self.base.pixel(x, y).map(dim));
-        let mut drawing = Drawing::over(base);
+        let mut page = Page::over(base);
         let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
-        let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), side, colour(r))).collect();
-        self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
-        drawing
+        let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), wide(r), colour(r))).collect();
+        self.markers(&mut page, &markers, &[(1.5, theme::MARKER_RIM)]);
+        page.into()
     }
 }
 
@@ -257,7 +254,7 @@ mod tests {
     use super::*;
     use crate::figure::Item;
 
-    fn rects(drawing: &Drawing) -> Vec<Rect> {
+    fn rects(drawing: &Page) -> Vec<Rect> {
         let rect = |item: &Item| if let Item::Rect { rect, .. } = item { Some(*rect) } else { None };
         drawing.items.iter().filter_map(rect).collect()
     }
@@ -288,20 +285,21 @@ mod tests {
         let counts: Vec<usize> = grouped(&rows, 5).iter().map(|group| group.count).collect();
         assert_eq!(counts, [4, 1]);
         let map = EnvMap::new(Image::from_fn(1024, 512, |_, _| Rgb::ONE));
-        let drawing = Display::new(&map, Look::default()).samples(&rows, 5);
-        let sides: Vec<f64> = rects(&drawing).iter().map(|rect| rect.width).collect();
+        let Drawing::Picture(drawing) = Display::new(&map, Look::default()).samples(&rows, 5) else {
+            panic!("a picture")
+        };
+        let sides: Vec<f64> = rects(&drawing.page).iter().map(|rect| rect.width).collect();
         // Two rims below the markers, then the frames of the inset and of what it shows
         assert_eq!(sides[..6], [14.0, 9.0, 12.0, 7.0, 10.0, 5.0]);
         assert_eq!(sides[6..10], [21.0, 21.0, 126.0, 126.0]);
-        // The key
-        assert_eq!(sides[10..], [5.0, 20.0]);
+        assert_eq!(drawing.key.iter().map(|(side, ..)| *side).collect::<Vec<_>>(), [5.0, 20.0, 0.0]);
     }
 
     #[test]
     fn maps_of_any_size_fit_the_page() {
         for (w, h) in [(1, 1), (2, 1), (3, 2), (64, 32), (1024, 512), (5000, 100)] {
             let display = Display::new(&EnvMap::new(Image::from_fn(w, h, |_, _| Rgb::ONE)), Look::default());
-            let drawing = display.samples(&[], 5);
+            let drawing = display.samples(&[], 5).natural();
             assert!(drawing.width >= 256.0 && drawing.width <= 2048.0, "{w}x{h}: {}", drawing.width);
         }
     }

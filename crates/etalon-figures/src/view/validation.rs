@@ -80,7 +80,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
             let by_counts = |test: &&Tested| test.outcome.is_rejected_by_p() && test.outcome.counts.is_some();
             let cells = tests.iter().find(by_counts).map(validation_cells::drawing);
             let rows = validation_cells::reasons(validation).into_iter().chain(cells).chain([p_values(validation)]);
-            Drawing::stacked(rows.collect(), 0.5, 2.0)
+            Drawing::stacked(rows.collect(), 0.5)
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One test's counts: observed, expected, and their residuals.
 
-use super::text::{finding, p_value, wrapped};
-use crate::figure::{Anchor, Axis, Drawing, Heatmap, Level, Panel, Plot, Point, Shading, Stroke, Text, text, theme};
+use super::text::{capitalized, finding, p_value, wrapped};
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Cell, Counts};
 use serde::Serialize;
@@ -51,38 +51,51 @@ pub fn drawing(tested: &Tested) -> Drawing {
     let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
     let Tested { name, outcome } = tested;
     // The mistake, if there is one, is the headline, and need not be said again.
-    let (title, p) = match &outcome.mistake {
-        Some(mistake) => (format!("{name}: {}, {}", outcome.verdict, finding(mistake)), Some(p)),
-        None => (format!("{name}: {}, {p}", outcome.verdict), None),
-    };
+    match &outcome.mistake {
+        Some(mistake) => described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), Some(p)),
+        None => described(tested, format!("{name}: {}, {p}", outcome.verdict), None),
+    }
+}
+
+/// The drawing of the test of a planted fault, under a sentence that says what the fault is.
+pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
+    let p = tested.outcome.p.map_or_else(String::new, p_value);
+    described(tested, capitalized(mistake), Some(format!("The test of the sampler: {}, {p}", tested.outcome.verdict)))
+}
+
+fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
+    let outcome = &tested.outcome;
     let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
-    let findings = p.into_iter().chain(outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines));
+    let findings = first.into_iter().chain(outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines));
     let Some(counts) = outcome.counts.as_ref() else {
-        return headed(Drawing::new(0.0, 0.0, SCALE), title, findings.collect());
+        return nothing().headed(title, findings.collect());
     };
     let (plot, beyond) = plot(counts);
-    headed(plot.draw(), title, beyond.into_iter().chain(findings).collect())
+    plot.draw().headed(title, beyond.into_iter().chain(findings).collect())
 }
 
 /// The plot of the cells, and what has no place there.
 fn plot(counts: &Counts) -> (Plot, Option<String>) {
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
-    let columns = columns(counts);
+    let is_list = counts.grid.cells().all(|cell| cell.y == [0.0, 1.0]);
     let plot = if cells.iter().all(|row| row.expected < 1.0 && row.observed == 0) {
         listed(beyond, "atoms, then no sample")
-    } else if columns.iter().all(|n| *n == 1) {
+    } else if is_list {
         listed(cells, &format!("cell, by {}", counts.axes[0]))
     } else {
-        maps(counts.axes, cells, &columns)
+        maps(counts.axes, cells)
     };
     (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }
 
 /// Most letters of a line above a drawing.
 const WIDEST: usize = 110;
-/// Pixels of a unit of length in drawings without a plot.
-const SCALE: f64 = 2.0;
+
+/// What stands below lines of text alone.
+fn nothing() -> Drawing {
+    Drawing::stacked(Vec::new(), 0.5)
+}
 
 /// A line for each cause for which tests are not accepted; `None` if all are.
 pub fn reasons(validation: &Validation) -> Option<Drawing> {
@@ -95,66 +108,79 @@ pub fn reasons(validation: &Validation) -> Option<Drawing> {
     };
     let more = found.len().checked_sub(MOST + 1).map(|rest| format!("and {} more", rest + 1));
     let lines: Vec<String> = found.iter().take(MOST).map(line).chain(more).collect();
-    (!lines.is_empty()).then(|| headed(Drawing::new(0.0, 0.0, SCALE), "Why".into(), lines))
+    (!lines.is_empty()).then(|| nothing().headed("Why", lines))
 }
 
-/// Puts a title and some lines above a drawing.
-fn headed(drawing: Drawing, title: String, remarks: Vec<String>) -> Drawing {
-    const EDGE: f64 = 12.0;
-    let (first, pitch) = (EDGE + theme::TITLE_SIZE, 1.5 * theme::NOTE_SIZE);
-    let top = first + pitch * remarks.len().max(1) as f64;
-    let widest = remarks.iter().map(|line| text::width(line, theme::NOTE_SIZE, false));
-    let widest = widest.fold(text::width(&title, theme::TITLE_SIZE, true), f64::max);
-    let width = drawing.width.max(widest + 2.0 * EDGE).ceil();
-    let left = 0.5 * (width - drawing.width);
-    let mut page = Drawing::new(width, (top + drawing.height.max(EDGE)).ceil(), drawing.scale);
-    page.append(drawing, left, top);
-    let centred =
-        |y: f64, size: f64, line: String| Text::new([0.5 * width, y], size, line).held(Anchor::Middle, Level::Baseline);
-    page.text(centred(first, theme::TITLE_SIZE, title).bold());
-    for (i, line) in remarks.into_iter().enumerate() {
-        page.text(centred(first + pitch * (i + 1) as f64, theme::NOTE_SIZE, line));
+/// An axis of the cells as people read it: its title, its end there, the step between ticks, and where on the cells' axis a value is.
+struct Reading {
+    title: String,
+    end: f64,
+    every: f64,
+    place: fn(f64) -> f64,
+}
+
+/// Polar angles and azimuths in degrees, other coordinates as they are.
+fn reading(axis: &str) -> Reading {
+    let degrees = |symbol: &str, end: f64, every: f64, place| Reading {
+        title: format!("/{{{symbol}}} (degrees)"),
+        end,
+        every,
+        place,
+    };
+    match axis {
+        "φ / 2π" => degrees("φ", 360.0, 90.0, |phi| phi / 360.0),
+        "1 - cos θ" => degrees("θ", 90.0, 15.0, |theta| 1.0 - theta.to_radians().cos()),
+        "(1 - cos θ) / 2" => degrees("θ", 180.0, 30.0, |theta| 0.5 - 0.5 * theta.to_radians().cos()),
+        other => Reading { title: finding(other), end: 1.0, every: 0.2, place: |v| v },
     }
-    page
 }
 
-/// Three heat maps: at their places where all cells are equal, else by number of row and column.
-fn maps(axes: [&str; 2], cells: &[Row], columns: &[usize]) -> Plot {
-    let width = |row: &Row| row.y_to.zip(row.y_from).map_or(0.0, |(to, from)| to - from);
-    let height = |row: &Row| row.x_to.zip(row.x_from).map_or(0.0, |(to, from)| to - from);
-    let is_constant =
-        |size: &dyn Fn(&Row) -> f64| cells.iter().all(|row| (size(row) / size(&cells[0]) - 1.0).abs() < 1e-9);
-    let equal = is_constant(&width) && is_constant(&height);
-    let most = columns.iter().copied().max().unwrap_or(1);
-    let axes = axes.map(finding);
-    let (across, down) = if equal {
-        (Axis::linear(axes[1].as_str()).range(0.0, 1.0), Axis::linear(axes[0].as_str()).range(1.0, 0.0))
-    } else {
-        (Axis::linear(format!("column, by {}", axes[1])), Axis::linear(format!("row, by {}", axes[0])))
+/// Three heat maps, each cell at its place.
+fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
+    let [down, across] = axes.map(reading);
+    let holds =
+        |from: Option<f64>, to: Option<f64>, v: f64| from.zip(to).is_some_and(|(from, to)| (from..to).contains(&v));
+    // The cell at each point of the map
+    let middle = |i: usize, of: &Reading| (of.place)(of.end * (i as f64 + 0.5) / POINTS as f64);
+    let at = |i: usize| {
+        let [x, y] = [middle(i / POINTS, &down), middle(i % POINTS, &across)];
+        cells.iter().find(|row| holds(row.x_from, row.x_to, x) && holds(row.y_from, row.y_to, y))
     };
-    // Rows that have fewer columns than others end early.
-    let grid = |value: &dyn Fn(&Row) -> f64| -> Vec<f64> {
-        let mut rest = cells;
-        let row = |&n: &usize| -> Vec<f64> {
-            let (row, after) = rest.split_at(n);
-            rest = after;
-            row.iter().map(value).chain(std::iter::repeat_n(f64::NAN, most - n)).collect()
-        };
-        columns.iter().flat_map(row).collect()
+    let places: Vec<Option<&Row>> = (0..POINTS * POINTS).map(at).collect();
+    let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
+    let panel = |title: &str, map: Heatmap| {
+        let x = Axis::linear(across.title.as_str()).range(0.0, across.end).every(across.every);
+        let y = Axis::linear(down.title.as_str()).range(down.end, 0.0).every(down.every);
+        Panel::new(x, y).title(title).heatmap(map)
     };
+    // One scale for both counts, in equal factors where a few cells have most of the samples
+    let mut expected: Vec<f64> = cells.iter().map(|row| row.expected).collect();
+    expected.sort_by(f64::total_cmp);
     let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
-    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| -> Panel {
-        let map = Heatmap::new(most, grid(value), Shading::Linear, "samples").range(0.0, highest);
-        Panel::new(across.clone(), down.clone()).title(title).heatmap(map)
+    let is_peaked = highest > PEAKED * expected.get(expected.len() / 2).copied().unwrap_or(highest);
+    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| {
+        panel(
+            title,
+            match is_peaked {
+                true => Heatmap::new(POINTS, grid(&|row| value(row).max(1.0)), Shading::Log10, "samples")
+                    .range(1.0, highest),
+                false => Heatmap::new(POINTS, grid(value), Shading::Linear, "samples").range(0.0, highest),
+            },
+        )
     };
-    let residual = Heatmap::new(most, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
+    let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
     Plot::new([
         counts("Observed /{O}", &|row| row.observed as f64),
         counts("Expected /{E}", &|row| row.expected),
-        Panel::new(across.clone(), down.clone()).title("Residual (/{O} − /{E})/√/{E}").heatmap(residual),
+        panel("Residual (/{O} − /{E})/√/{E}", residual),
     ])
     .frame_size(250.0, 210.0)
 }
+
+/// Points of a map along each side.
+const POINTS: usize = 180;
+/// Times the median count that the highest one has where counts are peaked.
+const PEAKED: f64 = 8.0;
 
 /// Counts one after the other, with their residuals.
 fn listed(rows: &[Row], axis: &str) -> Plot {
@@ -187,21 +213,15 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
     let of = |kind: &str| {
         let of_kind = beyond.iter().filter(|row| row.kind == kind);
         let (o, e) = of_kind.fold((0, 0.0), |(o, e), row| (o + row.observed, e + row.expected));
-        format!("{o} (expected {e:.1})")
+        format!("{o} times (expected {e:.1})")
     };
     let mut parts = Vec::new();
     if atoms > 0 {
-        parts.push(format!("at atoms {}", of("atom")));
+        parts.push(format!("atoms: {}", of("atom")));
     }
     // Most samplers always return a sample; the integral of their pdf is 1 except for rounding.
     if beyond.iter().any(|row| row.kind == "none" && (row.observed > 0 || row.expected >= 0.05)) {
-        parts.push(format!("no sample {}", of("none")));
+        parts.push(format!("no sample: {}", of("none")));
     }
     parts.join("; ")
-}
-
-/// The number of cells in each row of the grid.
-fn columns(counts: &Counts) -> Vec<usize> {
-    let cells: Vec<Cell> = counts.grid.cells().collect();
-    cells.chunk_by(|a, b| a.x == b.x).map(<[Cell]>::len).collect()
 }

@@ -1,6 +1,6 @@
 //! The errors of the two reports, what they print beside the correction: `audit`.
 
-use crate::figure::{Anchor, Axis, Drawing, Level, Panel, Plot, Rect, Stroke, Text, theme};
+use crate::figure::{Anchor, Axis, Level, Page, Panel, Plot, Rect, Stroke, Text, theme};
 use crate::gallery::figure::{self, Place};
 use crate::gallery::prelude::*;
 use crate::view::text::{capitalized, power_of_ten};
@@ -20,10 +20,10 @@ fn content(inputs: &Inputs) -> Result<Content> {
             Check::is_true(format!("accepted as corrected: {title}"), *right_verdict == Verdict::Accept),
         ]
     });
-    let (drawing, places) = drawing(&errata);
-    let content = Content::new(drawing, &errata, checks.collect())?;
+    let (sheet, places) = sheet(&errata);
+    let [width, height] = [sheet.width, sheet.height];
+    let content = Content::new(sheet.into(), &errata, checks.collect())?;
     let rows = errata.iter().zip(places).enumerate().map(|(i, (erratum, place))| {
-        let [width, height] = [content.drawing.width, content.drawing.height];
         let share = [place.x / width, place.y / height, place.width / width, place.height / height];
         row(erratum, Place { panel: letter(i), share })
     });
@@ -58,16 +58,16 @@ const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, das
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
 /// A panel for each erratum, with the verdicts and the error of an image below it; and the place of each panel.
-fn drawing(errata: &[Erratum]) -> (Drawing, Vec<Rect>) {
+fn sheet(errata: &[Erratum]) -> (Page, Vec<Rect>) {
     // Lay out panels in a grid, with four lines of text below each
-    let panels: Vec<Drawing> = errata.iter().enumerate().map(|(i, erratum)| panel(erratum, letter(i))).collect();
-    let largest = |size: fn(&Drawing) -> f64| panels.iter().map(size).fold(0.0, f64::max);
+    let panels: Vec<Page> = errata.iter().enumerate().map(|(i, erratum)| panel(erratum, letter(i))).collect();
+    let largest = |size: fn(&Page) -> f64| panels.iter().map(size).fold(0.0, f64::max);
     let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
     let height = below + 4.0 * LINE + 1.5 * GAP;
     let rows = errata.len().div_ceil(COLUMNS);
     let head = EDGE + theme::LABEL_SIZE + GAP;
     let columns = COLUMNS.min(errata.len());
-    let mut sheet = Drawing::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
+    let mut sheet = Page::new(2.0 * EDGE + columns as f64 * width - GAP, head + rows as f64 * height - GAP, 2.0);
     let right = sheet.width;
     legend(&mut sheet, right / 2.0);
     let mut places = Vec::new();
@@ -101,7 +101,7 @@ fn letter(index: usize) -> char {
     (b'a' + index as u8) as char
 }
 
-fn panel(erratum: &Erratum, letter: char) -> Drawing {
+fn panel(erratum: &Erratum, letter: char) -> Page {
     let curves = &erratum.curves;
     // Scattered are places on a map, whose first row is at the top.
     let y = Axis::linear(curves.y);
@@ -114,7 +114,7 @@ fn panel(erratum: &Erratum, letter: char) -> Drawing {
     } else {
         panel.line("", CORRECTED, curves.right.clone()).line("", PRINTED, curves.printed.clone())
     };
-    Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw()
+    Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw().natural()
 }
 
 /// An axis that ends a little beyond the curves, so that those at the end are seen.
@@ -126,7 +126,7 @@ fn beyond(axis: Axis, curves: &ErratumCurves) -> Axis {
     axis.range(low - margin, high + margin)
 }
 
-fn legend(sheet: &mut Drawing, middle: f64) {
+fn legend(sheet: &mut Page, middle: f64) {
     const SAMPLE: f64 = 26.0;
     for (stroke, name, from) in [(PRINTED, "as printed or published", -190.0), (CORRECTED, "corrected", 40.0)] {
         let (x, y) = (middle + from, EDGE + 0.5 * theme::LABEL_SIZE);

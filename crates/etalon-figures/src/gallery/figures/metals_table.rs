@@ -43,7 +43,7 @@ fn drawing(metals: &MetalTable) -> Drawing {
     });
     let rows = [exact.collect(), errors.collect()];
     let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
-    Drawing::stacked(vec![plot, numbers(metals)], 0.5, 2.0)
+    Drawing::stacked(vec![plot, numbers(metals)], 0.5)
 }
 
 /// The first column names the axes.

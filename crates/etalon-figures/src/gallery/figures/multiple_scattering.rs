@@ -203,7 +203,7 @@ fn energy(rows: &[AlbedoRow], spheres: &[Spheres]) -> Drawing {
     let alphas = ALPHAS.map(|alpha| alpha.to_string()).join(", ");
     let title = format!("Spheres in light of radiance 1 from everywhere, /{{α}} = {alphas}");
     // Darker, so that radiance above 1 shows, too.
-    Drawing::stacked(vec![curves(rows), grid(&title, 2, -0.5, &cells)], 0.5, 2.0)
+    Drawing::stacked(vec![curves(rows), grid(&title, 2, -0.5, &cells)], 0.5)
 }
 
 fn curves(rows: &[AlbedoRow]) -> Drawing {

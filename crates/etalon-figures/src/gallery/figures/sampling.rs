@@ -57,7 +57,7 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.
 fn noise_and_profile(result: &StrategyComparison) -> Drawing {
-    Drawing::stacked(vec![maps(result), profile(result)], 0.5, 2.0)
+    Drawing::stacked(vec![maps(result), profile(result)], 0.5)
 }
 
 const SCALE: (f64, f64) = (0.003, 3.0);

@@ -100,7 +100,7 @@ fn image_and_error(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
     );
     let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
     let cells = [("rendered, shown one stop brighter".into(), rendered), (error, errors.image())];
-    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5, 2.0)
+    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5)
 }
 
 /// The modulus that 95 % of the errors do not exceed.

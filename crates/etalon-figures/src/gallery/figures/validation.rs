@@ -4,7 +4,7 @@
 use super::super::inputs::Effort;
 use crate::gallery::prelude::*;
 use crate::view::validation as view;
-use crate::view::validation_cells::{drawing, rows};
+use crate::view::validation_cells::{fault as drawing, rows};
 use etalon_bench::validation::planted::{all, run_pair};
 use etalon_bench::validation::{run, select, suite};
 use etalon_core::error::Error;
@@ -48,6 +48,7 @@ const BSDF: &str = "whole/mixture/random-number-reused";
 fn planted_fault(inputs: &Inputs, name: &str) -> Result<Content> {
     let unknown = || Error::parameter("names", format!("there is no planted fault {name}"));
     let fault = all().into_iter().find(|fault| fault.name == name).ok_or_else(unknown)?;
+    let mistake = fault.mistake;
     let found = run_pair(fault, &inputs.protocol())?;
     let [faulty, right] = &found.tests[..] else { return Err(unknown()) };
     let is = |verdict| move |found: Verdict| f64::from(u8::from(found == verdict));
@@ -62,7 +63,7 @@ fn planted_fault(inputs: &Inputs, name: &str) -> Result<Content> {
         Check::at_least("largest residual with the fault", largest, 5.0),
         Check::at_least("regions that the test names", said.matches(" % too ").count() as f64, 1.0),
     ];
-    Content::new(drawing(faulty), &counts, checks)
+    Content::new(drawing(faulty, mistake), &counts, checks)
 }
 
 #[cfg(test)]

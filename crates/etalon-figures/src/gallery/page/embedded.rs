@@ -148,7 +148,7 @@ fn size(tag: &str) -> Option<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Drawing, Rect, Rgb8, Text};
+    use crate::figure::{Page, Rect, Rgb8, Text};
 
     /// Noise, which compresses badly as PNG.
     fn noise() -> Rgb8 {
@@ -161,9 +161,9 @@ mod tests {
         })
     }
 
-    fn written(name: &str, change: impl Fn(&mut Drawing)) -> (tempfile::TempDir, Result<EmbeddedImage>) {
+    fn written(name: &str, change: impl Fn(&mut Page)) -> (tempfile::TempDir, Result<EmbeddedImage>) {
         let dir = tempfile::tempdir().unwrap();
-        let mut drawing = Drawing::new(300.5, 200.0, 1.0);
+        let mut drawing = Page::new(300.5, 200.0, 1.0);
         change(&mut drawing);
         drawing.write(&dir.path().join(name)).unwrap();
         let image = EmbeddedImage::read(dir.path(), name);

@@ -1,0 +1,67 @@
+//! A picture: marks over an image, enlarged and reduced together; and below it a key of its marks, whose type has its own size.
+
+use super::page::Page;
+use super::shapes::{Anchor, Colour, Level, Rect, Text};
+use super::style::Room;
+use super::{text, theme};
+
+/// A page that is enlarged or reduced as a whole, with its key.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Picture {
+    pub page: Page,
+    /// Sides of square marks on the page, their colours and what they mean; side 0 is a text alone.
+    pub key: Vec<(f64, Colour, String)>,
+}
+
+/// Height of a line of the key, space at its left end, between a mark and its text, and after the text.
+const LINE: f64 = 24.0;
+const LEFT: f64 = 12.0;
+const GAP: f64 = 6.0;
+const AFTER: f64 = 28.0;
+
+impl Picture {
+    pub(super) fn laid(&self, room: Room) -> Page {
+        let fit = |height: f64| (room.width / self.page.width).min(height / self.page.height);
+        let factor = |height: f64| if room.width.is_finite() { fit(height) } else { 1.0 };
+        let lines = |factor: f64| self.lines(factor, self.page.width * factor);
+        // The height of the key depends on the width of the picture
+        let below = |lines: usize| LINE * lines as f64;
+        let first = lines(factor(room.height)).len();
+        let factor = factor(room.height - below(first));
+        let mut page = self.page.clone().scaled(factor);
+        for line in lines(factor) {
+            let (mut x, middle) = (LEFT, page.height + 0.5 * LINE);
+            for (side, colour, name, width) in line {
+                if side > 0.0 {
+                    page.rect(Rect::new(x, middle - 0.5 * side, side, side), colour);
+                    x += side + GAP;
+                }
+                page.text(Text::new([x, middle], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Middle));
+                x += width + AFTER;
+            }
+            page.height += LINE;
+        }
+        page
+    }
+
+    /// The key in lines of this width, with the widths of its texts.
+    fn lines(&self, factor: f64, width: f64) -> Vec<Vec<(f64, Colour, String, f64)>> {
+        let mut lines: Vec<Vec<(f64, Colour, String, f64)>> = Vec::new();
+        let mut x = f64::INFINITY;
+        for (side, colour, name) in &self.key {
+            let limit = width - 2.0 * LEFT - side * factor - GAP;
+            for (i, part) in text::wrapped(name, theme::NOTE_SIZE, false, limit).into_iter().enumerate() {
+                let side = if i == 0 { side * factor } else { 0.0 };
+                let long = text::width(&part, theme::NOTE_SIZE, false);
+                if x + side + GAP + long > width || i > 0 {
+                    lines.push(Vec::new());
+                    x = LEFT;
+                }
+                x += side + GAP + long + AFTER;
+                lines.last_mut().expect("a line was begun").push((side, *colour, part, long));
+            }
+        }
+        lines
+    }
+}
