@@ -4,6 +4,8 @@ use etalon_bench::albedo::Table;
 use etalon_bench::compare::Compared;
 use etalon_bench::validation::{Tested, Validation};
 use etalon_core::error::Result;
+use etalon_figures::figure::Drawing;
+pub use etalon_figures::figure::style::{Medium, Style, Theme};
 use etalon_figures::output::csv;
 use etalon_figures::view;
 
@@ -12,8 +14,8 @@ pub trait Summary {
     /// The result in words, over several lines.
     fn text(&self) -> String;
 
-    /// The figure as an SVG document; `None` if there is nothing to draw.
-    fn svg(&self) -> Option<String>;
+    /// The figure.
+    fn drawing(&self) -> Drawing;
 
     /// The table as a CSV document with a header; `None` if there is none.
     ///
@@ -28,8 +30,8 @@ impl Summary for Tested {
         self.outcome.to_string()
     }
 
-    fn svg(&self) -> Option<String> {
-        Some(view::validation_cells::drawing(self).svg())
+    fn drawing(&self) -> Drawing {
+        view::validation_cells::drawing(self)
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
@@ -43,8 +45,8 @@ impl Summary for Validation {
         view::validation::text(self)
     }
 
-    fn svg(&self) -> Option<String> {
-        Some(view::validation::drawing(self).svg())
+    fn drawing(&self) -> Drawing {
+        view::validation::drawing(self)
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
@@ -58,8 +60,8 @@ impl Summary for Compared {
         view::compare::text(self)
     }
 
-    fn svg(&self) -> Option<String> {
-        Some(view::compare::drawing(self).svg())
+    fn drawing(&self) -> Drawing {
+        view::compare::drawing(self)
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
@@ -73,8 +75,8 @@ impl Summary for Table {
         view::furnace::text(self)
     }
 
-    fn svg(&self) -> Option<String> {
-        Some(view::furnace::drawing(self).svg())
+    fn drawing(&self) -> Drawing {
+        view::furnace::drawing(self)
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {

@@ -30,11 +30,11 @@ def record(test: str, result: Result, with_figures: bool) -> dict[str, Any]:
         "samples": result.samples,
         "seconds": result.seconds,
         "text": str(result),
-        "figures": [svg for svg in _figures(result) if svg is not None] if with_figures else [],
+        "figures": _figures(result) if with_figures else [],
     }
 
 
-def _figures(result: Result) -> list[str | None]:
+def _figures(result: Result) -> list[str]:
     """The figure of a result, and those of the single checks that it is rejected for."""
     return [result._repr_svg_(), *(check._repr_svg_() for check in result.checks if check.verdict == "reject")]
 

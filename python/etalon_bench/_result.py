@@ -7,8 +7,10 @@ import csv
 import functools
 import html
 import io
+import os
 from collections.abc import Callable
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Literal, ParamSpec
 
 import numpy as np
@@ -125,13 +127,31 @@ class Result:
         reason = "" if self.reason is None else f": {self.reason}"
         return f"<Result {self.name}: {self.verdict}{p}{detectable}{reason}>"
 
-    def _repr_svg_(self) -> str | None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        style: Literal["screen", "slide", "column"] = "screen",
+        theme: Literal["light", "dark"] = "light",
+        title: str = "",
+        width: float | None = None,
+    ) -> list[Path]:
+        """Writes the figure as SVG, PNG or PDF, by the extension of `path`, and returns the paths of its pages.
+
+        Styles are those of the program: "slide" is 16:9, of several pages if there must be, "column" is 84 mm wide. `title`
+        takes the place of the figure's, and `width` is in millimetres.
+
+        Raises:
+            ValueError: for another format, style or theme, and a width into which the figure does not fit.
+            OSError: if a file cannot be written.
+        """
+        return self._found.save(os.fspath(path), style, theme, title, width)
+
+    def _repr_svg_(self) -> str:
         return self._found.svg()
 
     def _repr_html_(self) -> str:
-        svg = self._repr_svg_()
-        text = f'<pre style="white-space: pre-wrap">{html.escape(str(self))}</pre>'
-        return text if svg is None else text + image(svg)
+        return f'<pre style="white-space: pre-wrap">{html.escape(str(self))}</pre>{image(self._repr_svg_())}'
 
     def check(self) -> Result:
         """Returns the result itself if it accepts.

@@ -4,10 +4,12 @@ use crate::errors;
 use etalon::study::albedo::Table;
 use etalon::study::compare::{Answer, Compared};
 use etalon::study::validation::{Tested, Validation};
-use etalon::summary::Summary;
+use etalon::summary::{Medium, Style, Summary, Theme};
 use etalon_stats::Verdict;
 use etalon_stats::multiple::any_of;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::path::PathBuf;
 
 /// A result; see `etalon_bench.Result`.
 #[pyclass(frozen, module = "etalon_bench._native")]
@@ -46,9 +48,25 @@ pub struct Found {
 
 #[pymethods]
 impl Found {
-    /// The figure as an SVG document, if there is one.
-    fn svg(&self, py: Python<'_>) -> Option<String> {
-        py.detach(|| self.summary.svg())
+    /// The figure as an SVG document.
+    fn svg(&self, py: Python<'_>) -> String {
+        py.detach(|| self.summary.drawing().svg())
+    }
+
+    /// Writes the figure in a style, in the format that the extension of `path` names.
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        style: &str,
+        theme: &str,
+        title: String,
+        width: Option<f64>,
+    ) -> PyResult<Vec<PathBuf>> {
+        let medium = named("style", style, Medium::ALL)?;
+        let mut style = Style::new(medium, width).map_err(errors::of)?;
+        (style.title, style.theme) = (title, named("theme", theme, Theme::ALL)?);
+        py.detach(|| self.summary.drawing().save(&path, &style)).map_err(errors::of)
     }
 
     /// The table as a CSV document, if there is one.
@@ -56,6 +74,13 @@ impl Found {
         let csv = self.summary.csv().map_err(errors::of)?;
         Ok(csv.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
     }
+}
+
+/// The value of that name.
+fn named<T, const N: usize>(argument: &str, name: &str, all: [(&str, &str, T); N]) -> PyResult<T> {
+    let names = all.each_ref().map(|(known, ..)| *known).join(", ");
+    let found = all.into_iter().find(|(known, ..)| *known == name).map(|(.., value)| value);
+    found.ok_or_else(|| PyValueError::new_err(format!("{argument}: {name:?}; wanted one of {names}")))
 }
 
 impl Found {

@@ -56,9 +56,16 @@ def test_table_has_the_counts():
     assert np.sum(table["residual"][cells] ** 2) == pytest.approx(result.statistic)
 
 
-def test_notebooks_show_figure_and_text():
+def test_notebooks_show_figure_and_text(tmp_path):
     result = eb.check_sampler(cosine, cosine_pdf, "hemisphere", name="<cosine>")
     assert result._repr_svg_().startswith("<svg") and "Observed" in result._repr_svg_()
+    for suffix, begin in [("svg", b"<svg"), ("png", b"\x89PNG"), ("pdf", b"%PDF")]:
+        path = tmp_path / f"a.{suffix}"
+        assert result.save(path, style="column") == [path] and path.read_bytes().startswith(begin)
+    with pytest.raises(ValueError, match="gif"):
+        result.save(tmp_path / "a.gif")
+    with pytest.raises(ValueError, match="screen, slide, column"):
+        result.save(tmp_path / "a.png", style="poster")
     page = result._repr_html_()
     assert "data:image/svg+xml;base64," in page and "accept\n" in page
 

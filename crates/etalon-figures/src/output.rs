@@ -186,7 +186,7 @@ const IMAGES: [&str; 5] = ["exr", "pfm", "ppm", "hdr", "png"];
 /// Extensions of the files of [`write`](write()).
 pub const STUDY: [&str; 4] = ["csv", "svg", "png", "pdf"];
 /// Extensions of the files of a drawing alone.
-pub const DRAWING: [&str; 3] = ["svg", "png", "pdf"];
+pub use crate::figure::FORMATS as DRAWING;
 
 /// Writes `stem.csv`, `stem.svg`, `stem.png` and `stem.pdf`; returns their paths.
 pub fn write(stem: &Path, drawing: &Drawing, style: &Style, table: &[u8]) -> Result<Vec<PathBuf>> {

@@ -1,6 +1,6 @@
 //! A drawing: what a figure shows, before it is laid out for a style; and its pages, written as files.
 
-use super::page::Page;
+use super::page::{FORMATS, Page};
 use super::picture::Picture;
 use super::plot::Plot;
 use super::shapes::{Anchor, Level, Text};
@@ -78,7 +78,16 @@ impl Drawing {
     /// # Errors
     /// Those of [`Drawing::pages`] and [`Page::write`].
     pub fn write(&self, stem: &Path, style: &Style) -> Result<Vec<PathBuf>> {
-        write_pages(&self.pages(style)?, stem)
+        write_pages(&self.pages(style)?, stem, &FORMATS)
+    }
+
+    /// Writes it in the format that the extension of `path` names: svg, png or pdf. Returns the paths of its pages.
+    ///
+    /// # Errors
+    /// As [`Drawing::write`]; [`Error::Parameter`] for another format.
+    pub fn save(&self, path: &Path, style: &Style) -> Result<Vec<PathBuf>> {
+        let format = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        write_pages(&self.pages(style)?, &path.with_extension(""), &[&format])
     }
 
     /// As few pages as there must be: what does not fit on one is divided into halves.
@@ -189,12 +198,12 @@ impl Drawing {
     }
 }
 
-/// Writes pages under one name.
-pub fn write_pages(pages: &[Page], stem: &Path) -> Result<Vec<PathBuf>> {
+/// Writes pages under one name, in formats of [`FORMATS`].
+pub fn write_pages(pages: &[Page], stem: &Path, formats: &[&str]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for (i, page) in pages.iter().enumerate() {
         let further = || PathBuf::from(format!("{}-{}", stem.display(), i + 1));
-        files.extend(page.write(&if i == 0 { stem.to_owned() } else { further() })?);
+        files.extend(page.write(&if i == 0 { stem.to_owned() } else { further() }, formats)?);
     }
     Ok(files)
 }

@@ -27,7 +27,7 @@ pub use drawing::{Drawing, write_pages};
 pub use heatmap::{Heatmap, Shading};
 #[cfg(test)]
 pub use page::Item;
-pub use page::{Page, with_extension};
+pub use page::{FORMATS, Page, with_extension};
 pub use panel::Panel;
 pub use picture::Picture;
 pub use plot::Plot;

@@ -8,7 +8,11 @@ use super::shapes::{Colour, Marker, Paint, Point, Rect, Stroke, Text};
 use super::style::{Room, Style};
 use super::theme;
 use etalon_core::error::{Error, Result};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+
+/// Formats of figures, by the extensions of their files.
+pub const FORMATS: [&str; 3] = ["svg", "png", "pdf"];
 
 /// PNG pixels per drawing unit where neither an image nor a style decides.
 pub(super) const PIXELS: f64 = 2.0;
@@ -207,23 +211,36 @@ impl Page {
         self.items.extend(other.items.into_iter().map(|item| item.moved(dx, dy)));
     }
 
-    /// Writes `stem.svg`, `stem.png` and `stem.pdf` and returns their paths in this order.
+    /// The page as a file of one of [`FORMATS`].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another format, and for a page that has no size that can be painted ([`Page::png`]).
+    fn document(&self, format: &str) -> Result<Vec<u8>> {
+        match format {
+            "svg" => Ok(self.svg().into_bytes()),
+            "png" => self.png(),
+            "pdf" => Ok(self.pdf()),
+            _ => Err(Error::parameter("format", format!("\"{format}\" is not a format of figures"))
+                .with_hint(format!("formats: {}", FORMATS.join(", ")))),
+        }
+    }
+
+    /// Writes `stem.svg` and so on, in `formats` of [`FORMATS`], and returns their paths in this order.
     /// The same page gives the same bytes.
     ///
     /// # Errors
-    /// When a file cannot be written, or the page has no size that can be painted ([`Page::png`]).
-    pub fn write(&self, stem: &Path) -> Result<Vec<PathBuf>> {
+    /// When a format is another, a file cannot be written, or the page has no size that can be painted ([`Page::png`]).
+    pub fn write(&self, stem: &Path, formats: &[&str]) -> Result<Vec<PathBuf>> {
         if stem.file_name().is_none() {
             return Err(Error::parameter("figure", format!("{}: not a file name", stem.display()))
                 .with_hint("give a name to write to"));
         }
-        let svg = self.svg();
-        let (png, pdf) = rayon::join(|| self.png(), || self.pdf());
-        let write = |(extension, bytes): (&str, Vec<u8>)| {
-            let path = with_extension(stem, extension);
-            etalon_core::files::write_bytes(&path, &bytes).map(|()| path)
+        let documents: Vec<Result<Vec<u8>>> = formats.par_iter().map(|format| self.document(format)).collect();
+        let write = |(format, bytes): (&&str, Result<Vec<u8>>)| {
+            let path = with_extension(stem, format);
+            etalon_core::files::write_bytes(&path, &bytes?).map(|()| path)
         };
-        [("svg", svg.into_bytes()), ("png", png?), ("pdf", pdf)].into_iter().map(write).collect()
+        formats.iter().zip(documents).map(write).collect()
     }
 }
 
@@ -244,11 +261,12 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut drawing = Page::new(20.0, 10.0, 2.0);
         drawing.text(Text::new([1.0, 8.0], 8.0, "a"));
-        let paths = drawing.write(&dir.path().join("new/roughness-0.005")).unwrap();
+        let paths = drawing.write(&dir.path().join("new/roughness-0.005"), &FORMATS).unwrap();
         let names: Vec<_> = paths.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["roughness-0.005.svg", "roughness-0.005.png", "roughness-0.005.pdf"]);
         assert!(paths.iter().all(|p| p.metadata().unwrap().len() > 100));
-        assert!(drawing.write(Path::new("/")).is_err());
+        assert!(drawing.write(Path::new("/"), &FORMATS).is_err());
+        assert!(drawing.write(&dir.path().join("a"), &["gif"]).unwrap_err().to_string().contains("gif"));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::figure::{Claim, Content, Erratum, Figure, Printed};
 use super::figures::{self, registry};
 use super::inputs::{Inputs, Studies};
 use super::page::{self, Record, Records, Setup};
-use crate::figure::{Page, write_pages};
+use crate::figure::{FORMATS, Page, write_pages};
 use crate::output;
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Metadata, WriteOptions};
@@ -117,7 +117,7 @@ fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder:
     let mut files = vec![output::write_table(&stem, &table)?];
     let enlarged = |page: Page| Page { scale: page.scale * f64::from(inputs.scale), few_colours: true, ..page };
     let pages: Vec<Page> = drawing.pages(&inputs.style)?.into_iter().map(enlarged).collect();
-    files.extend(write_pages(&pages, &stem)?);
+    files.extend(write_pages(&pages, &stem, &FORMATS)?);
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
     if let Some((image, tone)) = &image {
         let metadata = Metadata::default().with("figure", &figure.id);

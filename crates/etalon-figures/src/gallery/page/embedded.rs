@@ -148,7 +148,7 @@ fn size(tag: &str) -> Option<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Page, Rect, Rgb8, Text};
+    use crate::figure::{FORMATS, Page, Rect, Rgb8, Text};
 
     /// Noise, which compresses badly as PNG.
     fn noise() -> Rgb8 {
@@ -165,7 +165,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut drawing = Page::new(300.5, 200.0, 1.0);
         change(&mut drawing);
-        drawing.write(&dir.path().join(name)).unwrap();
+        drawing.write(&dir.path().join(name), &FORMATS).unwrap();
         let image = EmbeddedImage::read(dir.path(), name);
         (dir, image)
     }

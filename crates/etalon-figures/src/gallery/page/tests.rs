@@ -1,7 +1,7 @@
 //! The page as a document: well-formed, complete, without references to elsewhere.
 
 use super::*;
-use crate::figure::Page;
+use crate::figure::{FORMATS, Page};
 use crate::gallery::figure::{Claim, Erratum, Place, Printed};
 use crate::gallery::registry;
 use crate::gallery::tests::record;
@@ -13,7 +13,7 @@ fn page(change: impl Fn(&str, &mut Record)) -> String {
     let records: Records = figures
         .iter()
         .map(|figure| {
-            Page::new(40.0, 30.0, 1.0).write(&dir.path().join(&figure.id)).unwrap();
+            Page::new(40.0, 30.0, 1.0).write(&dir.path().join(&figure.id), &FORMATS).unwrap();
             let mut record = record();
             change(&figure.id, &mut record);
             (figure.id.clone(), record)
