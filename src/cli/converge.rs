@@ -2,13 +2,13 @@
 
 use super::console::Console;
 use super::families::reply_limit;
-use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
+use super::global::{Global, OUTPUT, Reports, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs};
 use super::style::StyleArgs;
-use clap::{ArgAction, Args};
+use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::converge::answer::Answer;
 use etalon_bench::converge::contender::{Contender, Fault};
-use etalon_bench::converge::curve::{BIAS_LEVEL, SLOPE_MARGIN};
+use etalon_bench::converge::curve::{BIAS_LEVEL, CurveVerdict, SLOPE_MARGIN};
 use etalon_bench::converge::recorded::Recorded;
 use etalon_bench::converge::reference::Reference;
 use etalon_bench::converge::strategy::{self, SUFFIXES, Strategy};
@@ -17,18 +17,24 @@ use etalon_bench::protocol::renderer::{PLACEHOLDERS, Renderer};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_core::raster::{self, ReadOptions};
-use etalon_core::scene::{Material, Request, Scene};
+use etalon_core::scene::{Material, Request, Scene, builtin};
 use etalon_figures::output::{self, Saving, file_name};
+use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::converge as view;
 use etalon_figures::view::text::{counted, duration, rounded, wrapped};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
+use std::time::Instant;
 
 /// Measure the error of sampling strategies against their run time
 #[derive(Args)]
 #[command(after_long_help = after_help())]
 #[command(args = [out(), seed(), threads()])]
+// Renderers of one's own need no scene; a strategy of ours that is biased is no check that fails
+#[command(group = ArgGroup::new("external").args(["renderer", "runs"]).multiple(true))]
+#[command(mut_arg("scene", |arg| arg.required(false).required_unless_present("external")))]
+#[command(mut_arg("junit", |arg| arg.requires("external")), mut_arg("markdown", |arg| arg.requires("external")))]
 pub struct Converge {
     #[command(flatten)]
     scene: SceneArgs,
@@ -76,6 +82,8 @@ pub struct Converge {
     max_depth: Option<u32>,
     #[command(flatten)]
     style: StyleArgs,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 fn after_help() -> String {
@@ -91,11 +99,13 @@ fn after_help() -> String {
          SCENE-converge-pictures.{{svg,png,pdf}}.\n\nA method is \
          called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a level of \
          {:.1} %; steeper or flatter if the interval of its slope is\nfurther than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
-         nothing is substituted):\n{placeholders}\nExit codes: 0 good, 1 a run of a renderer failed, 2 usage or bad input, \
+         nothing is substituted):\n{placeholders}\nWithout SCENE, renderers are compared with each other; --reference is an image file then, or one of them.\n\n\
+         Exit codes: 0 good, 1 a renderer is biased against the reference or a run of it failed, 2 usage or bad input, \
          3 the budget was too small \
          for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
          etalon converge sphere-env --envmap sun --strategies light,light-cosine,median-cut-64\n  \
-         etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'",
+         etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'\n  \
+         etalon converge --renderer 'old=./old {{spp}} {{seed}} {{out}}' --renderer 'new=./new {{spp}} {{seed}} {{out}}' --reference ref.exr",
         100.0 * BIAS_LEVEL
     )
 }
@@ -120,6 +130,8 @@ struct Output<'a> {
 
 impl Converge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let start = Instant::now();
+        self.reports.check()?;
         let strategies = match self.strategies.as_slice() {
             [only] if only == "none" && !(self.renderer.is_empty() && self.runs.is_none()) => Some(Vec::new()),
             [only] if only == "none" => {
@@ -131,7 +143,12 @@ impl Converge {
         };
         let renderers = self.renderers(global)?;
         let recorded = self.runs.as_deref().map(Recorded::read_all).transpose()?.unwrap_or_default();
-        let Loaded { mut scene, request: asked } = self.scene.load(console)?;
+        let Loaded { mut scene, request: asked } = if self.scene.is_given() {
+            self.scene.load(console)?
+        } else {
+            let names = renderers.iter().map(Renderer::name).chain(recorded.iter().map(Recorded::name));
+            self.nothing(&names.collect::<Vec<_>>())?
+        };
         let (target, style) = (global.target(), self.style.style()?);
         let name = format!("{}-converge", file_name(&scene.name));
         let stem = target.stem(&name, "", &output::STUDY)?;
@@ -144,7 +161,8 @@ impl Converge {
             scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
         }
         let (scene, request) = self.size(scene, asked, renderers.iter().all(Renderer::has_size));
-        let strategies = strategies.unwrap_or_else(|| Strategy::usual(&scene));
+        let usual = || if self.scene.is_given() { Strategy::usual(&scene) } else { Vec::new() };
+        let strategies = strategies.unwrap_or_else(usual);
         let mut contenders = Contender::of(&strategies);
         contenders.extend(renderers.into_iter().map(Contender::Renderer));
         let budget = self.budget.unwrap_or(BUDGET[0] + BUDGET[1] * self.renderer.len() as f64);
@@ -174,6 +192,12 @@ impl Converge {
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
             saving.add(view::images(&result).write(&images, &style));
         }
+        let checks = Checks {
+            title: format!("etalon converge {}", result.scene),
+            list: checks(&result),
+            seconds: start.elapsed().as_secs_f64(),
+        };
+        saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { answer: Answer::of(&result, 0.95), result: &result, common_cpu_seconds, common_rmse };
@@ -181,10 +205,45 @@ impl Converge {
         saved?;
         Ok(match result.has_verdict() {
             _ if result.interrupted => Verdict::Inconclusive,
-            _ if !result.faults.is_empty() => Verdict::Rejected,
+            _ if checks.list.iter().any(|check| check.verdict == Some(etalon_stats::Verdict::Reject)) => {
+                Verdict::Rejected
+            }
             true => Verdict::Good,
             false => Verdict::Inconclusive,
         })
+    }
+
+    /// What stands for a scene where only images of other programs, of these names, are compared.
+    fn nothing(&self, names: &[&str]) -> Result<Loaded> {
+        let missing = |name: &str, message: &str, hint: &str| Err(Error::parameter(name, message).with_hint(hint));
+        if self.strategies.iter().any(|name| name != "none") {
+            return missing("strategies", "they render a scene, and none is given", "give a scene, or only renderers");
+        }
+        let Some(reference) = self.reference.as_deref() else {
+            let hint = "an image file, or the name of the renderer that is right";
+            return missing("reference", "without a scene there is nothing that renders one", hint);
+        };
+        let path = Path::new(reference);
+        if !names.contains(&reference) && !path.is_file() {
+            return missing(
+                "reference",
+                &format!("{reference:?} is no file and no renderer"),
+                "an image file, or a renderer's name",
+            );
+        }
+        let size = match self.scene.size_alone()? {
+            Some(size) => size,
+            None if path.is_file() => {
+                let image = raster::read(path, ReadOptions::default())?;
+                [image.width(), image.height()]
+            }
+            None => return missing("resolution", "it is the size of the images", "give width and height"),
+        };
+        // Nothing renders it: of a scene there is only the name and the size
+        let (scene, request) = builtin::cornell_lambert();
+        let scene =
+            Scene { name: names.join("-"), objects: Vec::new(), lights: Vec::new(), environment: None, ..scene };
+        Ok(Loaded { scene, request: Request { width: size[0], height: size[1], ..request } })
     }
 
     /// The renderers in other programs.
@@ -212,6 +271,9 @@ impl Converge {
             if bad > 0 {
                 console.warn(&format!("{name}: left out: {} with NaN or infinite values", counted(bad, "pixel")));
             }
+            console.note(&format!(
+                "the noise of {name} counts as error of the renderers, and as bias if it is visible beside theirs"
+            ));
             return Reference::given(image, request, name.clone()).map(|r| Some(Chosen::Image(Box::new(r))));
         }
         let strategy = name.parse::<Strategy>().map_err(|_| {
@@ -224,15 +286,48 @@ impl Converge {
     /// An image small enough to be rendered thousands of times, unless a size is given.
     fn size(&self, scene: Scene, asked: Request, may_change: bool) -> (Scene, Request) {
         let longest = asked.width.max(asked.height);
-        let (scene, request) = if self.scene.has_size() || !may_change || longest <= LONGEST_SIDE {
-            (scene, asked)
-        } else {
-            let scaled = |side: usize| (side * LONGEST_SIDE).div_ceil(longest);
-            scene.resized(asked, [scaled(asked.width), scaled(asked.height)])
-        };
+        let (scene, request) =
+            if self.scene.has_size() || !self.scene.is_given() || !may_change || longest <= LONGEST_SIDE {
+                (scene, asked)
+            } else {
+                let scaled = |side: usize| (side * LONGEST_SIDE).div_ceil(longest);
+                scene.resized(asked, [scaled(asked.width), scaled(asked.height)])
+            };
         let max_depth = self.max_depth.unwrap_or(request.max_depth);
         (scene, Request { light_samples: self.light_samples, max_depth, ..request })
     }
+}
+
+/// A check for each renderer in another program, whether it is biased against the reference; and one for each run that failed.
+fn checks(result: &Convergence) -> Vec<Check> {
+    let source = result.reference.as_ref().map_or("no reference", |facts| &facts.source);
+    let check = |name: &str, verdict, message: String| Check {
+        group: format!("{} against {source}", result.scene),
+        name: name.to_owned(),
+        verdict: Some(verdict),
+        message,
+        details: String::new(),
+        seconds: None,
+    };
+    let external = result.curves.iter().filter(|curve| curve.contender.is_timed_from_outside());
+    let of_curve = external.map(|curve| {
+        let verdict = match curve.verdict {
+            CurveVerdict::Biased => etalon_stats::Verdict::Reject,
+            CurveVerdict::Unknown => etalon_stats::Verdict::Inconclusive,
+            CurveVerdict::MonteCarlo | CurveVerdict::Faster | CurveVerdict::Slower => etalon_stats::Verdict::Accept,
+        };
+        check(&curve.strategy, verdict, format!("{}; {}", view::word(curve.verdict), view::bias(result, curve)))
+    });
+    let faults = result.faults.iter().map(|Fault { strategy, replicate, seed, spp, message }| {
+        let name = format!("{strategy}, replicate {replicate}, seed {seed}, {spp} spp");
+        check(&name, etalon_stats::Verdict::Reject, message.clone())
+    });
+    let mut list: Vec<Check> = of_curve.chain(faults).collect();
+    if list.is_empty() {
+        let message = "the budget was too small: no renderer has finished a render".to_owned();
+        list.push(check("budget", etalon_stats::Verdict::Inconclusive, message));
+    }
+    list
 }
 
 /// A reference that was asked for.
@@ -247,7 +342,8 @@ fn text(output: &Output<'_>) -> String {
         format!("too little time for verdicts: a budget of about {} would do (--budget)\n", duration(seconds))
     });
     if result.curves.is_empty() {
-        return format!("no answer: no method has finished a render\n{sufficient}");
+        let what = if result.faults.is_empty() { "finished a render" } else { "given images that can be used" };
+        return format!("no answer: no method has {what}\n{sufficient}");
     }
     let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", 100)).collect();
     text += &sufficient;

@@ -18,8 +18,8 @@ use std::sync::Arc;
 #[command(next_help_heading = SCENE)]
 pub struct SceneArgs {
     /// A built-in scene (`etalon scenes` lists them), or a .pbrt or .dae file
-    #[arg(help_heading = None::<&str>)]
-    scene: OsString,
+    #[arg(help_heading = None::<&str>, required = true)]
+    scene: Option<OsString>,
     /// Width and height in pixels [default: the scene's]
     ///
     /// `etalon scenes` lists the sizes of built-in scenes. In a .dae scene they also set the field of view, as in the course's
@@ -92,7 +92,18 @@ impl SceneArgs {
     pub fn built_in(scene: OsString, envmap: Option<OsString>, map_options: MapOptions) -> Self {
         let (resolution, camera, mesh, alpha, filter) = (None, None, None, None, None);
         let (fit, multiple_scattering) = (false, false);
-        Self { scene, resolution, fit, envmap, map_options, camera, mesh, alpha, filter, multiple_scattering }
+        Self {
+            scene: Some(scene),
+            resolution,
+            fit,
+            envmap,
+            map_options,
+            camera,
+            mesh,
+            alpha,
+            filter,
+            multiple_scattering,
+        }
     }
 
     /// Loads the scene; its camera fits the request's size.
@@ -129,9 +140,36 @@ impl SceneArgs {
         Ok(loaded)
     }
 
+    /// Whether there is a scene; a command may do without.
+    pub fn is_given(&self) -> bool {
+        self.scene.is_some()
+    }
+
+    /// Without a scene: the size that is asked for.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for anything else that is asked of a scene.
+    pub fn size_alone(&self) -> Result<Option<[usize; 2]>> {
+        let size = self.resolution();
+        let Self { fit, envmap, camera, filter, mesh, alpha, multiple_scattering, .. } = self;
+        let changes = [
+            ("fit", *fit),
+            ("envmap", envmap.is_some()),
+            ("camera", camera.is_some()),
+            ("filter", filter.is_some()),
+            ("mesh", mesh.is_some()),
+            ("alpha", alpha.is_some()),
+            ("multiple_scattering", *multiple_scattering),
+        ];
+        match changes.into_iter().find(|(_, is_given)| *is_given) {
+            Some((name, _)) => Err(Error::parameter(name, "it changes a scene, and none is given")),
+            None => self.map_options.check_unused().map(|()| size),
+        }
+    }
+
     /// The scene file, if the argument is one by its extension.
     pub fn file(&self) -> Option<&Path> {
-        let path = Path::new(&self.scene);
+        let path = Path::new(self.scene.as_deref()?);
         let known = |e: &std::ffi::OsStr| SCENE_EXTENSIONS.iter().any(|known| e.eq_ignore_ascii_case(known));
         path.extension().is_some_and(known).then_some(path)
     }
@@ -182,7 +220,7 @@ impl SceneArgs {
     }
 
     fn builtin(&self, console: &Console) -> Result<Loaded> {
-        let name = &*self.scene.to_string_lossy();
+        let name = &*self.scene.as_deref().unwrap_or_default().to_string_lossy();
         let Some(entry) = builtin::find(name) else {
             let known: Vec<String> = builtin::scenes().into_iter().map(|scene| scene.name).collect();
             return Err(Error::parameter("scene", format!("\"{name}\" is neither a built-in scene nor a scene file"))

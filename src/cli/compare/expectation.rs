@@ -4,7 +4,7 @@ use super::Compare;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
-use etalon_bench::compare::{Answer, Compared, FamilyResult, Needed, Plan, Side, compare};
+use etalon_bench::compare::{Answer, Compared, Explanation, FamilyResult, Needed, Plan, Side, compare};
 use etalon_core::error::{Error, Result};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
@@ -12,6 +12,7 @@ use etalon_figures::view::compare as view;
 use etalon_figures::view::compare::{sentence, text};
 use etalon_figures::view::text::{p_is, rounded};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The JSON object.
@@ -35,6 +36,8 @@ struct Output {
     noise_of_exact: Option<f64>,
     /// Whether the images would be different without that noise.
     noise_hides_difference: bool,
+    /// What would explain the difference between the means of both sides.
+    explanation: Option<Explanation>,
     families: Vec<Family>,
 }
 
@@ -81,7 +84,13 @@ impl Compare {
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
         let mut saving = Saving::default();
         saving.add(output::write(&stem, &view::drawing(&compared), &style, &output::csv(&view::rows(&compared))?));
-        saving.add(self.reports.write(&checks(&compared, start.elapsed().as_secs_f64())));
+        let of_side = |paths: &[PathBuf]| match paths {
+            [only] => only.display().to_string(),
+            [first, ..] => format!("{} ({} images)", first.display(), paths.len()),
+            [] => String::new(),
+        };
+        let sides = format!("{} against {}", of_side(&self.a), of_side(&self.against));
+        saving.add(self.reports.write(&checks(&compared, &sides, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();
         for (tiles, side) in compared.constant_tiles.into_iter().zip(["A", "B"]).filter(|(tiles, _)| *tiles > 0) {
             console.warn(&format!(
@@ -132,31 +141,32 @@ fn result(compared: &Compared) -> Output {
         needed: compared.needed,
         noise_of_exact: compared.noise_of_exact,
         noise_hides_difference: compared.noise_hides_difference,
+        explanation: compared.explanation.clone(),
         families: compared.families.iter().map(family).collect(),
     }
 }
 
 /// A check for each family of tests, and one for the run's answer where that is none.
-fn checks(compared: &Compared, seconds: f64) -> Checks {
-    let mut checks: Vec<Check> = compared.families.iter().map(|family| check(compared, family)).collect();
+fn checks(compared: &Compared, sides: &str, seconds: f64) -> Checks {
+    let mut checks: Vec<Check> = compared.families.iter().map(|family| check(compared, sides, family)).collect();
     let name = match compared.answer {
         Answer::CannotTell => Some("power"),
         Answer::NotIndependent => Some("independence"),
         Answer::Different | Answer::NoDifferenceFound => None,
     };
     checks.extend(name.map(|name| Check {
-        group: "compare".into(),
+        group: sides.to_owned(),
         name: name.into(),
         verdict: Some(etalon_stats::Verdict::Inconclusive),
         message: sentence(compared),
         details: String::new(),
         seconds: None,
     }));
-    Checks { title: "etalon compare".into(), list: checks, seconds }
+    Checks { title: format!("etalon compare {sides}"), list: checks, seconds }
 }
 
 /// A family is rejected if its p is below the level; it is skipped where nothing can be said of it.
-fn check(compared: &Compared, family: &FamilyResult) -> Check {
+fn check(compared: &Compared, sides: &str, family: &FamilyResult) -> Check {
     let verdict = match (compared.answer, family.adjusted_p) {
         (Answer::NotIndependent, _) | (_, None) => None,
         (_, Some(p)) if p < compared.plan.level => Some(etalon_stats::Verdict::Reject),
@@ -169,11 +179,17 @@ fn check(compared: &Compared, family: &FamilyResult) -> Check {
     });
     let message = format!("{p}{worst}; {} of {} dominated by a few samples", family.dominated, family.tests.len());
     Check {
-        group: "compare".into(),
+        group: sides.to_owned(),
         name: family.family.name().into(),
         verdict,
         message,
-        details: if verdict == Some(etalon_stats::Verdict::Reject) { sentence(compared) } else { String::new() },
+        details: if verdict == Some(etalon_stats::Verdict::Reject) { details(compared) } else { String::new() },
         seconds: None,
     }
+}
+
+/// The verdict, and what would explain the difference.
+fn details(compared: &Compared) -> String {
+    let explanation = compared.explanation.as_ref().map(|of| format!("; between the means: {}", view::explained(of)));
+    sentence(compared) + &explanation.unwrap_or_default()
 }

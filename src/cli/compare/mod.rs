@@ -1,43 +1,64 @@
-//! `etalon compare`: the difference of two images, or a test whether two renderers have the same expectation.
+//! `etalon compare`: the difference of two images, of many images from one, or a test whether two renderers have the same expectation.
 
+mod each;
 mod expectation;
+mod pair;
 
 use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
-use super::map_file::short_name;
 use crate::cli::style::StyleArgs;
-use clap::{ArgAction, Args};
-use etalon_bench::compare::{Explanation, explain};
-use etalon_bench::table::Table;
+use clap::{ArgAction, ArgGroup, Args};
+use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
 use etalon_core::error::{Error, Result};
-use etalon_core::interrupt;
-use etalon_core::raster::{self, Comparison, DisplayMetrics, Image, ReadOptions};
-use etalon_figures::output;
-use etalon_figures::view::compare as view;
+use etalon_core::raster::{self, Image, ReadOptions};
+use etalon_figures::view::checks::Check;
+use etalon_figures::view::compare::explained;
 use etalon_figures::view::text::{counted, rounded};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Compare two images, or test whether two renderers have the same expectation
+/// Compare two images, many with one, or test whether two renderers have the same expectation
 #[derive(Args)]
 #[command(
-    after_long_help = "Two images: mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), mape = mean(|a-b| / (|b| + 0.01)), \
+    after_long_help = "Metrics: mse = mean((a-b)^2), rel_mse = mean((a-b)^2 / (b^2 + 0.01)), mape = mean(|a-b| / (|b| + 0.01)), \
                         smape = mean(|a-b| / ((|a|+|b|)/2 + 0.01)), over all channel values, each also without the worst 0.1 % of \
-                        them; HDR-FLIP. Writes A-vs-B.{png,svg,pdf}: the difference of the mean of R, G and B in false colour. \
-                        Cube maps are compared as they are stored.\n\nWith --against: Welch's t-tests of the image mean, of \
+                        them; HDR-FLIP, PSNR and SSIM of the images as shown. B is the reference. Cube maps are compared as they are stored.\n\n\
+                        Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
+                        With --each: a row for each image, as text and as each-vs-REF.csv, and each-vs-REF.{png,svg,pdf}: every image beside its \
+                        difference, all on one scale, with the place that differs most. An image that cannot be compared does not stop \
+                        the others; the exit code is 2 then.\n\n\
+                        With --at-most: exit code 1 if a metric of an image is larger.\n\nWith --against: Welch's t-tests of the image mean, of \
                         low-frequency modes and of tiles, at one level. Exit code 1: different; 0: no difference found, and a bias of \
                         --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
                         layers that single images need.\n\nExamples:\n  etalon compare render.exr reference.exr\n  \
+                        etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
+                        etalon compare --each students/*.png --reference reference.exr --sort flip\n  \
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
                         etalon compare render.exr --against mitsuba-moment.exr --spp 256"
 )]
 #[command(next_help_heading = "Images and tests", args = [out(), threads()])]
 // Two images alone have no checks to report
-#[command(mut_arg("junit", |arg| arg.requires("against")), mut_arg("markdown", |arg| arg.requires("against")))]
+#[command(group = ArgGroup::new("checked").args(["against", "each", "at_most"]).multiple(true))]
+#[command(mut_arg("junit", |arg| arg.requires("checked")), mut_arg("markdown", |arg| arg.requires("checked")))]
 pub struct Compare {
     /// Two images; with --against, all images of the first renderer
-    #[arg(value_name = "IMAGE", required = true, help_heading = None::<&str>)]
+    #[arg(value_name = "IMAGE", required_unless_present = "each", conflicts_with = "each", help_heading = None::<&str>)]
     a: Vec<PathBuf>,
+    /// Compare each of these images with the image of --reference
+    #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set, requires = "reference", conflicts_with = "against")]
+    each: Vec<PathBuf>,
+    /// The image that each is compared with
+    #[arg(long, value_name = "IMAGE", requires = "each")]
+    reference: Option<PathBuf>,
+    /// Sort the table of --each by a metric, the best first [default: as given]
+    ///
+    /// mse, rel_mse, flip, ssim, psnr, rmse, mape, smape or max_abs.
+    #[arg(long, value_name = "METRIC", value_parser = metric, requires = "each")]
+    sort: Option<&'static Metric>,
+    /// Reject an image of which a metric is larger: flip=.05,mse=.01
+    ///
+    /// Of mse, rel_mse, flip, rmse, mape, smape and max_abs.
+    #[arg(long, value_name = "METRIC=N,...", value_parser = limit, value_delimiter = ',', action = ArgAction::Set, conflicts_with = "against")]
+    at_most: Vec<Limit>,
     /// Images of the second renderer: test whether both have one expectation
     #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set)]
     against: Vec<PathBuf>,
@@ -56,7 +77,7 @@ pub struct Compare {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..), requires = "against")]
     spp: Option<u32>,
     /// Draw the difference of two images relative to |B| + 0.01
-    #[arg(long, help_heading = OUTPUT, conflicts_with = "against")]
+    #[arg(long, help_heading = OUTPUT, conflicts_with_all = ["against", "each"])]
     relative: bool,
     #[command(flatten)]
     reports: Reports,
@@ -66,109 +87,84 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        match self.a.as_slice() {
+        match (self.a.as_slice(), &self.reference) {
+            (_, Some(reference)) => self.measure_each(reference, global, console),
             _ if !self.against.is_empty() => self.test(global, console),
-            [a, b] => self.measure(a, b, global, console),
-            images => {
+            ([a, b], None) => self.measure(a, b, global, console),
+            (images, None) => {
                 let message = format!("{} given: a difference is that of two", counted(images.len(), "image"));
-                Err(Error::parameter("a", message)
-                    .with_hint("to test images of two renderers, give the second's by `against`"))
+                Err(Error::parameter("a", message).with_hint(
+                    "to compare many images with one, give them by `each` and the one by `reference`; to test images of two \
+                     renderers, give the second's by `against`",
+                ))
             }
         }
     }
 
-    fn measure(&self, a_path: &Path, b_path: &Path, global: &Global, console: &Console) -> Result<Verdict> {
-        // Images of any kind may be compared, 8-bit ones too: whether it is one stands beside the image.
-        let read = |path| {
-            let linear = raster::read_with_notes(path, ReadOptions::default());
-            let is_clipped = matches!(linear, Err(Error::Unsupported { .. }));
-            let (image, notes) = match linear {
-                Err(_) if is_clipped => {
-                    raster::read_with_notes(path, ReadOptions { allow_ldr: true, ..ReadOptions::default() })
-                }
-                linear => linear,
-            }?;
-            notes.iter().for_each(|note| console.warn(note));
-            Ok::<_, Error>((image, is_clipped))
+    /// A check for each limit of an image.
+    fn checks(&self, group: &str, measured: &Measured) -> Vec<Check> {
+        let one = |limit: &Limit| {
+            let verdict =
+                if limit.holds(measured) { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject };
+            let found = rounded(limit.metric.of(measured), 4).replace("NaN", "not defined");
+            let details = measured.explanation.as_ref().map(explained);
+            Check {
+                group: group.to_owned(),
+                name: limit.metric.name.into(),
+                verdict: Some(verdict),
+                message: format!("{} is {found}, at most {} allowed", limit.metric.title, limit.most),
+                details: details.filter(|_| verdict == etalon_stats::Verdict::Reject).unwrap_or_default(),
+                seconds: None,
+            }
         };
-        let name = format!("{}-vs-{}", short_name(a_path.as_os_str()), short_name(b_path.as_os_str()));
-        let target = global.target();
-        let stem = target.stem(&name, "", &output::DRAWING)?;
-        let ((a, a_is_clipped), (b, b_is_clipped)) = (read(a_path)?, read(b_path)?);
-        let size = |image: &Image| format!("{}x{} pixels", image.width(), image.height());
-        let numbers = raster::compare(&a, &b).map_err(|_| {
-            let message = format!("{}, but {} has {}", size(&b), a_path.display(), size(&a));
-            Error::input(b_path, message).with_hint("only images of the same size can be compared")
-        })?;
-        // FLIP filters the images once for each exposure, which takes minutes for the largest.
-        let is_small = a.pixels().len() <= LARGEST;
-        let shown = is_small.then(|| raster::compare_shown(&a, &b));
-        interrupt::check()?;
-        if numbers.pixels == 0 {
-            let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
-            return Err(Error::input(a_path, message).with_hint("`etalon envmap info` counts values by kind"));
-        }
-        let written = target.written(view::difference(&a, &b, self.relative).write(&stem, &self.style.style()?)?);
-        if numbers.non_finite > 0 {
-            console.warn(&format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
-        }
-        let clipped = match [a_is_clipped, b_is_clipped] {
-            [false, false] => None,
-            [true, true] => Some("both images have integer values (rounded, clipped at 1, decoded by the sRGB curve)"),
-            _ => Some(
-                "one image has integer values (rounded, clipped at 1, decoded by the sRGB curve), the other holds linear light",
-            ),
-        };
-        clipped.iter().for_each(|text| console.warn(text));
-        let explanation = is_small.then(|| explain(&a, &b)).flatten();
-        let output = Output {
-            numbers,
-            shown: shown.unwrap_or(DisplayMetrics { hdr_flip: None, psnr: f64::NAN, ssim: None }),
-            explanation,
-        };
-        console.saved(&output, &written, || text(&output));
-        Ok(Verdict::Good)
+        self.at_most.iter().map(one).collect()
+    }
+
+    /// Whether an image keeps all limits.
+    fn is_within(&self, measured: &Measured) -> bool {
+        self.at_most.iter().all(|limit| limit.holds(measured))
     }
 }
 
-/// The JSON object.
-#[derive(Serialize)]
-struct Output {
-    #[serde(flatten)]
-    numbers: Comparison,
-    /// Missing for images of more than [`LARGEST`] pixels.
-    #[serde(flatten)]
-    shown: DisplayMetrics,
-    /// What would explain most of the difference.
-    explanation: Option<Explanation>,
+/// An image of any kind, 8-bit ones too.
+struct Input {
+    image: Image,
+    /// What must be known of the file.
+    notes: Vec<String>,
+    /// Whether its values are integers, and so clipped at 1.
+    is_clipped: bool,
 }
 
-/// Most pixels of an image for metrics of what is shown and for explanations.
-const LARGEST: usize = 1 << 22;
+fn read(path: &Path) -> Result<Input> {
+    let linear = raster::read_with_notes(path, ReadOptions::default());
+    let is_clipped = matches!(linear, Err(Error::Unsupported { .. }));
+    let (image, notes) = match linear {
+        Err(_) if is_clipped => {
+            raster::read_with_notes(path, ReadOptions { allow_ldr: true, ..ReadOptions::default() })
+        }
+        linear => linear,
+    }?;
+    Ok(Input { image, notes, is_clipped })
+}
 
-fn text(Output { numbers, shown, explanation }: &Output) -> String {
-    let trimmed = |value: f64| format!("{} without the worst 0.1 %", rounded(value, 4));
-    let metrics = [
-        ("mse", numbers.mse, trimmed(numbers.mse_trimmed)),
-        ("rmse", numbers.rmse, String::new()),
-        ("rel_mse", numbers.rel_mse, trimmed(numbers.rel_mse_trimmed)),
-        ("mape", numbers.mape, trimmed(numbers.mape_trimmed)),
-        ("smape", numbers.smape, trimmed(numbers.smape_trimmed)),
-        ("hdr_flip", shown.hdr_flip.unwrap_or(f64::NAN), String::new()),
-        ("psnr", shown.psnr, "dB".to_owned()),
-        ("ssim", shown.ssim.unwrap_or(f64::NAN), String::new()),
-        ("max_abs", numbers.max_abs, String::new()),
-        ("mean_a", numbers.mean_a, String::new()),
-        ("mean_b", numbers.mean_b, String::new()),
-    ];
-    let explained = explanation.as_ref().map(|Explanation { change, mse_left }| {
-        format!("{change}: this leaves {:.2} % of the mean squared error\n", 100.0 * mse_left)
-    });
-    let metrics = Table::of(&metrics)
-        .words("", |(name, ..)| name)
-        .numbers("", |(_, value, _)| rounded(*value, 4))
-        .words("", |(.., more)| more);
-    metrics.text() + &explained.unwrap_or_default()
+/// The metrics of two images of files.
+fn measure(a_path: &Path, a: &Image, b_path: &Path, b: &Image) -> Result<Measured> {
+    let size = |image: &Image| [image.width(), image.height()];
+    let ([w, h], [b_w, b_h]) = (size(a), size(b));
+    let measured = Measured::of(a, b).map_err(|_| {
+        let message = format!("{b_w}x{b_h} pixels, but {} has {w}x{h}", a_path.display());
+        let hint = if [w, h] == [b_h, b_w] {
+            "only images of the same size can be compared; is one turned, or are rows and columns swapped?"
+        } else {
+            "only images of the same size can be compared"
+        };
+        Error::input(b_path, message).with_hint(hint)
+    })?;
+    if measured.numbers.pixels == 0 {
+        let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
+        return Err(Error::input(a_path, message).with_hint("`etalon envmap info` counts values by kind"));
+    }
+    Ok(measured)
 }
 
 /// Reads a share, as a fraction or in percent, between 0 and 1.
@@ -178,6 +174,25 @@ fn share(text: &str) -> std::result::Result<f64, String> {
     value.filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
 }
 
+fn metric(name: &str) -> std::result::Result<&'static Metric, String> {
+    let known = || METRICS.iter().map(|metric| metric.name).collect::<Vec<_>>().join(", ");
+    Metric::named(name).ok_or_else(|| format!("no metric; known are {}", known()))
+}
+
+/// Reads a limit, `flip=.05`.
+fn limit(text: &str) -> std::result::Result<Limit, String> {
+    let (name, most) = text.split_once('=').ok_or("no limit such as flip=.05")?;
+    let metric = metric(name.trim())?;
+    if metric.is_similarity {
+        return Err(format!(
+            "{} is larger for images that are more alike; limit an error, such as flip=.05",
+            metric.name
+        ));
+    }
+    let most = most.trim().parse::<f64>().ok().filter(|most| *most >= 0.0);
+    Ok(Limit { metric, most: most.ok_or("no number of 0 or more after =")? })
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -185,5 +200,12 @@ mod tests {
         let read = |text| super::share(text).ok();
         assert_eq!([read("0.01"), read("1%"), read("0.5 %")], [Some(0.01), Some(0.01), Some(0.005)]);
         assert!(["", "0", "1", "100%", "-1%", "nan", "inf", "x"].into_iter().all(|text| read(text).is_none()));
+    }
+
+    #[test]
+    fn limits_are_of_errors() {
+        let read = |text| super::limit(text).map(|limit| (limit.metric.name, limit.most));
+        assert_eq!([read("flip=.05"), read("hdr_flip= 1e-2")], [Ok(("flip", 0.05)), Ok(("flip", 0.01))]);
+        assert!(["flip", "flip=", "flip=-1", "flip=nan", "ssim=.9", "x=1"].into_iter().all(|text| read(text).is_err()));
     }
 }

@@ -1,83 +1,451 @@
-//! What would explain most of the difference of two images: an exposure, a flip, a transfer function, swapped channels.
+//! What would explain the difference of two images: a turn, another order of channels, an exposure, a transfer function, a shift, a clamp.
+//!
+//! An edit explains a difference if undoing it leaves nothing but noise. Noise and differences are told apart by products of
+//! the residual's means over blocks of pixels two blocks apart: their expectation is 0 for noise, whatever its distribution, also if a
+//! filter correlates neighbouring pixels, and positive for a difference that goes on over several pixels. Differences of
+//! neighbouring pixels give the variance of these products.
 
 use etalon_core::math::Rgb;
 use etalon_core::raster::{Image, linear_from_srgb, srgb_from_linear};
+use etalon_stats::Extremes;
 use serde::Serialize;
 
-/// A change of image `a` after which little of its difference from `b` is left.
+/// A change of image `a` after which its difference from `b` is noise, or next to nothing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explanation {
     /// What to do to `a`.
     pub change: String,
     /// Mean squared error after it, by that before.
     pub mse_left: f64,
+    /// Whether what is left cannot be told from noise.
+    pub leaves_noise: bool,
 }
 
-/// A change must leave at most this share of the mean squared error: noise, which no change takes away, makes a tenth of the
-/// difference at most, and so does any second error. (Of noise alone, an exposure fitted by least squares takes 1/n.)
-const MOST_LEFT: f64 = 0.1;
+/// Standard errors beyond which a difference is more than noise, and within which a residual is noise.
+const BEYOND: f64 = 6.0;
+const WITHIN: f64 = 4.0;
+/// A residual of this share of the difference need not be noise: it is what rounding to 8 bits and clamped noise leave.
+const NEARLY_NOTHING: f64 = 0.02;
+/// A residual that may be larger than this share (its error counted twice) explains nothing: the images are too noisy, or
+/// they differ otherwise as well.
+const MOST_LEFT: f64 = 0.25;
+/// Largest shift that is tried, in pixels.
+const FARTHEST: usize = 8;
+/// As many equal largest values are a clamp.
+const CLAMPED: usize = 4;
 
-/// The change of `a`, among a few that people make by mistake, that explains most of its difference from `b`; nothing if it
-/// leaves more than a tenth of the mean squared error. The exposure is fitted by least squares. Images of one size.
+/// The change of `a`, among a few that people make by mistake, after which it differs from `b` by noise alone; nothing if there is
+/// none, or if noise is all that they differ by. Images of one size.
 #[must_use]
 pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
-    let (width, height) = (a.width(), a.height());
-    let mse = |change: &dyn Fn(usize, usize) -> Rgb| {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let errors = pixels.map(|(x, y)| (change(x, y) - b.get(x, y)).as_dvec3().length_squared());
-        errors.filter(|e| e.is_finite()).sum::<f64>()
+    let grid = Grids::new(b);
+    let before = grid.structure(a, b);
+    let significance = |of: &Structure| of.energy / of.error;
+    let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])))?;
+    if !(significance(&before[main]) > BEYOND) {
+        return None;
+    }
+    let try_one = |change: String, a: &Image, b: &Image| {
+        let after = grid.structure(a, b);
+        let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
+        let fits = |(of, was): (&Structure, &Structure)| is_noise(of) || of.energy <= NEARLY_NOTHING * was.energy;
+        let is_small = after[main].energy + 2.0 * after[main].error <= MOST_LEFT * before[main].energy;
+        let explained = is_small && after.iter().zip(&before).all(fits);
+        let leaves_noise = after.iter().all(is_noise);
+        // What two changes leave is compared by all of the residual
+        let left: f64 = after.iter().map(|of| of.energy).sum();
+        explained.then(|| (left, Explanation { change, mse_left: mse(a, b), leaves_noise }))
     };
-    let before = mse(&|x, y| a.get(x, y));
-    let pairs = || a.pixels().iter().zip(b.pixels()).filter(|(p, q)| p.is_finite() && q.is_finite());
-    let product = pairs().map(|(p, q)| p.as_dvec3().dot(q.as_dvec3())).sum::<f64>();
-    let factor = product / pairs().map(|(p, _)| p.as_dvec3().length_squared()).sum::<f64>();
-    let by = |f: fn(f32) -> f32, p: Rgb| Rgb::from_array(p.to_array().map(f));
-    let candidates = [
-        (format!("multiply A by {factor:.4}"), mse(&|x, y| a.get(x, y) * factor as f32)),
-        ("flip A left to right".into(), mse(&|x, y| a.get(width - 1 - x, y))),
-        ("flip A upside down".into(), mse(&|x, y| a.get(x, height - 1 - y))),
-        ("rotate A by 180°".into(), mse(&|x, y| a.get(width - 1 - x, height - 1 - y))),
-        ("swap red and blue of A".into(), mse(&|x, y| Rgb::from_array([2, 1, 0].map(|c| a.get(x, y)[c])))),
-        ("swap red and green of A".into(), mse(&|x, y| Rgb::from_array([1, 0, 2].map(|c| a.get(x, y)[c])))),
-        ("swap green and blue of A".into(), mse(&|x, y| Rgb::from_array([0, 2, 1].map(|c| a.get(x, y)[c])))),
-        (
-            "undo the sRGB curve in A: its values are encoded, those of B linear".into(),
-            mse(&|x, y| by(linear_from_srgb, a.get(x, y))),
-        ),
-        (
-            "apply the sRGB curve to A: its values are linear, those of B encoded".into(),
-            mse(&|x, y| by(srgb_from_linear, a.get(x, y))),
-        ),
-    ];
-    let (change, after) = candidates.into_iter().filter(|(_, e)| e.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let mse_left = after / before;
-    (mse_left <= MOST_LEFT).then_some(Explanation { change, mse_left })
+    // Plain changes first: a change with more freedom, or two changes, leave less of any difference
+    let top = clamp_level(a, b);
+    let clamp = |level: f32| b.map(|p| if p.is_finite() { p.min(Rgb::splat(level)) } else { p });
+    let plain = || candidates(a, b, &grid).into_iter().filter_map(|(change, a, _)| try_one(change, &a, b));
+    let clamped = || {
+        let top = top?;
+        let alone = try_one(format!("clamp B at {top}: no value of A is larger"), a, &clamp(top));
+        let one = |(change, image, undo): Candidate| {
+            try_one(format!("{change}, and clamp B: no value of A is larger than {top}"), &image, &clamp(undo(top)))
+        };
+        alone.or_else(|| least(candidates(a, &clamp(top), &grid).into_iter().filter_map(one)))
+    };
+    let mut found = least(plain());
+    if found.as_ref().is_none_or(|(_, found)| !found.leaves_noise) {
+        found = least(found.into_iter().chain(clamped()));
+    }
+    let (_, found) = found.or_else(|| {
+        let factors = grid.factors(a, b)?;
+        let change = format!("multiply R, G, B of A by {:.4}, {:.4}, {:.4}", factors.x, factors.y, factors.z);
+        try_one(change, &a.map(|p| p * factors), b)
+    })?;
+    Some(Explanation { mse_left: found.mse_left / mse(a, b), ..found })
+}
+
+type Found = (f64, Explanation);
+
+fn least(found: impl Iterator<Item = Found>) -> Option<Found> {
+    found.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+fn mse(a: &Image, b: &Image) -> f64 {
+    let errors = a.pixels().iter().zip(b.pixels()).map(|(p, q)| (*p - *q).as_dvec3().length_squared());
+    errors.filter(|e| e.is_finite()).sum()
+}
+
+/// A change in words, the changed image, and what it does to a value.
+type Candidate = (String, Image, Box<dyn Fn(f32) -> f32>);
+
+fn candidates(a: &Image, b: &Image, grid: &Grids) -> Vec<Candidate> {
+    let (width, height) = (a.width(), a.height());
+    let moved = |at: &dyn Fn(usize, usize) -> [usize; 2]| {
+        Image::from_fn(width, height, |x, y| {
+            let [x, y] = at(x, y);
+            a.get(x, y)
+        })
+    };
+    let mut list: Vec<Candidate> = Vec::new();
+    let mut add = |change: &str, image: Image| list.push((change.to_owned(), image, Box::new(|v| v)));
+    let (right, down) = (width - 1, height - 1);
+    add("flip A left to right", moved(&|x, y| [right - x, y]));
+    add("flip A upside down", moved(&|x, y| [x, down - y]));
+    add("rotate A by 180°", moved(&|x, y| [right - x, down - y]));
+    if width == height {
+        add("transpose A: swap its rows and columns", moved(&|x, y| [y, x]));
+        add("rotate A by 90° clockwise", moved(&|x, y| [y, right - x]));
+        add("rotate A by 90° counterclockwise", moved(&|x, y| [right - y, x]));
+        add("transpose A and rotate it by 180°", moved(&|x, y| [right - y, right - x]));
+    }
+    for (what, order) in [
+        ("swap red and blue of A", [2, 1, 0]),
+        ("swap red and green of A", [1, 0, 2]),
+        ("swap green and blue of A", [0, 2, 1]),
+        ("rotate the channels of A: its R, G, B are G, B, R of B", [2, 0, 1]),
+        ("rotate the channels of A: its R, G, B are B, R, G of B", [1, 2, 0]),
+    ] {
+        add(what, a.map(|p| Rgb::from_array(order.map(|c| p[c]))));
+    }
+    if let Some([dx, dy]) = shift(a, b, grid) {
+        let from = |at: usize, by: isize, length: usize| at.checked_add_signed(by).filter(|at| *at < length);
+        let image = Image::from_fn(width, height, |x, y| match (from(x, dx, width), from(y, dy, height)) {
+            (Some(x), Some(y)) => a.get(x, y),
+            _ => Rgb::NAN,
+        });
+        add(&format!("shift A by {} pixels in x and {} in y", -dx, -dy), image);
+    }
+    let mut by_value = |change: String, f: Box<dyn Fn(f32) -> f32>| {
+        let image = a.map(|p| Rgb::from_array(p.to_array().map(&f)));
+        list.push((change, image, f));
+    };
+    for (change, f) in [
+        ("undo the sRGB curve in A: its values are encoded, those of B linear", linear_from_srgb as fn(f32) -> f32),
+        ("apply the sRGB curve to A: it is undone once more than in B", srgb_from_linear),
+        ("undo a gamma of 2.2 in A: its values are encoded, those of B linear", |v| v.max(0.0).powf(2.2)),
+        ("apply a gamma of 2.2 to A: it is undone once more than in B", |v| v.max(0.0).powf(1.0 / 2.2)),
+    ] {
+        by_value(change.into(), Box::new(f));
+    }
+    if let Some(factor) = grid.factor(a, b) {
+        by_value(format!("multiply A by {factor:.4}"), Box::new(move |v| v * factor));
+    }
+    if let Some(constant) = grid.constant(a, b) {
+        by_value(format!("add {constant:.4} to A"), Box::new(move |v| v + constant));
+    }
+    list
+}
+
+/// The largest value of A, if several values are equal to it and B has larger ones.
+fn clamp_level(a: &Image, b: &Image) -> Option<f32> {
+    let values = |image: &'_ Image| {
+        image.pixels().iter().flat_map(|p| p.to_array()).filter(|v| v.is_finite()).collect::<Vec<f32>>()
+    };
+    let (of_a, of_b) = (values(a), values(b));
+    let top = of_a.iter().copied().reduce(f32::max)?;
+    let is_clamped = top > 0.0 && of_a.iter().filter(|v| **v == top).count() >= CLAMPED;
+    (is_clamped && of_b.iter().any(|v| *v > top)).then_some(top)
+}
+
+/// The pixels by which [`shift`] moves, the one with the least error of the grey values; none if that is 0.
+fn shift(a: &Image, b: &Image, grid: &Grids) -> Option<[isize; 2]> {
+    let (width, height) = (b.width() as isize, b.height() as isize);
+    let grey = |image: &Image| image.pixels().iter().map(|p| p.element_sum()).collect::<Vec<f32>>();
+    let (of_a, of_b) = (grey(a), grey(b));
+    let weights = grid.pixel_weights(b);
+    let farthest = FARTHEST.min(b.width() / 4).min(b.height() / 4) as isize;
+    let error = |[dx, dy]: [isize; 2]| {
+        let (mut sum, mut count) = (0.0_f64, 0_usize);
+        for y in farthest..height - farthest {
+            let row = |y: isize, x: isize| {
+                ((y * width + x + farthest) as usize)..((y * width + x + width - farthest) as usize)
+            };
+            let pairs = of_a[row(y + dy, dx)].iter().zip(&of_b[row(y, 0)]).zip(&weights[row(y, 0)]);
+            let errors = pairs.map(|((p, q), w)| ((p - q) * w).abs().min(1.0));
+            let (s, n) = errors.filter(|e| !e.is_nan()).fold((0.0, 0), |(s, n), e| (s + e * e, n + 1));
+            sum += f64::from(s);
+            count += n;
+        }
+        sum / count as f64
+    };
+    let all = (-farthest..=farthest).flat_map(|dy| (-farthest..=farthest).map(move |dx| [dx, dy]));
+    let best = all.map(|by| (error(by), by)).filter(|(e, _)| !e.is_nan()).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+    (best != [0, 0]).then_some(best)
+}
+
+/// Blocks of pixels: of 2 by 2 for edges, and larger ones for what changes slowly, whose noise is less.
+struct Grids(Vec<Grid>);
+
+struct Grid {
+    side: usize,
+    columns: usize,
+    rows: usize,
+    /// What the residual of each block is measured by: about the radiance of B there.
+    levels: Vec<f64>,
+}
+
+/// Products of the residual's means over blocks, by the levels of the blocks: their mean, and its standard error if the residual is noise.
+struct Structure {
+    energy: f64,
+    error: f64,
+}
+
+/// Most blocks across an image, about, and the sides of the largest ones.
+const BLOCKS: f64 = 50.0;
+const SIDES: [usize; 2] = [2, 8];
+/// The part of the image's level that keeps dark blocks from outweighing all others.
+const FLOOR: f64 = 0.1;
+/// Larger relative residuals count as this: a few bright pixels are no more than any other.
+const LARGEST: f64 = 1.0;
+
+impl Grids {
+    fn new(b: &Image) -> Self {
+        let side = ((b.pixels().len() as f64).sqrt() / BLOCKS).round() as usize;
+        let mut sides = vec![SIDES[0], side.clamp(SIDES[0], SIDES[1])];
+        sides.dedup();
+        Self(sides.into_iter().map(|side| Grid::new(b, side)).collect())
+    }
+
+    fn structure(&self, a: &Image, b: &Image) -> Vec<Structure> {
+        let residual: Vec<Rgb> = a.pixels().iter().zip(b.pixels()).map(|(p, q)| *p - *q).collect();
+        self.0.iter().map(|grid| grid.structure(&residual, b.width())).collect()
+    }
+
+    /// One over the level, for each pixel.
+    fn pixel_weights(&self, b: &Image) -> Vec<f32> {
+        let grid = &self.0[self.0.len() - 1];
+        let (width, height) = (b.width(), b.height());
+        let at = |x: usize, y: usize| {
+            (y / grid.side).min(grid.rows - 1) * grid.columns + (x / grid.side).min(grid.columns - 1)
+        };
+        (0..height)
+            .flat_map(|y| (0..width).map(move |x| [x, y]))
+            .map(|[x, y]| (1.0 / grid.levels[at(x, y)]) as f32)
+            .collect()
+    }
+
+    /// By channel, sums over the pixels of A and B by the level of B, so that bright pixels do not outweigh all others, and of the weights.
+    fn sums(&self, a: &Image, b: &Image) -> [[f64; 3]; 3] {
+        let mut sums = [[0.0; 3]; 3];
+        for ((p, q), w) in a.pixels().iter().zip(b.pixels()).zip(self.pixel_weights(b)) {
+            if p.is_finite() && q.is_finite() && w.is_finite() {
+                for c in 0..3 {
+                    sums[0][c] += f64::from(p[c] * w);
+                    sums[1][c] += f64::from(q[c] * w);
+                    sums[2][c] += f64::from(w);
+                }
+            }
+        }
+        sums
+    }
+
+    /// The factor that makes the sums of A those of B: its noise has the expectation 0, other than that of least squares.
+    fn factor(&self, a: &Image, b: &Image) -> Option<f32> {
+        let [of_a, of_b, _] = self.sums(a, b).map(|channels| channels.iter().sum::<f64>());
+        let factor = (of_b / of_a) as f32;
+        (factor.is_finite() && factor > 0.0).then_some(factor)
+    }
+
+    fn factors(&self, a: &Image, b: &Image) -> Option<Rgb> {
+        let [of_a, of_b, _] = self.sums(a, b);
+        let factors = Rgb::from_array(std::array::from_fn(|c| (of_b[c] / of_a[c]) as f32));
+        (factors.is_finite() && factors.min_element() > 0.0).then_some(factors)
+    }
+
+    fn constant(&self, a: &Image, b: &Image) -> Option<f32> {
+        let [of_a, of_b, weights] = self.sums(a, b).map(|channels| channels.iter().sum::<f64>());
+        let constant = ((of_b - of_a) / weights) as f32;
+        constant.is_finite().then_some(constant)
+    }
+}
+
+impl Grid {
+    fn new(b: &Image, side: usize) -> Self {
+        let (columns, rows) = ((b.width() / side).max(1), (b.height() / side).max(1));
+        let mut grid = Self { side, columns, rows, levels: vec![0.0; columns * rows] };
+        let mut counts = vec![0.0; columns * rows];
+        for (i, p) in b.pixels().iter().enumerate() {
+            if let Some(block) = grid.block(i, b.width()).filter(|_| p.is_finite()) {
+                grid.levels[block] += p.as_dvec3().abs().element_sum() / 3.0;
+                counts[block] += 1.0;
+            }
+        }
+        grid.levels
+            .iter_mut()
+            .zip(counts)
+            .for_each(|(level, count)| *level = if count > 0.0 { *level / count } else { 0.0 });
+        // A small light does not raise the level of the image
+        let typical = (grid.levels.iter().map(|level| level.sqrt()).sum::<f64>() / grid.levels.len() as f64).powi(2);
+        grid.levels.iter_mut().for_each(|level| *level += FLOOR * typical);
+        grid
+    }
+
+    /// The block of a pixel; none for pixels beyond the last whole block.
+    fn block(&self, pixel: usize, width: usize) -> Option<usize> {
+        let [x, y] = [pixel % width / self.side, pixel / width / self.side];
+        (x < self.columns && y < self.rows).then_some(y * self.columns + x)
+    }
+
+    fn structure(&self, residual: &[Rgb], width: usize) -> Structure {
+        let blocks = self.levels.len();
+        // By block: sums of the residual and its number of pixels, squares of differences of neighbours and their number
+        let (mut sums, mut squares) = (vec![[0.0_f32; 3]; blocks], vec![[0.0_f32; 3]; blocks]);
+        let (mut pixels, mut pairs) = (vec![0.0_f64; blocks], vec![0.0_f64; blocks]);
+        for (i, r) in residual.iter().enumerate() {
+            let Some(block) = self.block(i, width).filter(|_| r.is_finite()) else { continue };
+            pixels[block] += 1.0;
+            (0..3).for_each(|c| sums[block][c] += r[c]);
+            let right = residual.get(i + 1).filter(|_| (i + 1) % width > 0);
+            for other in [right, residual.get(i + width)].into_iter().flatten().filter(|other| other.is_finite()) {
+                pairs[block] += 1.0;
+                (0..3).for_each(|c| squares[block][c] += (r[c] - other[c]).powi(2));
+            }
+        }
+        // The mean of a block by its level, and the variance of that
+        let relative = |block: usize, c: usize| {
+            let (n, level) = (pixels[block], self.levels[block]);
+            let mean = f64::from(sums[block][c]) / n / level;
+            let variance = 0.5 * f64::from(squares[block][c]) / pairs[block] / n / (level * level);
+            (n > 0.0 && pairs[block] > 0.0)
+                .then(|| [mean.within(-LARGEST, LARGEST), variance.at_most(LARGEST * LARGEST)])
+        };
+        let (mut energy, mut error, mut count) = (0.0, 0.0, 0.0);
+        for c in 0..3 {
+            let means: Vec<_> = (0..blocks).map(|block| relative(block, c)).collect();
+            let mut variance = 0.0;
+            for block in 0..blocks {
+                let (x, y) = (block % self.columns, block / self.columns);
+                let right = (x + 2 < self.columns).then_some(block + 2);
+                let below = (y + 2 < self.rows).then_some(block + 2 * self.columns);
+                for other in [right, below].into_iter().flatten() {
+                    if let (Some([m, v]), Some([other_m, other_v])) = (means[block], means[other]) {
+                        energy += m * other_m;
+                        variance += v * other_v;
+                        count += 1.0;
+                    }
+                }
+            }
+            // Channels share their noise: their errors add up
+            error += variance.sqrt();
+        }
+        Structure { energy: energy / count, error: error / count }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etalon_core::scene::{Request, builtin};
+    use etalon_render::{Settings, Silent, render};
+
+    type Edit = (&'static str, fn(&Image) -> Image);
+
+    fn values(image: &Image, f: impl Fn(f32) -> f32) -> Image {
+        image.map(|p| Rgb::from_array(p.to_array().map(&f)))
+    }
+
+    fn moved(image: &Image, at: impl Fn(usize, usize) -> [usize; 2]) -> Image {
+        Image::from_fn(image.width(), image.height(), |x, y| {
+            let [x, y] = at(x, y);
+            image.get(x % image.width(), y % image.height())
+        })
+    }
+
+    /// Parts of the change that undoes each edit.
+    const EDITS: [Edit; 16] = [
+        ("upside down", |a| a.clone().flipped_vertically()),
+        ("left to right", |a| moved(a, |x, y| [a.width() - 1 - x, y])),
+        ("rotate A by 180°", |a| moved(a, |x, y| [a.width() - 1 - x, a.height() - 1 - y])),
+        ("red and blue", |a| a.map(|p| Rgb::new(p.z, p.y, p.x))),
+        ("rotate the channels", |a| a.map(|p| Rgb::new(p.y, p.z, p.x))),
+        ("multiply A by", |a| a.map(|p| 2.0 * p)),
+        ("multiply A by", |a| a.map(|p| p / std::f32::consts::PI)),
+        ("multiply A by", |a| a.map(|p| 1.1 * p)),
+        ("multiply R, G, B", |a| a.map(|p| p * Rgb::new(1.2, 1.0, 0.9))),
+        ("undo the sRGB", |a| values(a, srgb_from_linear)),
+        ("undo the sRGB curve in A: its values are encoded, those of B linear, and clamp B", |a| {
+            values(a, |v| srgb_from_linear(v.min(1.0)))
+        }),
+        ("apply the sRGB", |a| values(a, linear_from_srgb)),
+        ("clamp B at 1", |a| values(a, |v| v.min(1.0))),
+        ("add -0.0", |a| a.map(|p| p + Rgb::splat(0.05))),
+        ("shift A by -1 pixels in x and 0 in y", |a| moved(a, |x, y| [x + a.width() - 1, y])),
+        ("shift A by 3 pixels in x and -2 in y", |a| moved(a, |x, y| [x + 3, y + a.height() - 2])),
+    ];
+
+    /// What no edit explains: the radiance is changed by a factor that depends on the place.
+    const BIASES: [fn(f32, f32) -> f32; 3] = [
+        |x, y| if x < 0.5 && y < 0.5 { 1.15 } else { 1.0 },
+        |x, _| 1.0 + 0.15 * x,
+        |x, _| if x < 0.6 { 1.1 } else { 1.0 },
+    ];
 
     #[test]
-    fn mistakes_are_named_and_noise_is_not() {
+    fn edits_of_noisy_renders_are_named_and_nothing_else_is() {
+        // With light above 1, which a clamp changes
+        for (mut scene, request) in [builtin::cornell_lambert(), builtin::cornell_spheres()] {
+            scene.camera.filter = "box".parse().unwrap();
+            let image = |seed: u64, spp: u32| {
+                let request = Request { width: 96, height: 72, spp, light_samples: 1, ..request };
+                render(&scene, &request, &Settings { seed, ..Settings::usual() }, &Silent).unwrap().image
+            };
+            let a = image(1, 64);
+            for b in [image(2, 64), image(3, 256)] {
+                for (expected, edit) in EDITS {
+                    let found = explain(&edit(&a), &b);
+                    let is_named = found.as_ref().is_some_and(|found| found.change.contains(expected));
+                    assert!(
+                        is_named && found.as_ref().unwrap().leaves_noise,
+                        "{}: {found:?}, not {expected}",
+                        scene.name
+                    );
+                }
+                let place = |x: usize, y: usize| [x as f32 / 96.0, y as f32 / 72.0];
+                for (i, bias) in BIASES.into_iter().enumerate() {
+                    let biased = Image::from_fn(96, 72, |x, y| {
+                        let [u, v] = place(x, y);
+                        a.get(x, y) * bias(u, v)
+                    });
+                    assert_eq!(explain(&biased, &b), None, "{}, bias {i}", scene.name);
+                }
+                assert_eq!(explain(&a, &b), None, "{}: noise", scene.name);
+                assert_eq!(explain(&image(4, 4), &b), None, "{}: more noise", scene.name);
+            }
+            assert_eq!(explain(&a, &a), None);
+        }
+    }
+
+    #[test]
+    fn without_noise_what_is_left_is_nothing() {
         let image = Image::from_fn(24, 16, |x, y| {
             let (x, y) = (x as f32, y as f32);
             Rgb::new(0.1 + 0.03 * x, 0.2 + 0.02 * y, 0.9 - 0.001 * x * y)
         });
-        let at = |f: &dyn Fn(usize, usize) -> Rgb| Image::from_fn(24, 16, f);
-        for (other, expected) in [
-            (image.map(|p| 1.21 * p), "multiply A by 1.2100"),
-            (at(&|x, y| image.get(23 - x, y)), "left to right"),
-            (at(&|x, y| image.get(x, 15 - y)), "upside down"),
-            (image.map(|p| Rgb::new(p.z, p.y, p.x)), "red and blue"),
-            (image.map(|p| Rgb::from_array(p.to_array().map(srgb_from_linear))), "apply the sRGB"),
-            (image.map(|p| Rgb::from_array(p.to_array().map(linear_from_srgb))), "undo the sRGB"),
-        ] {
-            let found = explain(&image, &other).unwrap();
-            assert!(found.change.contains(expected) && found.mse_left < 1e-6, "{found:?}");
+        let found = explain(&image, &image.map(|p| 1.21 * p)).unwrap();
+        assert!(found.change == "multiply A by 1.2100" && found.mse_left < 1e-6 && found.leaves_noise, "{found:?}");
+        // A square image may be transposed; one that is black or has no numbers is not explained
+        let square = Image::from_fn(20, 20, |x, y| image.get(x, y % 16));
+        let transposed = Image::from_fn(20, 20, |x, y| square.get(y, x));
+        assert!(explain(&transposed, &square).unwrap().change.starts_with("transpose A"));
+        for nothing in [Image::new(24, 16), image.map(|_| Rgb::NAN)] {
+            assert_eq!((explain(&image, &nothing), explain(&nothing, &image)), (None, None));
         }
-        let noisy = at(&|x, y| image.get(x, y) * if (7 * x + 3 * y) % 4 < 2 { 1.2 } else { 0.8 });
-        assert_eq!(explain(&image, &noisy), None);
-        assert_eq!(explain(&image, &image), None);
+        assert_eq!(explain(&Image::new(1, 1), &Image::new(1, 1).map(|_| Rgb::ONE)), None);
     }
 }

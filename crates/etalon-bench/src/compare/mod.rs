@@ -10,12 +10,14 @@
 mod bias;
 mod explain;
 mod functionals;
+mod measured;
 mod noise;
 mod side;
 
 pub use self::bias::Bias;
-pub use self::explain::{Explanation, explain};
+pub use self::explain::Explanation;
 pub use self::functionals::{Family, Functional};
+pub use self::measured::{Limit, METRICS, Measured, Metric};
 pub use self::side::{Noise, PRECISION, Side};
 pub use bias::Needed;
 pub use noise::Related;
@@ -120,6 +122,8 @@ pub struct Compared {
     pub non_finite: usize,
     /// Mean images of both sides.
     pub means: [Image; 2],
+    /// What would explain their difference, if the sides are different.
+    pub explanation: Option<Explanation>,
 }
 
 /// Number of families, which share the level.
@@ -206,9 +210,13 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     } else {
         None
     };
+    // XYZ has no channels to swap and no values to encode
+    let is_different = answer == Answer::Different && channels[0] == "R";
+    let explanation = is_different.then(|| explain::explain(&means[0], &means[1])).flatten();
     Ok(Compared {
         plan,
         answer,
+        explanation,
         uniform_bias,
         tile_bias: tile_biases.get(tile_biases.len() / 2).copied(),
         families,

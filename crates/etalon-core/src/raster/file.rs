@@ -120,7 +120,7 @@ fn no_image(path: &Path, bytes: &[u8]) -> Error {
         let is_text = !start.contains(|c: char| c == '\u{fffd}' || (c.is_control() && !c.is_whitespace()));
         let what = if is_text { "this is a text file, not an image" } else { "not an image format known here" };
         Error::input(path, what)
-            .with_hint("OpenEXR, Radiance HDR and PFM are read; PNG, JPEG, TGA and PPM/PGM with `allow_ldr`")
+            .with_hint("images are OpenEXR, Radiance HDR or PFM files; PNG, JPEG, TGA and PPM/PGM hold no radiance")
     }
 }
 

@@ -1,11 +1,15 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
-use super::text::{counted, p_is, p_value, power_of_ten, rounded, wrapped};
+use super::converge::{framed, regions, round};
+use super::text::{capitalized, counted, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
-use etalon_bench::compare::{Answer, Bias, Compared, FamilyResult, Functional, Needed, Related, Tested};
+use etalon_bench::compare::{
+    Answer, Bias, Compared, Explanation, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
+};
 use etalon_bench::table::Table;
+use etalon_core::math::Rgb;
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -17,12 +21,114 @@ const ENLARGED: usize = 3;
 /// Keeps dark pixels from outweighing all others in the relative difference, as in the relative metrics.
 const EPSILON: f64 = 0.01;
 
-/// Difference of (R + G + B)/3 in diverging colours around 0; relative to |B| + 0.01 if asked for.
-pub fn difference(a: &Image, b: &Image, relative: bool) -> Drawing {
+/// Two images with their names above their difference with its metrics. The difference is that of (R + G + B)/3, relative to |B| + 0.01 if asked for.
+pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relative: bool) -> Drawing {
+    let [a, b] = images;
     let (width, height) = (a.width() as f64, a.height() as f64);
     let longer = 480.0 / width.max(height);
-    let panel = difference_panel(a, b, relative);
-    Plot::new([panel]).frame_size(width * longer, height * longer).draw()
+    let stops = auto_exposure(b);
+    let cell = |letter: &str, k: usize, mean: f64| {
+        let image = images[k].reduced(reduction(images[k], SHOWN));
+        let shown = Rgb8::new(image.width(), image.height(), to_rgb8(&image, &ToneMap::Srgb { stops }));
+        (format!("{letter}: {}, mean\u{a0}{}", names[k], rounded(mean, 4)), shown)
+    };
+    let cells = [cell("A", 0, measured.numbers.mean_a), cell("B", 1, measured.numbers.mean_b)];
+    let metrics = METRICS[..5].iter().map(|metric| (metric.title, metric.of(measured))).filter(|(_, v)| v.is_finite());
+    let metrics: Vec<String> = metrics.map(|(title, v)| format!("{title}\u{a0}{}", rounded(v, 3))).collect();
+    let panel = difference_panel(a, b, relative).title(format!("A − B: {}", metrics.join(", ")));
+    let plot = Plot::new([panel]).frame_size(width * longer, height * longer).draw();
+    let title = if measured.identical {
+        "A and B are the same values".into()
+    } else {
+        measured.explanation.as_ref().map_or(String::new(), headline)
+    };
+    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), plot], 0.5)
+}
+
+/// Longest side of an image beside its difference, in pixels.
+const SHOWN: usize = 640;
+/// The same on a sheet of many images.
+const THUMBNAIL: usize = 240;
+
+/// The factor by which an image is reduced to at most `longest` pixels a side.
+fn reduction(image: &Image, longest: usize) -> usize {
+    image.width().max(image.height()).div_ceil(longest)
+}
+
+/// What a sheet of many images shows of one: itself, and its relative difference from the reference, of the channel that differs most.
+pub struct Thumbnail {
+    image: Image,
+    difference: Vec<f64>,
+}
+
+impl Thumbnail {
+    #[must_use]
+    pub fn new(a: &Image, b: &Image) -> Self {
+        let factor = reduction(a, THUMBNAIL);
+        let (image, b) = (a.reduced(factor), b.reduced(factor));
+        let relative = |(p, q): (&Rgb, &Rgb)| {
+            let channels = (0..3).map(|c| f64::from(p[c] - q[c]) / (f64::from(q[c]).abs() + EPSILON));
+            channels.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+        };
+        Self { difference: image.pixels().iter().zip(b.pixels()).map(relative).collect(), image }
+    }
+}
+
+/// The reference, and every image beside its difference from it, all on one scale, with the place of the largest error framed.
+/// Images come with their captions; those that are missing are grey.
+pub fn sheet((name, reference): (&str, &Image), images: &[(String, Option<&Thumbnail>)]) -> Drawing {
+    let tone = ToneMap::Srgb { stops: auto_exposure(reference) };
+    let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
+    let small = reference.reduced(reduction(reference, THUMBNAIL));
+    let (width, height) = (small.width(), small.height());
+    // An image that is far off does not hide the differences of all others
+    let mut limits: Vec<f64> =
+        images.iter().filter_map(|(_, image)| Some(robust_limit(&image.as_ref()?.difference))).collect();
+    limits.retain(|limit| *limit > 0.0);
+    limits.sort_unstable_by(f64::total_cmp);
+    let limit = round(limits.get(limits.len() / 2).copied().unwrap_or(1.0));
+    let label = "difference by |reference| + 0.01, of the channel that differs most: blue is darker; one scale for all";
+    let map = |values: Vec<f64>| Heatmap::new(width, values, Shading::Diverging, label).range(-limit, limit);
+    let beside = |left: &Rgb8, right: &Rgb8| {
+        let line = 4;
+        Rgb8::from_fn(left.width() + line + right.width(), left.height(), |x, y| match x.checked_sub(left.width()) {
+            None => left.pixel(x, y),
+            Some(x) if x < line => [255; 3],
+            Some(x) => right.pixel(x - line, y),
+        })
+    };
+    let nothing = || map(vec![f64::NAN; width * height]).image();
+    let cell = |(caption, thumbnail): &(String, Option<&Thumbnail>)| {
+        let Some(Thumbnail { image, difference }) = thumbnail else {
+            return (caption.clone(), beside(&nothing(), &nothing()));
+        };
+        let squares: Vec<f64> = difference.iter().map(|d| d.abs().min(limit).powi(2)).collect();
+        // Where nothing differs, no place does most
+        let worst = if squares.iter().any(|d| *d > 0.0) {
+            regions([width, height], &[squares, vec![0.0; width * height]], 1)
+        } else {
+            Vec::new()
+        };
+        let pair = [shown(image), map(difference.clone()).image()].map(|image| framed(&image, &worst, 1));
+        (caption.clone(), beside(&pair[0], &pair[1]))
+    };
+    let first = (format!("reference: {name}"), beside(&shown(&small), &nothing()));
+    let cells: Vec<(String, Rgb8)> = std::iter::once(first).chain(images.iter().map(cell)).collect();
+    let columns = ((cells.len() as f64 / 2.0).sqrt().round() as usize).clamp(1, 6);
+    let title = format!("{} against {name}", counted(images.len(), "image"));
+    let bar = map(Vec::new()).bar(420.0);
+    Drawing::stacked(vec![contact_sheet(&title, columns, &cells), bar], 0.5)
+}
+
+/// The change that explains a difference, without its reason: "Undo the sRGB curve in A".
+pub fn headline(Explanation { change, .. }: &Explanation) -> String {
+    capitalized(change.split(": ").next().unwrap_or_default())
+}
+
+/// What explains a difference, in words.
+pub fn explained(Explanation { change, mse_left, leaves_noise }: &Explanation) -> String {
+    let noise = if *leaves_noise && *mse_left > 0.0 { "noise, " } else { "" };
+    format!("{change}: this leaves {noise}{} % of the mean squared error", rounded(100.0 * mse_left, 2))
 }
 
 fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
@@ -43,12 +149,12 @@ fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
     let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
     let limit = robust_limit(&values);
     let label = if relative {
-        "difference of (R + G + B)/3 by |B| + 0.01 (1 % exceed the scale)"
+        "(A − B) / (|B| + 0.01) of (R + G + B)/3; blue: A is darker"
     } else {
-        "difference of (R + G + B)/3 (1 % exceed the scale)"
+        "A − B of (R + G + B)/3; blue: A is darker"
     };
     let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
-    pixels_panel(width, height).title("A − B: blue where A is darker, red where it is brighter").heatmap(map)
+    pixels_panel(width, height).title("A − B").heatmap(map)
 }
 
 fn pixels_panel(width: usize, height: usize) -> Panel {
@@ -312,6 +418,9 @@ fn would_do(needed: &Needed) -> String {
 /// The verdict, a line for each family of tests, and the biases that would have been found.
 pub fn text(compared: &Compared) -> String {
     let mut text = wrapped(&sentence(compared), "", 100);
+    let about =
+        compared.explanation.as_ref().map(|explanation| format!("between the means: {}", explained(explanation)));
+    text += &about.map_or(String::new(), |about| wrapped(&about, "", 100));
     if compared.non_finite > 0 {
         text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
     }

@@ -140,12 +140,6 @@ pub fn table(result: &Convergence) -> String {
         false => curve.log_efficiency_at(seconds).value.exp(),
     };
     let mut heading = "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
-    let bias = |curve: &Curve| {
-        let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
-        let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
-        let [value, half_width, rms] = parts.map(|part| 100.0 * part);
-        format!("  bias: mean {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean\n")
-    };
     Table::of(&last)
         .words("strategy", |(curve, _)| &curve.strategy)
         .numbers("spp", |(_, level)| level.spp)
@@ -161,9 +155,21 @@ pub fn table(result: &Convergence) -> String {
             false => curve.time_to(target).map_or("never".into(), duration),
         })
         .text_with(|(curve, _), line| match is_biased(curve) {
-            true => std::mem::take(&mut heading).to_owned() + &line + &bias(curve),
+            true => format!("{}{line}  {}\n", std::mem::take(&mut heading), bias(result, curve)),
             false => line,
         })
+}
+
+/// The bias of a curve in words.
+pub fn bias(result: &Convergence, curve: &Curve) -> String {
+    let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
+    match parts.map(|part| 100.0 * part) {
+        [value, half_width, rms] if half_width.is_finite() => {
+            format!("bias: mean {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean")
+        }
+        _ => "bias: unknown, of too few replicates".into(),
+    }
 }
 
 /// The answer in words: a line on the strategy by default, if it is compared; then the best and the others.
@@ -470,9 +476,12 @@ pub fn images(result: &Convergence) -> Drawing {
         pairs.map(error).collect()
     };
     let errors: Vec<Vec<f64>> = shown.iter().map(|(.., image)| relative(image)).collect();
-    let regions = regions([truth.width(), truth.height()], &errors);
+    let regions = regions([truth.width(), truth.height()], &errors, REGIONS);
     let tones = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
-    let mut cells = vec![("reference, and the regions shown".to_owned(), framed(&tones(&truth), &regions))];
+    let mut cells = vec![(
+        "reference, and the regions shown".to_owned(),
+        framed(&tones(&truth), &regions, (WIDTH / truth.width()).max(1)),
+    )];
     for ((curve, level, image), errors) in shown.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
@@ -491,7 +500,7 @@ pub fn images(result: &Convergence) -> Drawing {
 
 /// A square region of an image: its left upper corner and its side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Region {
+pub struct Region {
     x: usize,
     y: usize,
     side: usize,
@@ -504,8 +513,8 @@ impl Region {
     }
 }
 
-/// The regions, without overlap, in which the mean absolute errors of the contenders vary most.
-fn regions([width, height]: [usize; 2], errors: &[Vec<f64>]) -> Vec<Region> {
+/// So many regions, without overlap, in which the mean absolute errors of the contenders vary most.
+pub fn regions([width, height]: [usize; 2], errors: &[Vec<f64>], count: usize) -> Vec<Region> {
     let side = ((width.min(height) as f64 * SHARE).ceil() as usize).clamp(1, LARGEST);
     let step = (side / 4).max(1);
     let starts = |length: usize| (0..=length - side).step_by(step);
@@ -524,7 +533,7 @@ fn regions([width, height]: [usize; 2], errors: &[Vec<f64>]) -> Vec<Region> {
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut chosen: Vec<Region> = Vec::new();
     for (_, region) in all {
-        if chosen.len() < REGIONS && !chosen.iter().any(|other| other.overlaps(region)) {
+        if chosen.len() < count && !chosen.iter().any(|other| other.overlaps(region)) {
             chosen.push(region);
         }
     }
@@ -548,9 +557,8 @@ fn cropped(images: [&Rgb8; 2], regions: &[Region]) -> Rgb8 {
     })
 }
 
-/// The whole image, enlarged, with frames around the regions.
-fn framed(image: &Rgb8, regions: &[Region]) -> Rgb8 {
-    let zoom = (WIDTH / image.width()).max(1);
+/// The whole image, every pixel enlarged to a square of `zoom` pixels a side, with frames around the regions.
+pub fn framed(image: &Rgb8, regions: &[Region], zoom: usize) -> Rgb8 {
     let frame = [theme::MARKER.r, theme::MARKER.g, theme::MARKER.b];
     Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
         let on_frame = |region: &Region| {
@@ -587,9 +595,9 @@ mod tests {
         let noise = |from: usize| -> Vec<f64> {
             (0..width * height).map(|i| if i % width >= from && i % width < from + 8 { 5.0 } else { 1.0 }).collect()
         };
-        let found = regions([width, height], &[noise(40), noise(0), vec![1.0; width * height]]);
+        let found = regions([width, height], &[noise(40), noise(0), vec![1.0; width * height]], REGIONS);
         assert_eq!(found.len(), 2);
         assert!(found[0].x <= 4 && found[1].x >= 30 && !found[0].overlaps(found[1]), "{found:?}");
-        assert_eq!(regions([1, 1], &[vec![f64::NAN]]), [Region { x: 0, y: 0, side: 1 }]);
+        assert_eq!(regions([1, 1], &[vec![f64::NAN]], REGIONS), [Region { x: 0, y: 0, side: 1 }]);
     }
 }

@@ -1,0 +1,114 @@
+//! An image against a reference in numbers: metrics, and what would explain the difference; limits of metrics.
+
+use super::explain::{Explanation, explain};
+use etalon_core::error::Result;
+use etalon_core::raster::{Comparison, DisplayMetrics, Image, compare, compare_shown};
+use serde::Serialize;
+
+/// Image A against the reference B.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    #[serde(flatten)]
+    pub numbers: Comparison,
+    /// Missing for images of more than 4 million pixels.
+    #[serde(flatten)]
+    pub shown: DisplayMetrics,
+    pub explanation: Option<Explanation>,
+    /// Whether A and B have the same values.
+    pub identical: bool,
+}
+
+/// Most pixels of an image for metrics of what is shown and for explanations: FLIP filters the images once for each exposure, which
+/// takes minutes for the largest.
+const LARGEST: usize = 1 << 22;
+
+impl Measured {
+    /// # Errors
+    /// [`Error::Parameter`](etalon_core::error::Error::Parameter) for images of different sizes.
+    pub fn of(a: &Image, b: &Image) -> Result<Self> {
+        let numbers = compare(a, b)?;
+        let is_small = a.pixels().len() <= LARGEST;
+        let unknown = DisplayMetrics { hdr_flip: None, psnr: f64::NAN, ssim: None };
+        Ok(Self {
+            numbers,
+            shown: if is_small { compare_shown(a, b) } else { unknown },
+            explanation: is_small.then(|| explain(a, b)).flatten(),
+            identical: numbers.non_finite == 0 && numbers.max_abs == 0.0,
+        })
+    }
+}
+
+/// A metric by which images are sorted and limited.
+#[derive(Debug)]
+pub struct Metric {
+    pub name: &'static str,
+    /// What it is called in headings.
+    pub title: &'static str,
+    /// Whether it grows as images become alike.
+    pub is_similarity: bool,
+    of: fn(&Measured) -> f64,
+}
+
+impl Metric {
+    const fn error(name: &'static str, title: &'static str, of: fn(&Measured) -> f64) -> Self {
+        Self { name, title, is_similarity: false, of }
+    }
+
+    /// By its name; `hdr_flip` is `flip`, too.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        METRICS.iter().find(|metric| metric.name == name || name == "hdr_flip" && metric.name == "flip")
+    }
+
+    /// Its value; NaN where it is not defined.
+    #[must_use]
+    pub fn of(&self, measured: &Measured) -> f64 {
+        (self.of)(measured)
+    }
+}
+
+/// All of them.
+pub const METRICS: [Metric; 9] = [
+    Metric::error("mse", "MSE", |m| m.numbers.mse),
+    Metric::error("rel_mse", "relative MSE", |m| m.numbers.rel_mse),
+    Metric::error("flip", "FLIP", |m| m.shown.hdr_flip.unwrap_or(f64::NAN)),
+    Metric { is_similarity: true, ..Metric::error("ssim", "SSIM", |m| m.shown.ssim.unwrap_or(f64::NAN)) },
+    Metric { is_similarity: true, ..Metric::error("psnr", "PSNR (dB)", |m| m.shown.psnr) },
+    Metric::error("rmse", "RMSE", |m| m.numbers.rmse),
+    Metric::error("mape", "MAPE", |m| m.numbers.mape),
+    Metric::error("smape", "SMAPE", |m| m.numbers.smape),
+    Metric::error("max_abs", "largest difference", |m| m.numbers.max_abs),
+];
+
+/// The most that a metric may be.
+#[derive(Debug, Clone, Copy)]
+pub struct Limit {
+    pub metric: &'static Metric,
+    pub most: f64,
+}
+
+impl Limit {
+    /// Whether an image keeps it; a metric that is not defined does not.
+    #[must_use]
+    pub fn holds(&self, measured: &Measured) -> bool {
+        self.metric.of(measured) <= self.most
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::math::Rgb;
+
+    #[test]
+    fn limits_hold_up_to_their_value_and_fail_where_nothing_is_known() {
+        let grey = |v: f32| Image::from_fn(16, 12, |_, _| Rgb::splat(v));
+        let measured = Measured::of(&grey(0.75), &grey(0.5)).unwrap();
+        let limit = |name: &str, most: f64| Limit { metric: Metric::named(name).unwrap(), most }.holds(&measured);
+        assert!(limit("mse", 0.0625) && !limit("mse", 0.0624) && limit("max_abs", 0.25) && !limit("flip", 1e-3));
+        let black = Measured::of(&grey(0.75), &grey(0.0)).unwrap();
+        assert!(!Limit { metric: Metric::named("hdr_flip").unwrap(), most: 1.0 }.holds(&black), "FLIP is not defined");
+        assert!(!measured.identical && Measured::of(&grey(0.5), &grey(0.5)).unwrap().identical);
+        assert!(Metric::named("fllip").is_none() && METRICS.iter().all(|m| Metric::named(m.name).is_some()));
+    }
+}

@@ -1,0 +1,268 @@
+//! `etalon compare --each IMAGE… --reference B`: many images against one.
+
+use super::{Compare, Input, measure, read};
+use crate::cli::console::Console;
+use crate::cli::global::{Global, Verdict};
+use crate::cli::map_file::short_name;
+use etalon_bench::compare::{METRICS, Measured, Metric};
+use etalon_bench::table::Table;
+use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
+use etalon_core::raster::{Comparison, DisplayMetrics};
+use etalon_figures::output::{self, Saving};
+use etalon_figures::view::checks::{Check, Checks};
+use etalon_figures::view::compare::{self as view, Thumbnail};
+use etalon_figures::view::text::{counted, rounded};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// An image and what came of it.
+struct Entry {
+    file: String,
+    result: std::result::Result<Done, Error>,
+}
+
+struct Done {
+    measured: Measured,
+    thumbnail: Thumbnail,
+    notes: Vec<String>,
+    is_rejected: bool,
+}
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Output<'a> {
+    reference: String,
+    images: Vec<Record<'a>>,
+    rejected: usize,
+    unreadable: usize,
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    file: &'a str,
+    #[serde(flatten)]
+    measured: Option<&'a Measured>,
+    rejected: bool,
+    error: Option<String>,
+}
+
+/// A line of the table. Field names are the CSV columns.
+#[derive(Default, Serialize)]
+struct Row {
+    file: String,
+    mse: Option<f64>,
+    rel_mse: Option<f64>,
+    hdr_flip: Option<f64>,
+    ssim: Option<f64>,
+    psnr: Option<f64>,
+    rmse: Option<f64>,
+    mape: Option<f64>,
+    smape: Option<f64>,
+    max_abs: Option<f64>,
+    mean: Option<f64>,
+    mean_of_reference: Option<f64>,
+    non_finite: Option<usize>,
+    identical: Option<bool>,
+    explanation: Option<String>,
+    rejected: bool,
+    error: Option<String>,
+}
+
+impl Compare {
+    pub(super) fn measure_each(&self, reference: &Path, global: &Global, console: &Console) -> Result<Verdict> {
+        let start = Instant::now();
+        self.reports.check()?;
+        let (target, style) = (global.target(), self.style.style()?);
+        let stem = target.stem(&format!("each-vs-{}", short_name(reference.as_os_str())), "", &output::STUDY)?;
+        let b = read(reference)?;
+        b.notes.iter().for_each(|note| console.warn(note));
+        let bar = console.progress(self.each.len() as u64, "compare", "images");
+        let mut entries: Vec<Entry> = self.each.par_iter().map(|path| self.entry(path, reference, &b, &bar)).collect();
+        bar.finish_and_clear();
+        interrupt::check()?;
+        if let Some(metric) = self.sort {
+            sort(&mut entries, metric);
+        }
+        for note in entries.iter().filter_map(|entry| entry.result.as_ref().ok()).flat_map(|done| &done.notes) {
+            console.warn(note);
+        }
+        let mut saving = Saving::default();
+        let cells: Vec<(String, Option<&Thumbnail>)> = entries.iter().map(cell).collect();
+        let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
+        let rows: Vec<Row> = entries.iter().map(row).collect();
+        saving.add(output::write(&stem, &sheet, &style, &output::csv(&rows)?));
+        let list = entries.iter().flat_map(|entry| self.checks_of(entry, reference)).collect();
+        let title = format!("etalon compare --each against {}", reference.display());
+        saving.add(self.reports.write(&Checks { title, list, seconds: start.elapsed().as_secs_f64() }));
+        let (files, saved) = saving.end();
+        let count = |is: fn(&Entry) -> bool| entries.iter().filter(|entry| is(entry)).count();
+        let rejected = count(|entry| entry.result.as_ref().is_ok_and(|done| done.is_rejected));
+        let unreadable = count(|entry| entry.result.is_err());
+        let images = entries.iter().map(record).collect();
+        let output = Output { reference: reference.display().to_string(), images, rejected, unreadable };
+        console.saved(&output, &target.written(files), || self.text(&entries, rejected));
+        saved?;
+        // What could not be compared is told after the results of all others
+        match entries.into_iter().find_map(|entry| entry.result.err()) {
+            Some(error) => Err(error),
+            None => Ok(Verdict::of(rejected == 0, false)),
+        }
+    }
+
+    /// Compares one image; of it, only what the sheet shows is kept.
+    fn entry(&self, path: &PathBuf, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
+        let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
+            let measured = measure(path, &a.image, reference, &b.image)?;
+            let is_rejected = !self.is_within(&measured);
+            Ok(Done { thumbnail: Thumbnail::new(&a.image, &b.image), is_rejected, notes: a.notes, measured })
+        });
+        bar.inc(1);
+        Entry { file: path.display().to_string(), result }
+    }
+
+    fn checks_of(&self, entry: &Entry, reference: &Path) -> Vec<Check> {
+        let group = format!("{} against {}", entry.file, reference.display());
+        let plain = |name: &str, verdict, message: String| {
+            let (name, details) = (name.into(), String::new());
+            vec![Check { group: group.clone(), name, verdict: Some(verdict), message, details, seconds: None }]
+        };
+        match &entry.result {
+            Err(error) => plain("file", etalon_stats::Verdict::Inconclusive, error.to_string()),
+            Ok(done) if self.at_most.is_empty() => {
+                plain("file", etalon_stats::Verdict::Accept, remark(&done.measured).unwrap_or_default())
+            }
+            Ok(done) => self.checks(&group, &done.measured),
+        }
+    }
+
+    fn text(&self, entries: &[Entry], rejected: usize) -> String {
+        let number = |entry: &Entry, metric: &Metric| match &entry.result {
+            Ok(done) => match metric.of(&done.measured) {
+                value if value.is_nan() => "-".into(),
+                value => rounded(value, 3),
+            },
+            Err(_) => String::new(),
+        };
+        let mut table = Table::of(entries).words("image", |entry| &entry.file);
+        // The usual ones, and those that were asked for
+        let is_asked = |metric: &Metric| {
+            let limits = self.at_most.iter().map(|limit| limit.metric);
+            limits.chain(self.sort).any(|asked| asked.name == metric.name)
+        };
+        let shown = METRICS.iter().enumerate().filter(|(i, metric)| *i < USUAL || is_asked(metric));
+        for (_, metric) in shown {
+            table = table.numbers(metric.title, |entry| number(entry, metric));
+        }
+        let about = |entry: &Entry| match &entry.result {
+            Ok(done) => {
+                let rejected = done.is_rejected.then(|| self.exceeded(&done.measured));
+                rejected.into_iter().chain(remark(&done.measured)).collect()
+            }
+            Err(error) => vec![error.to_string()],
+        };
+        let mut text = table.text_with(|entry, line| {
+            line + &about(entry).into_iter().map(|about| format!("  {about}\n")).collect::<String>()
+        });
+        if !self.at_most.is_empty() {
+            text += &format!("rejected: {rejected} of {}\n", counted(entries.len(), "image"));
+        }
+        text
+    }
+
+    /// The limits that an image exceeds.
+    fn exceeded(&self, measured: &Measured) -> String {
+        let above = self.at_most.iter().filter(|limit| !limit.holds(measured));
+        let one = |limit: &etalon_bench::compare::Limit| format!("{} above {}", limit.metric.title, limit.most);
+        format!("rejected: {}", above.map(one).collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// The first so many metrics are in every table.
+const USUAL: usize = 5;
+
+/// The best first; what could not be compared, or has no such metric, at the end.
+fn sort(entries: &mut [Entry], metric: &Metric) {
+    let key = |entry: &Entry| {
+        let value = entry.result.as_ref().map_or(f64::NAN, |done| metric.of(&done.measured));
+        let worse = if metric.is_similarity { -value } else { value };
+        (entry.result.is_err(), worse.is_nan(), worse)
+    };
+    entries.sort_by(|a, b| {
+        let ((a_err, a_nan, a), (b_err, b_nan, b)) = (key(a), key(b));
+        (a_err, a_nan).cmp(&(b_err, b_nan)).then(a.total_cmp(&b))
+    });
+}
+
+/// What is to be said of an image beside its metrics.
+fn remark(measured: &Measured) -> Option<String> {
+    let Measured { numbers, explanation, identical, .. } = measured;
+    let lost = (numbers.non_finite > 0)
+        .then(|| format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
+    let same = identical.then(|| "the same values as the reference".to_owned());
+    let parts: Vec<String> = [same, explanation.as_ref().map(view::explained), lost].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+fn cell(entry: &Entry) -> (String, Option<&Thumbnail>) {
+    let name = short_name(entry.file.as_ref());
+    match &entry.result {
+        Err(_) => (format!("{name}: not compared"), None),
+        Ok(Done { measured, thumbnail, .. }) => {
+            let metric = |name: &str| Metric::named(name).map_or(f64::NAN, |metric| metric.of(measured));
+            let parts = [("FLIP", "flip"), ("relative MSE", "rel_mse"), ("SSIM", "ssim"), ("PSNR", "psnr")];
+            let numbers =
+                parts.map(|(title, name)| (title, metric(name))).into_iter().filter(|(_, value)| value.is_finite());
+            let numbers: Vec<String> = numbers.map(|(title, v)| format!("{title}\u{a0}{}", rounded(v, 3))).collect();
+            let change = match &measured.explanation {
+                Some(explanation) => format!("; {}", view::headline(explanation)),
+                None if measured.identical => "; the same values as the reference".into(),
+                None => String::new(),
+            };
+            (format!("{name}: {}{change}", numbers.join(", ")), Some(thumbnail))
+        }
+    }
+}
+
+fn record(entry: &Entry) -> Record<'_> {
+    let done = entry.result.as_ref().ok();
+    Record {
+        file: &entry.file,
+        measured: done.map(|done| &done.measured),
+        rejected: done.is_some_and(|done| done.is_rejected),
+        error: entry.result.as_ref().err().map(ToString::to_string),
+    }
+}
+
+fn row(entry: &Entry) -> Row {
+    let file = entry.file.clone();
+    let Done { measured, is_rejected, .. } = match &entry.result {
+        Ok(done) => done,
+        Err(error) => return Row { file, error: Some(error.to_string()), ..Row::default() },
+    };
+    let Measured { numbers, shown, explanation, identical } = measured;
+    let DisplayMetrics { hdr_flip, psnr, ssim } = *shown;
+    let Comparison { mse, rel_mse, rmse, mape, smape, max_abs, mean_a, mean_b, non_finite, .. } = *numbers;
+    Row {
+        file,
+        mse: Some(mse),
+        rel_mse: Some(rel_mse),
+        hdr_flip,
+        ssim,
+        psnr: Some(psnr).filter(|psnr| !psnr.is_nan()),
+        rmse: Some(rmse),
+        mape: Some(mape),
+        smape: Some(smape),
+        max_abs: Some(max_abs),
+        mean: Some(mean_a),
+        mean_of_reference: Some(mean_b),
+        non_finite: Some(non_finite),
+        identical: Some(*identical),
+        explanation: explanation.as_ref().map(|explanation| explanation.change.clone()),
+        rejected: *is_rejected,
+        error: None,
+    }
+}
