@@ -41,7 +41,7 @@ all('.slider').forEach((slider) => {
   slider.hidden = false;
 });
 
-// Search: all words, in everything that an article says. Of a table that has them, the rows that have them; of a group, the figure.
+// Search: all words, in everything that an article says. Of a group the figure that has them is shown, of a table the rows.
 const [find, failed, found, tiles] = [one('#find'), one('#failed'), one('#found'), all('nav li')];
 const filter = () => {
   const words = find.value.toLowerCase().split(/\s+/);
@@ -54,6 +54,7 @@ const filter = () => {
       const rows = all('tbody tr', table);
       const matching = rows.filter(says);
       rows.forEach((row) => { row.hidden = matching.length > 0 && !matching.includes(row); });
+      if (find.value.trim() && matching.length) table.open = true;
     });
   });
   all('nav div').forEach((part) => { part.hidden = all('li', part).every((tile) => tile.hidden); });
@@ -64,7 +65,7 @@ const filter = () => {
 find.oninput = failed.onchange = filter;
 find.onkeydown = (event) => { if (event.key === 'Enter') articles.find((article) => !article.hidden)?.scrollIntoView(); };
 
-// An address leads to its figure, with or without "figure-": its group goes there, the search lets it be seen, its table opens.
+// An address leads to its figure, with or without "figure-": its group goes there, and the search lets it be seen.
 const follow = () => {
   const id = decodeURIComponent(location.hash.slice(1));
   const target = document.getElementById(id) ?? document.getElementById(`figure-${id}`);
@@ -88,7 +89,7 @@ const [stage, pair, lens, share] = ['.stage', '.pair', '.lens', '#share'].map((p
 const [other, own] = ['other', 'own'].map((className) => Object.assign(new Image(), { className, draggable: false }));
 pair.prepend(other, own);
 const partner = one('#partner');
-const view = { figure: null, size: [1, 1], scale: 1, x: 0, y: 0, fitted: true };
+const view = { figure: null, size: [1, 1], scale: 1, x: 0, y: 0, fitted: true, pointer: { x: 0, y: 0 } };
 const linkOf = (figure) => one('.zoom', figure);
 const imageOf = (figure) => one('.zoom img', figure);
 const sizeOf = (figure) => ['width', 'height'].map((side) => Number(imageOf(figure).getAttribute(side)));
@@ -105,6 +106,7 @@ const compare = () => {
   const id = partner.value;
   if (id) load(other, document.getElementById(`figure-${id}`));
   dialog.classList.toggle('two', id !== '');
+  place();
 };
 const mode = (name) => {
   pair.dataset.mode = dialog.dataset.mode = name;
@@ -125,7 +127,7 @@ const show = (figure) => {
   load(own, figure);
   compare();
   // Figures of one size keep the place that is seen
-  if (same) place(); else ACTIONS.fit();
+  if (!same) ACTIONS.fit();
 };
 const step = (by) => {
   const list = screens();
@@ -152,6 +154,7 @@ const place = () => {
   Object.assign(pair.style, { width: `${width * scale}px`, height: `${height * scale}px`, transform: `translate(${x}px, ${y}px)` });
   pair.style.imageRendering = scale >= 3 ? 'pixelated' : 'auto';
   one('#scale').textContent = `${Math.round(100 * scale)} %`;
+  if (!lens.hidden) magnify();
 };
 // The point under (x, y) of the stage, its middle unless told, stays where it is.
 const zoom = (factor, x = stage.clientWidth / 2, y = stage.clientHeight / 2) => {
@@ -182,13 +185,14 @@ const ACTIONS = {
   lens: () => {
     lens.hidden = !lens.hidden;
     press(one('[data-do="lens"]'), !lens.hidden);
-    magnify(stage.clientWidth / 2, stage.clientHeight / 2);
+    view.pointer = { x: stage.clientWidth / 2, y: stage.clientHeight / 2 };
+    magnify();
   },
   close: () => dialog.close(),
   left: () => (view.fitted ? step(-1) : pan(60, 0)),
   right: () => (view.fitted ? step(1) : pan(-60, 0)),
-  up: () => pan(0, 60),
-  down: () => pan(0, -60),
+  up: () => (view.fitted ? step(-1) : pan(0, 60)),
+  down: () => (view.fitted ? step(1) : pan(0, -60)),
 };
 const KEYS = {
   '+': 'larger', '=': 'larger', '-': 'smaller', '−': 'smaller', 0: 'fit', 1: 'pixels', m: 'lens',
@@ -201,8 +205,8 @@ dialog.onkeydown = (event) => {
   action();
 };
 // The magnifier shows what is under the pointer four times as large: of two figures, both.
-const magnify = (x, y) => {
-  const { size: [width, height], scale } = view;
+const magnify = () => {
+  const { size: [width, height], scale, pointer: { x, y } } = view;
   lens.style.transform = `translate(${x}px, ${y}px)`;
   [own, other].forEach((image, i) => {
     const glass = lens.children[i];
@@ -228,8 +232,8 @@ stage.onpointerdown = (event) => {
 };
 stage.onpointerup = stage.onpointercancel = (event) => fingers.delete(event.pointerId);
 stage.onpointermove = (event) => {
-  const { x, y } = at(event);
-  if (!lens.hidden) magnify(x, y);
+  const { x, y } = view.pointer = at(event);
+  if (!lens.hidden) magnify();
   const [last, before] = [fingers.get(event.pointerId), spread()];
   if (!last) return;
   fingers.set(event.pointerId, { x, y });
