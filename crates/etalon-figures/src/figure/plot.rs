@@ -41,7 +41,7 @@ const BAR: f64 = 420.0;
 /// Smallest frame on a page of limited size.
 const SMALLEST: [f64; 2] = [90.0, 70.0];
 /// Largest height over width of a chart's frame on a page of limited width, where panels stand above each other.
-const FLAT: f64 = 0.62;
+const FLAT: f64 = 0.55;
 /// The part of its own width that a frame keeps beside others.
 const NARROWEST: f64 = 0.6;
 
