@@ -124,7 +124,6 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             panel.markers(label, colour, marker(precision), of.map(place).collect::<Vec<_>>())
         })
     };
-    let blank = vec![""; families.len()];
     let errors = panel("largest relative error", ERRORS, &families, &|row| row.max_relative);
     // Rounding of the input by half a last place may move the result by as many as the condition number
     let explained = rows.iter().filter(|row| row.is_rendered()).fold(errors, |panel, row| {
@@ -138,9 +137,10 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             [[rounding, y], [reach, y]],
         )
     });
-    let ratios = panel("largest error / rounding of the input", RATIOS, &blank, &|row| 2.0 * row.max_ulp_per_condition)
-        .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
-        .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
+    let ratios =
+        panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
+            .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
+            .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
     let panels = [explained.title("Largest error"), ratios.title("Beyond rounding of the input")];
     Plot::new(panels).frame_size(350.0, LINE * families.len() as f64).draw()
 }
