@@ -44,6 +44,39 @@ fn a_result_under_a_default_name_is_not_replaced_in_silence() {
     }
 }
 
+/// The attribute of an SVG file's first tag.
+fn attribute(svg: &str, name: &str) -> String {
+    svg.split_once(&format!(" {name}=\"")).unwrap().1.split_once('"').unwrap().0.to_owned()
+}
+
+#[test]
+fn figures_have_the_style_that_is_asked_for() {
+    let dir = folder();
+    let svg = |args: &[&str], name: &str| {
+        let ran = etalon(dir.path(), &[&["fresnel", "glass", "--points", "31"], args].concat());
+        assert_eq!(ran.code, 0, "{args:?}: {}", ran.stderr);
+        std::fs::read_to_string(dir.path().join(name)).unwrap()
+    };
+    let column = svg(&["--style", "column", "-o", "a.svg"], "a.svg");
+    assert!(attribute(&column, "width").strip_suffix("mm").unwrap().parse::<f64>().unwrap() - 84.0 < 0.1);
+    let dark = svg(&["--style", "slide", "--theme", "dark", "--title", "Glass & air", "-o", "b.svg"], "b.svg");
+    assert!(dark.contains("Glass &amp; air") && !dark.contains("fill=\"#fff\""));
+    assert!(dir.path().join("b-2.pdf").exists(), "three panels are too many for a slide");
+    let one = svg(&["--panels", "RELATIVE", "-o", "c.svg"], "c.svg");
+    assert!(one.contains("relative error") && !one.contains("share of the power"));
+    let wide = svg(&["--width", "120mm", "-o", "d.svg"], "d.svg");
+    assert!((attribute(&wide, "width").parse::<f64>().unwrap() - 120.0 * 96.0 / 25.4).abs() < 1.5);
+    for (args, words) in [
+        (&["--style", "poster"][..], "[possible values: screen, slide, column]"),
+        (&["--width", "3"], "'--width <MM>'"),
+        (&["--width", "30"], "mm are enough"),
+        (&["--panels", "nothing"], "--panels: no panel is called \"nothing\""),
+    ] {
+        let ran = etalon(dir.path(), &[&["fresnel", "glass", "--points", "31"], args].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(words), "{args:?}: {}", ran.stderr);
+    }
+}
+
 #[test]
 fn inputs_are_never_replaced() {
     let dir = folder();

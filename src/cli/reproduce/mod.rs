@@ -46,7 +46,7 @@ pub struct Reproduce {
     /// CBspheres.dae, CBdragon_microfacet_au.dae and CBbunny_microfacet_cu.dae.
     #[arg(long, value_name = "FOLDER")]
     scenes: Option<PathBuf>,
-    /// Factor of the pixels of PNG files along each side: 2 for slides
+    /// Factor of the pixels of PNG files along each side
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     scale: u32,
     /// List the figures and stop

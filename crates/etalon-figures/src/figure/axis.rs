@@ -73,6 +73,14 @@ impl Axis {
         Some(Self { every: Some(every), ..self.clone() })
     }
 
+    /// The axis without the names of its places, if they are those of another one.
+    pub(super) fn without_names_of(mut self, other: &Self) -> Self {
+        if self.names == other.names {
+            self.names.iter_mut().for_each(String::clear);
+        }
+        self
+    }
+
     pub(super) fn is_named(&self) -> bool {
         !self.names.is_empty()
     }

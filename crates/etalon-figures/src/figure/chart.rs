@@ -182,7 +182,8 @@ impl Sketch<'_> {
         let curves: Vec<_> = marks.iter().filter_map(curve).collect();
         let mut named = Vec::new();
         for (i, (label, stroke, places)) in curves.iter().enumerate() {
-            let high = theme::NOTE_SIZE + 4.0;
+            // Indices stand lower than letters
+            let high = theme::NOTE_SIZE + 8.0;
             let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
             let is_own = |place: &Rect| {
                 let distance =

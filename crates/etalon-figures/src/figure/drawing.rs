@@ -1,6 +1,6 @@
 //! A drawing: what a figure shows, before it is laid out for a style; and its pages, written as files.
 
-use super::page::{FORMATS, Page};
+use super::page::{FORMATS, Page, with_extension};
 use super::picture::Picture;
 use super::plot::Plot;
 use super::shapes::{Anchor, Level, Text};
@@ -8,6 +8,7 @@ use super::sheet::Sheet;
 use super::style::{Room, Style, Theme};
 use super::{Heatmap, text, theme};
 use etalon_core::error::{Error, Result};
+use etalon_core::files::check_no_input;
 use std::path::{Path, PathBuf};
 
 /// Plots, images and texts. A style's room decides how many of them stand side by side, and their size.
@@ -30,6 +31,8 @@ pub enum Drawing {
         rows: Vec<Drawing>,
         align: f64,
     },
+    /// Drawings side by side, or below each other on a page of limited width.
+    Beside(Vec<Drawing>),
 }
 
 impl From<Page> for Drawing {
@@ -43,6 +46,11 @@ impl Drawing {
     /// Drawings below each other.
     pub fn stacked(rows: Vec<Drawing>, align: f64) -> Self {
         Self::Stack { rows, align }
+    }
+
+    /// Drawings side by side, so that a long one is not much higher than wide.
+    pub fn beside(columns: Vec<Drawing>) -> Self {
+        Self::Beside(columns)
     }
 
     /// A title and some lines above this drawing.
@@ -140,6 +148,10 @@ impl Drawing {
             Self::Bar(map, length) => map.lying_bar(*length, room.width),
             Self::Headed { title, lines, below } => headed(title, lines, below, room),
             Self::Stack { rows, align } => stack(rows, *align, room),
+            Self::Beside(columns) if room.width.is_infinite() => {
+                Page::beside(columns.iter().map(Self::natural).collect())
+            }
+            Self::Beside(columns) => stack(columns, 0.0, room),
         }
     }
 
@@ -183,6 +195,10 @@ impl Drawing {
                 let is_bar = |row: &Self| matches!(row, Self::Bar(..));
                 (!rows.iter().all(is_bar)).then_some(Self::Stack { rows, align: *align })
             }
+            Self::Beside(columns) => {
+                let columns: Vec<Self> = columns.iter().filter_map(|column| column.select(keep)).collect();
+                (!columns.is_empty()).then_some(Self::Beside(columns))
+            }
         }
     }
 
@@ -198,12 +214,20 @@ impl Drawing {
     }
 }
 
-/// Writes pages under one name, in formats of [`FORMATS`].
+/// Writes pages under one name, those after the first with their number, in formats of [`FORMATS`].
+///
+/// # Errors
+/// Those of [`Page::write`]; [`Error::Parameter`] if a further page would replace an input.
 pub fn write_pages(pages: &[Page], stem: &Path, formats: &[&str]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for (i, page) in pages.iter().enumerate() {
-        let further = || PathBuf::from(format!("{}-{}", stem.display(), i + 1));
-        files.extend(page.write(&if i == 0 { stem.to_owned() } else { further() }, formats)?);
+        let mut name = stem.as_os_str().to_owned();
+        if i > 0 {
+            name.push(format!("-{}", i + 1));
+            let of = |extension: &&str| with_extension(Path::new(&name), extension);
+            formats.iter().try_for_each(|extension| check_no_input(&of(extension)))?;
+        }
+        files.extend(page.write(Path::new(&name), formats)?);
     }
     Ok(files)
 }

@@ -90,6 +90,16 @@ impl<'a> Axes<'a> {
         Canvas { drawing, frame: self.frame, room: Sides::default(), dash }.chart(&self.across, &self.up)
     }
 
+    /// The length of a line above or below the frame: little more than its width, where titles are broken at all.
+    fn widest(&self) -> f64 {
+        if self.limit.is_finite() { self.limit.min(1.2 * self.frame.width) } else { f64::INFINITY }
+    }
+
+    /// The length of a line beside the frame, where titles are broken at all.
+    fn tallest(&self) -> f64 {
+        if self.limit.is_finite() { self.frame.height } else { f64::INFINITY }
+    }
+
     pub fn grid(&self, drawing: &mut Page) {
         let lines = style(theme::GRID.colour, false, theme::GRID.width);
         let mut chart = self.chart(drawing, theme::SOLID);
@@ -102,9 +112,10 @@ impl<'a> Axes<'a> {
         let Self { panel, frame, across, up, .. } = self;
         let mut room = labels.union(Sides { left: 8.0, right: 8.0, top: 6.0, bottom: 8.0 });
         // Labels at the ends of the x axis, and its title, may overhang the frame
-        let label = text::wrapped(&panel.x.label, theme::LABEL_SIZE, false, self.limit);
-        let width = |line: &String| text::width(line, theme::LABEL_SIZE, false);
-        let half = label.iter().map(width).fold(0.0, f64::max) / 2.0;
+        let label = text::wrapped(&panel.x.label, theme::LABEL_SIZE, false, self.widest());
+        let longest =
+            |lines: &[String]| lines.iter().map(|line| text::width(line, theme::LABEL_SIZE, false)).fold(0.0, f64::max);
+        let half = longest(&label) / 2.0;
         let title = [frame.centre()[0] - half, frame.centre()[0] + half];
         for [left, right] in ends(across, frame).into_iter().chain([title]) {
             let (left, right) = (frame.x - left + 4.0, right - frame.right() + 4.0);
@@ -121,17 +132,24 @@ impl<'a> Axes<'a> {
         let first = label.first().map_or("", String::as_str);
         // The factor of the y axis, above the frame
         draw_factor(drawing, up, [frame.x, frame.y - FACTOR_GAP], (Anchor::Start, Level::Baseline));
-        let left = beside_ticks(up) + title_height(&panel.y.label);
+        let beside = text::wrapped(&panel.y.label, theme::LABEL_SIZE, false, self.tallest());
+        let further = LINE * beside.len().saturating_sub(1) as f64;
+        let left = beside_ticks(up) + title_height(&panel.y.label) + further;
         let labelled = Sides { left, bottom, ..Sides::default() };
-        draw_axes(drawing, *frame, labelled, [across, up], [first, &panel.y.label]);
+        draw_axes(drawing, *frame, labelled, [across, up], [first, beside.first().map_or("", String::as_str)]);
+        for (i, line) in beside.iter().enumerate().skip(1) {
+            let at = [frame.x - left + LINE * i as f64, frame.centre()[1]];
+            let text = Text::new(at, theme::LABEL_SIZE, line.clone()).held(Anchor::Middle, Level::Top);
+            drawing.text(text.upwards());
+        }
         let bottom = bottom + further_lines(drawing, &label, [frame.centre()[0], frame.bottom() + bottom]);
         let labelled = Sides { bottom, ..labelled };
-        let overhang = text::width(&panel.y.label, theme::LABEL_SIZE, false) - frame.height + 4.0;
+        let overhang = longest(&beside) - frame.height + 4.0;
         let above = factor_height(up).max(labels.top);
         room = room.union(Sides { top: above.max(overhang), ..labelled });
         // Title above everything
         if !panel.title.is_empty() {
-            let lines = text::wrapped(&panel.title, theme::TITLE_SIZE, true, self.limit);
+            let lines = text::wrapped(&panel.title, theme::TITLE_SIZE, true, self.widest());
             let foot = above + 9.0;
             let top = foot + theme::TITLE_SIZE + LINE * (lines.len() - 1) as f64;
             for (i, line) in lines.iter().rev().enumerate() {

@@ -120,6 +120,18 @@ impl Page {
         page
     }
 
+    /// Pages side by side, their upper edges in line.
+    pub(super) fn beside(columns: Vec<Page>) -> Self {
+        let height = columns.iter().map(|column| column.height).fold(0.0, f64::max);
+        let mut page = Self::new(0.0, height, PIXELS);
+        for column in columns {
+            let x = page.width;
+            page.width += column.width;
+            page.append(column, x, 0.0);
+        }
+        page
+    }
+
     /// The page in the middle of one of the style's size: as high as its content where the style does not say.
     pub(super) fn within(self, style: &Style) -> Self {
         let Room { width, height, .. } = style.room;

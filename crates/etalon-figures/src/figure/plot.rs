@@ -41,7 +41,7 @@ const BAR: f64 = 420.0;
 /// Smallest frame on a page of limited size.
 const SMALLEST: [f64; 2] = [90.0, 70.0];
 /// Largest height over width of a chart's frame on a page of limited width, where panels stand above each other.
-const FLAT: f64 = 0.62;
+const FLAT: f64 = 0.55;
 /// The part of its own width that a frame keeps beside others.
 const NARROWEST: f64 = 0.6;
 
@@ -187,12 +187,17 @@ impl Plot {
         let is_last = |i: usize| legends[i].is_some() && !legends[i + 1..].contains(&legends[i]);
         let mut index = 0;
         let mut draw_row = |row: &Row| -> Vec<Chart> {
-            let draw = |panel: &Panel| {
+            let draw = |(column, panel): (usize, &Panel)| {
                 index += 1;
                 let has_own = Parts { legend: legend.is_none() && is_last(index - 1), bar: bar.is_none() };
-                chart(panel, [width, height], has_own, limit)
+                // Names of places stand once in a row
+                let mut panel = panel.clone();
+                if column > 0 {
+                    panel.y = panel.y.without_names_of(&row.panels[column - 1].y);
+                }
+                chart(&panel, [width, height], has_own, limit)
             };
-            row.panels.iter().map(draw).collect()
+            row.panels.iter().enumerate().map(draw).collect()
         };
         let charts: Vec<Vec<Chart>> = rows.iter().map(&mut draw_row).collect();
 
@@ -267,19 +272,37 @@ impl Plot {
     }
 }
 
-/// A panel drawn; a legend that found no free place inside the frame goes below it.
+/// A panel drawn. Below the frame go a legend that found no free place inside it, and on a page of limited size a colour bar whose label
+/// is longer than the frame is high.
 fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Chart {
+    let is_long = |map: &&Heatmap| limit.is_finite() && text::width(&map.label, theme::LABEL_SIZE, false) > height;
+    let lying = panel.heatmap.as_ref().filter(|map| has_own.bar && is_long(map));
+    let has_own = Parts { bar: has_own.bar && lying.is_none(), ..has_own };
     let mut chart = Chart::new(panel, [width, height], has_own, limit);
+    if let Some(map) = lying {
+        let bar = map.lying_bar(width, limit);
+        chart.below(bar, [width, height]);
+    }
     if let Some(legend) = chart.legend.take() {
         let columns = legend.columns_within(width + 0.5 * chart.room.left);
         let [w, h] = legend.size(columns);
-        let x = (width - w) / 2.0;
-        legend.draw(&mut chart.drawing, [x, height + chart.room.bottom + LEGEND_GAP], columns);
-        let overhang = (w - width) / 2.0;
-        let bottom = chart.room.bottom + LEGEND_GAP + h;
-        chart.room = chart.room.union(Sides { left: overhang, right: overhang, bottom, top: 0.0 });
+        let mut page = Page::new(w, h, PIXELS);
+        legend.draw(&mut page, [0.0, 0.0], columns);
+        chart.below(page, [width, height]);
     }
     chart
+}
+
+impl Chart {
+    /// Adds something below the frame: in its middle, or further to the left where there is no room to the right.
+    fn below(&mut self, page: Page, [width, height]: [f64; 2]) {
+        let x = (0.5 * (width - page.width)).min(width + self.room.right - page.width);
+        let y = height + self.room.bottom + LEGEND_GAP;
+        let bottom = self.room.bottom + LEGEND_GAP + page.height;
+        let sides = Sides { left: -x, right: x + page.width - width, bottom, top: 0.0 };
+        self.room = self.room.union(sides);
+        self.drawing.append(page, x, y);
+    }
 }
 
 #[cfg(test)]

@@ -142,8 +142,16 @@ fn lines(text: &str, width: f64) -> Vec<Line> {
     text::wrapped(text, theme::TICK_SIZE, false, width).into_iter().map(line).collect()
 }
 
+/// Claims in a column of the table; more stand in two.
+const COLUMN: usize = 20;
+
 /// A table of claims: what the report says and prints, what is measured, the verdict, the figures that show it.
 pub fn table(claims: &[Claim]) -> Drawing {
+    let half = if claims.len() > COLUMN { claims.len().div_ceil(2) } else { claims.len() };
+    Drawing::beside(claims.chunks(half.max(1)).map(|claims| column(claims).into()).collect())
+}
+
+fn column(claims: &[Claim]) -> Page {
     let width = 2.0 * EDGE + WIDTHS.iter().sum::<f64>() + GAP * (WIDTHS.len() - 1) as f64;
     let mut sheet = Page::new(width, 0.0, 2.0);
     let lefts = [0, 1, 2, 3, 4].map(|column| EDGE + WIDTHS[..column].iter().sum::<f64>() + GAP * column as f64);
@@ -181,7 +189,7 @@ pub fn table(claims: &[Claim]) -> Drawing {
     sheet.text(note([EDGE, y], "Dots: a number with what the claim demands of it."));
     sheet.text(note([lefts[2] + BULLET, y + LINE], "no dot: measured on another input than the report's"));
     sheet.height = (y + 2.0 * LINE + EDGE).ceil();
-    sheet.into()
+    sheet
 }
 
 /// The colour of a finding.

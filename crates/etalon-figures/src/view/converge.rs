@@ -328,7 +328,7 @@ fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
     let title = format!("Efficiency after about {}", duration(seconds));
-    let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), true, &at_equal_time);
+    let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), &at_equal_time);
     with_legend(panel.title(title), result)
 }
 
@@ -340,18 +340,17 @@ fn slopes(result: &Convergence) -> Panel {
     };
     let count = result.curves.len() as f64;
     let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
-    let panel = by_strategy(result, axis, false, &slope).title("Slope of the error");
+    let panel = by_strategy(result, axis, &slope).title("Slope of the error");
     with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
 }
 
 /// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
-fn by_strategy(result: &Convergence, x: Axis, names: bool, value: &dyn Fn(&Curve) -> Option<[f64; 3]>) -> Panel {
+fn by_strategy(result: &Convergence, x: Axis, value: &dyn Fn(&Curve) -> Option<[f64; 3]>) -> Panel {
     let is_biased = |(curve, _): &(&Curve, Stroke)| curve.verdict == CurveVerdict::Biased;
     let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
     let border = unbiased.len() as f64;
     let rows = || unbiased.iter().chain(&biased);
     let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy {
-        _ if !names => String::new(),
         name if is_biased(&(curve, *stroke)) => format!("{}: biased", label(name)),
         name => label(name),
     };
@@ -413,7 +412,7 @@ pub fn cost_rows(scenes: &[(&str, Rc<Convergence>)]) -> Vec<CostRow> {
 pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
     let panel = |(title, result): &(&str, Rc<Convergence>)| {
         let value = |curve: &Curve| cost(result, curve).filter(|_| curve.verdict != CurveVerdict::Biased);
-        let panel = by_strategy(result, Axis::log("time × MSE over that of the default"), true, &value).title(*title);
+        let panel = by_strategy(result, Axis::log("time × MSE over that of the default"), &value).title(*title);
         panel.line("", theme::GUIDE, [[1.0, 0.0], [1.0, result.curves.len() as f64]])
     };
     let panels: Vec<Panel> = scenes.iter().map(panel).collect();

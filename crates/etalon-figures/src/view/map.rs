@@ -40,8 +40,8 @@ const PAGE: [usize; 2] = [512, 2048];
 /// The map's height over the sides of the inset and of the part that it shows.
 const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
-/// The side of the marker of a light of average flux, in those of a sample.
-const AVERAGE: usize = 3;
+/// The side of the marker of a light of average flux, in those of a sample; no marker is smaller than half of one.
+const AVERAGE: f64 = 1.4;
 /// Times that a marker on black has the side of one on the map, where it would cover what it marks.
 const ALONE: usize = 2;
 /// Times that a larger marker of the key has the area of the smaller one.
@@ -216,7 +216,7 @@ impl Display {
         let flux = |r: &median_cut::RegionRow| r.flux_r + r.flux_g + r.flux_b;
         let mean = rows.iter().map(flux).sum::<f64>() / rows.len().max(1) as f64;
         let wide = |r: &median_cut::RegionRow| match (flux(r) / mean).sqrt() {
-            size if size.is_finite() => ((AVERAGE * side) as f64 * size).round().max(side as f64) as usize,
+            size if size.is_finite() => (AVERAGE * side as f64 * size).round().max((side as f64 / 2.0).ceil()) as usize,
             _ => side,
         };
         let brightest = rows.iter().map(|r| r.flux_r.max(r.flux_g).max(r.flux_b)).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Maps of errors over the inputs: the renderer's formula, the textbook's, the reports', and the error that rounding of the input causes;
 //! and the worst case of every family, variant and precision beside what rounding explains of it.
 
-use super::text::capitalized;
+use super::text::{capitalized, power_of_ten};
 use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, theme};
 use etalon_bench::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, Section, Sweep, TEXTBOOK};
 
@@ -14,15 +14,44 @@ const FRAME: [f64; 2] = [180.0, 95.0];
 /// The label of the colour bar, which all maps share.
 const LABEL: &str = "relative error in f32 (darkest: 10^{−8} or less, lightest: 1 or more, grey: not finite)";
 
-/// A row of maps for every grid of the sweeps, each of the relative errors in f32.
+/// Grids in a column; more stand in two.
+const COLUMN: usize = 4;
+
+/// A row of maps for every grid of the sweeps, each of the relative errors in f32. Grids on which no variant errs are named, and are shown
+/// where there are no others.
 pub fn maps(sweeps: &[Sweep]) -> Drawing {
-    let rows = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |section| row(sweep, section)));
-    Plot::grid(rows).frame_size(FRAME[0], FRAME[1]).draw()
+    let grids = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |number| (sweep, number)));
+    let (shown, others): (Vec<_>, Vec<_>) = grids.partition(|(sweep, number)| errs(sweep, *number));
+    let (shown, others) = if shown.is_empty() { (others, Vec::new()) } else { (shown, others) };
+    let rows: Vec<_> = shown.iter().map(|(sweep, number)| row(sweep, *number)).collect();
+    let column = |rows: &[(String, Vec<Panel>)]| Plot::grid(rows.to_vec()).frame_size(FRAME[0], FRAME[1]).draw();
+    let half = if rows.len() > COLUMN { rows.len().div_ceil(2) } else { rows.len() };
+    let maps = Drawing::beside(rows.chunks(half.max(1)).map(column).collect());
+    if others.is_empty() {
+        return maps;
+    }
+    let names: Vec<String> = others.iter().map(|(sweep, number)| heading(sweep, *number)).collect();
+    let small = format!("Every variant has errors below {}, and no map:", power_of_ten(VISIBLE).replace("≈ ", ""));
+    Drawing::stacked(vec![maps, Drawing::stacked(Vec::new(), 0.0).headed(small, names)], 0.5)
+}
+
+/// The least relative error that counts as one in a map.
+const VISIBLE: f64 = 1e-5;
+
+/// Whether a variant errs somewhere on a grid, or has no finite value.
+fn errs(sweep: &Sweep, number: usize) -> bool {
+    let on_grid =
+        |case: &&Case| case.precision == Precision::Single && case.place.is_some_and(|place| place.section == number);
+    let is_small = |case: &Case| case.deviations.iter().flatten().all(|d| d.relative < VISIBLE);
+    !sweep.cases.iter().filter(on_grid).all(is_small)
+}
+
+fn heading(sweep: &Sweep, number: usize) -> String {
+    capitalized(&format!("{} ({})", sweep.family.about, sweep.family.sections[number].title))
 }
 
 /// The maps of one grid under their heading.
 fn row(sweep: &Sweep, number: usize) -> (String, Vec<Panel>) {
-    let section = &sweep.family.sections[number];
     let of = |i: usize| move |case: &Case| case.deviations[i].map_or(f64::NAN, |d| d.relative);
     let variants = sweep.family.variants.iter().enumerate();
     let mut panels: Vec<Panel> =
@@ -30,7 +59,7 @@ fn row(sweep: &Sweep, number: usize) -> (String, Vec<Panel>) {
     let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
     // Beside the variant that renders: the other variants' number differs
     panels.insert(1, panel(sweep, number, "Rounding of the input".into(), false, &rounding));
-    (capitalized(&format!("{} ({})", sweep.family.about, section.title)), panels)
+    (heading(sweep, number), panels)
 }
 
 /// What a variant is called in figures.
@@ -95,7 +124,6 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             panel.markers(label, colour, marker(precision), of.map(place).collect::<Vec<_>>())
         })
     };
-    let blank = vec![""; families.len()];
     let errors = panel("largest relative error", ERRORS, &families, &|row| row.max_relative);
     // Rounding of the input by half a last place may move the result by as many as the condition number
     let explained = rows.iter().filter(|row| row.is_rendered()).fold(errors, |panel, row| {
@@ -109,9 +137,10 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             [[rounding, y], [reach, y]],
         )
     });
-    let ratios = panel("largest error / rounding of the input", RATIOS, &blank, &|row| 2.0 * row.max_ulp_per_condition)
-        .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
-        .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
+    let ratios =
+        panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
+            .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
+            .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
     let panels = [explained.title("Largest error"), ratios.title("Beyond rounding of the input")];
     Plot::new(panels).frame_size(350.0, LINE * families.len() as f64).draw()
 }

@@ -3,7 +3,7 @@
 use super::text::{capitalized, finding, p_value, wrapped};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
-use etalon_stats::{Cell, Counts};
+use etalon_stats::{Cell, Counts, Verdict};
 use serde::Serialize;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
@@ -59,19 +59,24 @@ pub fn drawing(tested: &Tested) -> Drawing {
 
 /// The drawing of the test of a planted fault, under a sentence that says what the fault is.
 pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
-    let p = tested.outcome.p.map_or_else(String::new, p_value);
-    described(tested, capitalized(mistake), Some(format!("The test of the sampler: {}, {p}", tested.outcome.verdict)))
+    let said = match tested.outcome.verdict {
+        Verdict::Accept => "accepted",
+        Verdict::Reject => "rejected",
+        Verdict::Inconclusive => "inconclusive",
+    };
+    let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
+    described(tested, capitalized(mistake), Some(format!("{said} by the test of the sampler: {p}")))
 }
 
 fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
     let outcome = &tested.outcome;
     let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
-    let findings = first.into_iter().chain(outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines));
+    let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
     let Some(counts) = outcome.counts.as_ref() else {
-        return nothing().headed(title, findings.collect());
+        return nothing().headed(title, first.into_iter().chain(findings).collect());
     };
     let (plot, beyond) = plot(counts);
-    plot.draw().headed(title, beyond.into_iter().chain(findings).collect())
+    plot.draw().headed(title, first.into_iter().chain(beyond).chain(findings).collect())
 }
 
 /// The plot of the cells, and what has no place there.

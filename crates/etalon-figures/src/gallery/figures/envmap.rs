@@ -116,8 +116,7 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         let stroke = stroke(i + CUTS.len());
         add(&format!("{name}: sampled at each hit"), stroke, theme::marker(stroke), points);
     }
-    let named = [by_number.title("Error against lights").with_names_on_curves(), by_time.title("Error against time")];
-    Plot::new(named).draw()
+    Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
 }
 
 /// The strategies of the sphere's curves that stand beside the fixed lights.
