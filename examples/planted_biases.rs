@@ -1,4 +1,4 @@
-//! What `etalon compare` finds of biases that are planted in renders: the tables of `docs/src/is-my-renderer-right.md`.
+//! What `etalon compare` finds of biases that are planted in renders: rows of the table of `docs/src/is-my-renderer-right.md`, and others.
 //!
 //! ```text
 //! cargo run --release --example planted_biases -- FOLDER [REPETITIONS]

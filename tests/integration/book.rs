@@ -1,17 +1,18 @@
 //! The examples of the book run as they stand there.
 
+use crate::exec::has;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
-/// Every line of a `sh` block that starts with `etalon`, with the exit code that it should have.
+/// Every line of a `sh` block that starts with `etalon` or `cc`, with the exit code that it should have.
 fn examples(page: &str) -> Vec<(String, i32)> {
     let mut runs = false;
     let mut lines = Vec::new();
     for line in page.lines() {
         if let Some(info) = line.strip_prefix("```") {
             runs = info == "sh";
-        } else if runs && line.starts_with("etalon ") {
+        } else if runs && (line.starts_with("etalon ") || line.starts_with("cc ")) {
             let (command, comment) = line.split_once(" #").unwrap_or((line, ""));
             let code = comment.trim().strip_prefix("exit ").map_or(0, |code| code.trim().parse().unwrap());
             lines.push((command.trim().to_owned(), code));
@@ -20,21 +21,45 @@ fn examples(page: &str) -> Vec<(String, i32)> {
     lines
 }
 
+/// Copies what the commands of the book name in the repository: the clients, and the header of those in C.
+fn copy_clients(folder: &Path) {
+    for name in ["examples", "include"] {
+        std::fs::create_dir(folder.join(name)).unwrap();
+        for file in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap() {
+            let file = file.unwrap().path();
+            if file.is_file() {
+                std::fs::copy(&file, folder.join(name).join(file.file_name().unwrap())).unwrap();
+            }
+        }
+    }
+}
+
 #[test]
-#[ignore = "takes seconds: cargo test -- --ignored"]
+#[ignore = "takes minutes: cargo test -- --ignored"]
 fn examples_run() {
     let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src");
     let summary = std::fs::read_to_string(book.join("SUMMARY.md")).unwrap();
+    let program = assert_cmd::cargo::cargo_bin("etalon");
+    let before = std::env::var_os("PATH").unwrap_or_default();
+    let folders = program.parent().map(Path::to_owned).into_iter().chain(std::env::split_paths(&before));
+    let path = std::env::join_paths(folders).unwrap();
     let mut count = 0;
     for page in std::fs::read_dir(&book).unwrap().map(|entry| entry.unwrap().path()) {
         let name = page.file_name().unwrap().to_string_lossy().into_owned();
         let text = std::fs::read_to_string(&page).unwrap();
         assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name} is not in the summary");
         let folder = tempfile::tempdir().unwrap();
+        copy_clients(folder.path());
         for (command, code) in examples(&text) {
             let words = shlex::split(&command).unwrap();
-            let mut etalon = assert_cmd::Command::cargo_bin("etalon").unwrap();
-            etalon.args(&words[1..]).current_dir(&folder).timeout(Duration::from_secs(60)).assert().code(code);
+            let needed =
+                ["cc", "python3"].into_iter().filter(|tool| command.split(['\'', ' ']).any(|word| word == *tool));
+            if !needed.into_iter().all(|tool| has(tool, &["--version"])) {
+                continue;
+            }
+            let mut example = assert_cmd::Command::new(&words[0]);
+            example.args(&words[1..]).current_dir(&folder).env("PATH", &path);
+            example.timeout(Duration::from_secs(300)).assert().code(code);
             count += 1;
         }
     }
