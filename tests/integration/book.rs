@@ -53,8 +53,8 @@ fn examples_run() {
         for (command, code) in examples(&text) {
             let words = shlex::split(&command).unwrap();
             let needed =
-                ["cc", "python3"].into_iter().filter(|tool| command.split(['\'', ' ']).any(|word| word == *tool));
-            if !needed.into_iter().all(|tool| has(tool, &["--version"])) {
+                [("cc", words[0] == "cc"), ("python3", command.contains(".py"))].into_iter().filter(|(_, is)| *is);
+            if !needed.into_iter().all(|(tool, _)| has(tool, &["--version"])) {
                 continue;
             }
             let mut example = assert_cmd::Command::new(&words[0]);
@@ -64,6 +64,14 @@ fn examples_run() {
         }
     }
     assert!(count > 10, "{count} examples");
+}
+
+#[test]
+fn the_first_sampler_is_the_file_of_the_examples() {
+    let file = include_str!("../../examples/my_sampler.py");
+    for page in [include_str!("../../README.md"), include_str!("../../docs/src/external-samplers.md")] {
+        assert!(page.contains(&format!("```python\n{file}```")));
+    }
 }
 
 /// The names that a cell of a table lists in backquotes; `.name` stands for the last part of the name before it.
