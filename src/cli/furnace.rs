@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
     after_long_help = "The directional albedo is the radiance of a surface over that of uniform light from everywhere; above 1 the BSDF \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if a BSDF contradicts what it declares or the weak furnace test fails, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx \
-                  --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
+                  --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace my_bsdf.py\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
 )]
 #[command(next_help_heading = "BSDFs", args = [out(), seed(), threads()])]
 pub struct Furnace {

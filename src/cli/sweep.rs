@@ -5,6 +5,7 @@ use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
 use super::values::{Shard, choice};
 use clap::Args;
+use etalon_bench::protocol::program;
 use etalon_bench::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
@@ -126,6 +127,10 @@ impl Sweep {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         if let Some(text) = &self.replay {
             return self.replay(text, console);
+        }
+        if let Some(file) = self.names.iter().find(|name| program::is_python_file(name)) {
+            return Err(Error::parameter("names", format!("{file}: a sweep takes no Python file"))
+                .with_hint("`exec` starts a program with BSDFs"));
         }
         let families = families(&self.external, &self.names)?;
         if self.list {

@@ -24,20 +24,20 @@ fn a_fault_is_shown_beside_the_closest_model() {
     let folder = tempfile::tempdir().unwrap();
     let mine = |factor: &str| {
         std::fs::write(folder.path().join("mine.py"), DIFFUSE.replace("FACTOR", factor)).unwrap();
-        json(folder.path(), &["render", "cornell-spheres", "--bsdf", "mine.py", "-r", "24", "18", "-s", "8"])
+        json(folder.path(), &["render", "sphere-env", "--bsdf", "mine.py", "-r", "24", "24", "-s", "16"])
     };
     let right = mine("1");
     let number = |value: &serde_json::Value, key: &str| value[key].as_f64().unwrap();
     assert!(right["model"]["name"] == "diffuse" && number(&right["model"], "difference") < 0.01, "{right}");
     let noise = number(&right, "standard_error_percent");
-    assert!(noise < 1.0 && number(&right, "mean_difference_percent").abs() < 4.0 * noise + 0.1, "{right}");
-    for file in ["cornell-spheres-mine.png", "cornell-spheres-mine.exr", "cornell-spheres-mine-model.exr"] {
+    assert!(noise < 2.0 && number(&right, "mean_difference_percent").abs() < 4.0 * noise + 0.1, "{right}");
+    for file in ["sphere-env-mine.png", "sphere-env-mine.exr", "sphere-env-mine-model.exr"] {
         assert!(folder.path().join("out").join(file).is_file(), "{file}");
     }
-    // Weights that do not have the factor of the values: light is lost where lights are sampled
+    // Weights that do not have the factor of the values: BSDF samples bring more light than the values say
     let wrong = mine("0.5");
     let [found, noise] = ["mean_difference_percent", "standard_error_percent"].map(|key| number(&wrong, key));
-    assert!(found.abs() > 5.0 * noise && found.abs() > 1.0, "{wrong}");
+    assert!(found > 5.0 * noise && found > 10.0, "{wrong}");
     for (args, said) in [
         (&["render", "cornell-statue-au", "--bsdf", "mine.py"][..], "no sphere"),
         (&["render", "sphere-env", "--bsdf", "mine.py", "--kernel", "lanes"], "cannot be used"),

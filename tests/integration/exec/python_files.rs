@@ -58,7 +58,9 @@ fn samplers_of_files_are_tested_and_mistakes_named() {
         assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
         assert!(ran.stderr.contains("the domain is hemisphere"), "{}", ran.stderr);
     }
-    for wrong in [PLAIN.replace("PDF", "1 / tau"), arrays(STACK, "np.full(len(w), 0.5 / np.pi)")] {
+    let page = include_str!("../../../docs/src/external-samplers.md");
+    let of_book = page.split("```python\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap().to_owned();
+    for wrong in [PLAIN.replace("PDF", "1 / tau"), of_book, arrays(STACK, "np.full(len(w), 0.5 / np.pi)")] {
         let Some(ran) = validate(&wrong, &[]) else { continue };
         let first = ran.stdout.lines().nth(2).unwrap_or_default();
         assert!(ran.code == 1 && first.contains("samples follow cos θ/π, not the pdf"), "{}", ran.stdout);
@@ -145,16 +147,20 @@ def sample(wo, u):
 ";
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn bsdfs_of_files_are_tested() {
     let (right, wrong) = (DIFFUSE.replace("WEIGHT", "albedo"), DIFFUSE.replace("WEIGHT", "albedo / wi[2]"));
-    let few = ["--detect", "0.2", "--set", "albedo=0.9"];
-    let (Some(ran), Some(rejected)) = (validate(&right, &few), validate(&wrong, &["--samples", "10000"])) else {
-        return;
-    };
+    let Some(ran) = validate(&right, &["--detect", "0.2", "--set", "albedo=0.9"]) else { return };
     assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
+    let rejected = validate(&wrong, &["--samples", "10000"]).unwrap();
     assert!(rejected.code == 1 && rejected.stdout.contains("mine/formula/30"), "{}", rejected.stdout);
-    let furnace = |file: &str| run(file, &["furnace", "mine.py", "--size", "2x2", "--error", "0.05"]).unwrap();
-    let (right, wrong) = (furnace(&right), furnace(&wrong));
+}
+
+#[test]
+fn a_furnace_tests_a_file() {
+    let (right, wrong) = (DIFFUSE.replace("WEIGHT", "albedo"), DIFFUSE.replace("WEIGHT", "albedo / wi[2]"));
+    let furnace = |file: &str| run(file, &["furnace", "mine.py", "--size", "2x2", "--error", "0.05"]);
+    let (Some(right), Some(wrong)) = (furnace(&right), furnace(&wrong)) else { return };
     assert!(right.code == 0 && right.stdout.contains("albedo = 1.0000"), "{} {}", right.stdout, right.stderr);
     assert!(wrong.code == 1 && wrong.stdout.contains("VIOLATIONS"), "{} {}", wrong.stdout, wrong.stderr);
     let sampler = run(&PLAIN.replace("PDF", "w[2] / pi"), &["furnace", "mine.py"]).unwrap();

@@ -4,7 +4,7 @@ use crate::validation::families::{self, Family};
 use etalon_core::bsdf::Bsdf;
 use etalon_core::error::{Error, Result};
 use etalon_core::sampling::warp;
-use etalon_stats::bsdf::{BatchBsdf, Energy, Family as _, Pair, Parameter};
+use etalon_stats::bsdf::{BatchBsdf, Family as _, Pair, Parameter};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -83,10 +83,11 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
         let parameters = family.parameters();
         let mut shares: Vec<f64> = parameters.iter().map(share).collect();
         let usual = at(family, &shares);
-        let has_tables = matches!(family.bsdf(&usual), Bsdf::CompensatedBeckmann(_) | Bsdf::CompensatedGgx(_));
-        let properties = family.with(&usual)?.properties();
-        let is_wrong = matches!(properties.energy, Energy::MayExceedOne(_));
-        if has_tables || is_wrong || properties.transmission != transmits {
+        let is_left_out = matches!(
+            family.bsdf(&usual),
+            Bsdf::CompensatedBeckmann(_) | Bsdf::CompensatedGgx(_) | Bsdf::ErrataConductor(_)
+        );
+        if is_left_out || family.with(&usual)?.properties().transmission != transmits {
             return Ok(None);
         }
         let mut least = difference(family, &shares)?;
