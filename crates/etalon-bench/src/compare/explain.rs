@@ -58,22 +58,23 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
     };
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let top = clamp_level(a, b);
-    let clamp = |level: f32| b.map(|p| if p.is_finite() { p.min(Rgb::splat(level)) } else { p });
-    let plain = || candidates(a, b, &grid).into_iter().filter_map(|(change, a, _)| try_one(change, &a, b));
+    let clamp = |level: f32| clamped(b, level);
+    let plain = || candidates(a, b, &grid, None).into_iter().filter_map(|(change, a, _)| try_one(change, &a, b));
     let clamped = || {
         let top = top?;
         let alone = try_one(format!("clamp B at {top}: no value of A is larger"), a, &clamp(top));
         let one = |(change, image, undo): Candidate| {
             try_one(format!("{change}, and clamp B: no value of A is larger than {top}"), &image, &clamp(undo(top)))
         };
-        alone.or_else(|| least(candidates(a, &clamp(top), &grid).into_iter().filter_map(one)))
+        alone.or_else(|| least(candidates(a, b, &grid, Some(top)).into_iter().filter_map(one)))
     };
     let mut found = least(plain());
     if found.as_ref().is_none_or(|(_, found)| !found.leaves_noise) {
         found = least(found.into_iter().chain(clamped()));
     }
     let (_, found) = found.or_else(|| {
-        let factors = grid.factors(a, b)?;
+        let [red, green, blue] = [0, 1, 2].map(|c| grid.factor(a, b, &[c], None));
+        let factors = Rgb::new(red?, green?, blue?);
         let change = format!("multiply R, G, B of A by {:.4}, {:.4}, {:.4}", factors.x, factors.y, factors.z);
         try_one(change, &a.map(|p| p * factors), b)
     })?;
@@ -94,7 +95,7 @@ fn mse(a: &Image, b: &Image) -> f64 {
 /// A change in words, the changed image, and what it does to a value.
 type Candidate = (String, Image, Box<dyn Fn(f32) -> f32>);
 
-fn candidates(a: &Image, b: &Image, grid: &Grids) -> Vec<Candidate> {
+fn candidates(a: &Image, b: &Image, grid: &Grids, top: Option<f32>) -> Vec<Candidate> {
     let (width, height) = (a.width(), a.height());
     let moved = |at: &dyn Fn(usize, usize) -> [usize; 2]| {
         Image::from_fn(width, height, |x, y| {
@@ -143,7 +144,7 @@ fn candidates(a: &Image, b: &Image, grid: &Grids) -> Vec<Candidate> {
     ] {
         by_value(change.into(), Box::new(f));
     }
-    if let Some(factor) = grid.factor(a, b) {
+    if let Some(factor) = grid.factor(a, b, &[0, 1, 2], top) {
         by_value(format!("multiply A by {factor:.4}"), Box::new(move |v| v * factor));
     }
     if let Some(constant) = grid.constant(a, b) {
@@ -161,6 +162,30 @@ fn clamp_level(a: &Image, b: &Image) -> Option<f32> {
     let top = of_a.iter().copied().reduce(f32::max)?;
     let is_clamped = top > 0.0 && of_a.iter().filter(|v| **v == top).count() >= CLAMPED;
     (is_clamped && of_b.iter().any(|v| *v > top)).then_some(top)
+}
+
+/// Where a falling function is 0; nothing where it has one sign.
+fn root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    if !(f(low) > 0.0 && f(high) < 0.0) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        *(if f(middle) > 0.0 { &mut low } else { &mut high }) = middle;
+    }
+    Some(0.5 * (low + high))
+}
+
+/// Steps that leave a millionth of an interval's width, and less.
+const HALVINGS: usize = 40;
+/// Logarithm of the largest factor.
+const LARGEST_LOG: f64 = 12.0;
+/// Fits of a factor to an image that is clamped by what the last fit says.
+const CLAMPED_FITS: usize = 8;
+
+/// An image with no value above `top`.
+fn clamped(image: &Image, top: f32) -> Image {
+    image.map(|p| if p.is_finite() { p.min(Rgb::splat(top)) } else { p })
 }
 
 /// The pixels by which [`shift`] moves, the one with the least error of the grey values; none if that is 0.
@@ -198,6 +223,8 @@ struct Grid {
     rows: usize,
     /// What the residual of each block is measured by: about the radiance of B there.
     levels: Vec<f64>,
+    /// The least level.
+    floor: f64,
 }
 
 /// Products of the residual's means over blocks, by the levels of the blocks: their mean, and its standard error if the residual is noise.
@@ -229,7 +256,7 @@ impl Grids {
 
     /// One over the level, for each pixel.
     fn pixel_weights(&self, b: &Image) -> Vec<f32> {
-        let grid = &self.0[self.0.len() - 1];
+        let grid = self.largest();
         let (width, height) = (b.width(), b.height());
         let at = |x: usize, y: usize| {
             (y / grid.side).min(grid.rows - 1) * grid.columns + (x / grid.side).min(grid.columns - 1)
@@ -240,45 +267,41 @@ impl Grids {
             .collect()
     }
 
-    /// By channel, sums over the pixels of A and B by the level of B, so that bright pixels do not outweigh all others, and of the weights.
-    fn sums(&self, a: &Image, b: &Image) -> [[f64; 3]; 3] {
-        let mut sums = [[0.0; 3]; 3];
-        for ((p, q), w) in a.pixels().iter().zip(b.pixels()).zip(self.pixel_weights(b)) {
-            if p.is_finite() && q.is_finite() && w.is_finite() {
-                for c in 0..3 {
-                    sums[0][c] += f64::from(p[c] * w);
-                    sums[1][c] += f64::from(q[c] * w);
-                    sums[2][c] += f64::from(w);
-                }
-            }
+    /// The factor of A by which as many blocks are darker as brighter; if B is clamped, so it is by the factor of that value.
+    fn factor(&self, a: &Image, b: &Image, channels: &[usize], top: Option<f32>) -> Option<f32> {
+        let of_a = self.largest().means(a);
+        let mut factor = 1.0_f32;
+        for _ in 0..if top.is_some() { CLAMPED_FITS } else { 1 } {
+            let of_b = self.largest().means(&top.map_or(b.clone(), |top| clamped(b, top * factor)));
+            let log = root([-LARGEST_LOG, LARGEST_LOG], |log| {
+                self.largest().balance(&of_a, &of_b, channels, |a| a * log.exp())
+            })?;
+            factor = log.exp() as f32;
         }
-        sums
+        Some(factor)
     }
 
-    /// The factor that makes the sums of A those of B: its noise has the expectation 0, other than that of least squares.
-    fn factor(&self, a: &Image, b: &Image) -> Option<f32> {
-        let [of_a, of_b, _] = self.sums(a, b).map(|channels| channels.iter().sum::<f64>());
-        let factor = (of_b / of_a) as f32;
-        (factor.is_finite() && factor > 0.0).then_some(factor)
-    }
-
-    fn factors(&self, a: &Image, b: &Image) -> Option<Rgb> {
-        let [of_a, of_b, _] = self.sums(a, b);
-        let factors = Rgb::from_array(std::array::from_fn(|c| (of_b[c] / of_a[c]) as f32));
-        (factors.is_finite() && factors.min_element() > 0.0).then_some(factors)
-    }
-
+    /// The same of a constant that is added.
     fn constant(&self, a: &Image, b: &Image) -> Option<f32> {
-        let [of_a, of_b, weights] = self.sums(a, b).map(|channels| channels.iter().sum::<f64>());
-        let constant = ((of_b - of_a) / weights) as f32;
-        constant.is_finite().then_some(constant)
+        let [of_a, of_b] = [a, b].map(|image| self.largest().means(image));
+        let most = of_a
+            .iter()
+            .chain(&of_b)
+            .flatten()
+            .fold(0.0_f64, |most, v| if v.is_finite() { most.at_least(v.abs()) } else { most });
+        root([-most, most], |constant| self.largest().balance(&of_a, &of_b, &[0, 1, 2], |a| a + constant))
+            .map(|c| c as f32)
+    }
+
+    fn largest(&self) -> &Grid {
+        &self.0[self.0.len() - 1]
     }
 }
 
 impl Grid {
     fn new(b: &Image, side: usize) -> Self {
         let (columns, rows) = ((b.width() / side).max(1), (b.height() / side).max(1));
-        let mut grid = Self { side, columns, rows, levels: vec![0.0; columns * rows] };
+        let mut grid = Self { side, columns, rows, levels: vec![0.0; columns * rows], floor: 0.0 };
         let mut counts = vec![0.0; columns * rows];
         for (i, p) in b.pixels().iter().enumerate() {
             if let Some(block) = grid.block(i, b.width()).filter(|_| p.is_finite()) {
@@ -292,8 +315,31 @@ impl Grid {
             .for_each(|(level, count)| *level = if count > 0.0 { *level / count } else { 0.0 });
         // A small light does not raise the level of the image
         let typical = (grid.levels.iter().map(|level| level.sqrt()).sum::<f64>() / grid.levels.len() as f64).powi(2);
+        grid.floor = FLOOR * typical;
         grid.levels.iter_mut().for_each(|level| *level += FLOOR * typical);
         grid
+    }
+
+    /// The means of the blocks; NaN without a finite pixel.
+    fn means(&self, image: &Image) -> Vec<[f64; 3]> {
+        let mut sums = vec![([0.0; 3], 0.0); self.levels.len()];
+        for (i, p) in image.pixels().iter().enumerate() {
+            if let Some(block) = self.block(i, image.width()).filter(|_| p.is_finite()) {
+                (0..3).for_each(|c| sums[block].0[c] += f64::from(p[c]));
+                sums[block].1 += 1.0;
+            }
+        }
+        sums.into_iter().map(|(sum, n)| sum.map(|v| v / n)).collect()
+    }
+
+    /// The sum over the blocks of the difference of B and changed A by their sum, which treats both alike and in which no block,
+    /// however bright, has more weight than others.
+    fn balance(&self, of_a: &[[f64; 3]], of_b: &[[f64; 3]], channels: &[usize], change: impl Fn(f64) -> f64) -> f64 {
+        let relative = |a: f64, b: f64| (b - a) / (a.abs() + b.abs() + 2.0 * self.floor);
+        let blocks = of_a.iter().zip(of_b);
+        let values =
+            blocks.flat_map(|(a, b)| channels.iter().map(move |&c| [a[c], b[c]])).map(|[a, b]| relative(change(a), b));
+        values.filter(|v| v.is_finite()).sum()
     }
 
     /// The block of a pixel; none for pixels beyond the last whole block.
