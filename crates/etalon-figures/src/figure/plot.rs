@@ -154,7 +154,14 @@ impl Plot {
         self.panels().any(|panel| panel.heatmap.is_some())
     }
 
-    fn has_headings(&self) -> bool {
+    /// Each row with its heading; a row that is alone in halves.
+    pub(super) fn rows_apart(&self) -> Vec<Self> {
+        let rows =
+            if self.rows.len() > 1 { self.rows.clone() } else { self.arranged(self.columns().div_ceil(2).max(1)) };
+        rows.into_iter().map(|row| Self { rows: vec![row], ..self.clone() }).collect()
+    }
+
+    pub(super) fn has_headings(&self) -> bool {
         self.rows.iter().any(|row| !row.heading.is_empty())
     }
 
