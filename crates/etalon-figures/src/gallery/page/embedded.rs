@@ -119,14 +119,12 @@ fn vector_address(svg: &str) -> String {
     address
 }
 
-/// Width and height that a drawing's first tag gives, rounded up.
+/// Width and height in drawing units that a drawing's first tag gives, rounded up.
 fn size(svg: &str) -> Option<[u32; 2]> {
     let tag = svg.split_once("<svg")?.1.split_once('>')?.0;
-    let attribute = |name: &str| {
-        let value: f64 = tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok()?;
-        (value > 0.0 && value < 1e6).then(|| value.ceil() as u32)
-    };
-    Some([attribute("width")?, attribute("height")?])
+    let (width, height) = tag.split_once(" viewBox=\"0 0 ")?.1.split_once('"')?.0.split_once(' ')?;
+    let side = |text: &str| text.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 1e6).map(|v| v.ceil() as u32);
+    Some([side(width)?, side(height)?])
 }
 
 #[cfg(test)]
