@@ -81,8 +81,9 @@ impl Axis {
         self
     }
 
-    pub(super) fn is_named(&self) -> bool {
-        !self.names.is_empty()
+    /// The number of places that have names.
+    pub(super) fn places(&self) -> usize {
+        self.names.len()
     }
 
     /// Up to about `most` labelled ticks, at their positions along `span`.

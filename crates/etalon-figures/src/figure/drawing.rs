@@ -98,25 +98,46 @@ impl Drawing {
         write_pages(&self.pages(style)?, &path.with_extension(""), &[&format])
     }
 
-    /// As few pages as there must be: what does not fit on one is divided into halves.
+    /// As few pages as there must be: what does not fit on one is divided.
     fn fitted(self, style: &Style) -> Result<Vec<Page>> {
         if let Some(page) = self.within(style.room) {
             return Ok(vec![page]);
         }
-        let parts = self.names().len();
-        if !style.is_fixed || parts < 2 {
+        let pieces = self.pieces();
+        if !style.is_fixed || pieces.len() < 2 {
             return Err(self.too_large(style));
         }
-        let half = |from: usize, to: usize| {
-            let mut index = 0;
-            self.select(&mut |_| {
-                index += 1;
-                (from..to).contains(&(index - 1))
-            })
-        };
-        let halves = [half(0, parts.div_ceil(2)), half(parts.div_ceil(2), parts)];
-        let pages = halves.into_iter().flatten().map(|half| half.fitted(style)).collect::<Result<Vec<_>>>()?;
+        let pages = pieces.into_iter().map(|piece| piece.fitted(style)).collect::<Result<Vec<_>>>()?;
         Ok(pages.concat())
+    }
+
+    /// What this drawing is divided into where it does not fit on a page: the drawings of a stack, rows of panels under headings, or
+    /// half of the panels or images each.
+    fn pieces(&self) -> Vec<Self> {
+        match self {
+            Self::Stack { rows, align } if rows.iter().filter(|row| !row.is_bar()).count() > 1 => {
+                // A colour bar stays with what stands above it
+                let groups = rows.chunk_by(|_, next| next.is_bar());
+                groups.map(|rows| Self::stacked(rows.to_vec(), *align)).collect()
+            }
+            Self::Beside(columns) if columns.len() > 1 => columns.clone(),
+            Self::Plot(plot) if plot.has_headings() => plot.rows_apart().into_iter().map(Self::Plot).collect(),
+            _ => {
+                let parts = self.names().len();
+                let half = |from: usize, to: usize| {
+                    let mut index = 0;
+                    self.select(&mut |_| {
+                        index += 1;
+                        (from..to).contains(&(index - 1))
+                    })
+                };
+                [half(0, parts.div_ceil(2)), half(parts.div_ceil(2), parts)].into_iter().flatten().collect()
+            }
+        }
+    }
+
+    fn is_bar(&self) -> bool {
+        matches!(self, Self::Bar(..))
     }
 
     fn too_large(&self, style: &Style) -> Error {
@@ -192,8 +213,7 @@ impl Drawing {
             Self::Headed { title, lines, below } => Some(below.select(keep)?.headed(title.clone(), lines.clone())),
             Self::Stack { rows, align } => {
                 let rows: Vec<Self> = rows.iter().filter_map(|row| row.select(keep)).collect();
-                let is_bar = |row: &Self| matches!(row, Self::Bar(..));
-                (!rows.iter().all(is_bar)).then_some(Self::Stack { rows, align: *align })
+                (!rows.iter().all(Self::is_bar)).then_some(Self::Stack { rows, align: *align })
             }
             Self::Beside(columns) => {
                 let columns: Vec<Self> = columns.iter().filter_map(|column| column.select(keep)).collect();
@@ -262,9 +282,8 @@ fn headed(title: &str, lines: &[String], below: &Drawing, room: Room) -> Page {
 fn stack(rows: &[Drawing], align: f64, room: Room) -> Page {
     let free = Room { height: f64::INFINITY, ..room };
     let natural: Vec<Page> = rows.iter().map(|row| row.laid(free)).collect();
-    let is_bar = |row: &Drawing| matches!(row, Drawing::Bar(..));
     let heights = |bars: bool| {
-        let of_kind = rows.iter().zip(&natural).filter(|(row, _)| is_bar(row) == bars);
+        let of_kind = rows.iter().zip(&natural).filter(|(row, _)| row.is_bar() == bars);
         of_kind.map(|(_, page)| page.height).sum::<f64>()
     };
     let share = (room.height - heights(true)) / heights(false);
@@ -273,7 +292,7 @@ fn stack(rows: &[Drawing], align: f64, room: Room) -> Page {
     }
     let laid = |(row, page): (&Drawing, Page)| {
         let height = page.height * share;
-        if is_bar(row) { page } else { row.laid(Room { height, ..room }) }
+        if row.is_bar() { page } else { row.laid(Room { height, ..room }) }
     };
     Page::stacked(rows.iter().zip(natural).map(laid).collect(), align)
 }

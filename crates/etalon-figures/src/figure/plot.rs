@@ -42,6 +42,10 @@ const BAR: f64 = 420.0;
 const SMALLEST: [f64; 2] = [90.0, 70.0];
 /// Largest height over width of a chart's frame on a page of limited width, where panels stand above each other.
 const FLAT: f64 = 0.55;
+/// Height of a place with a name.
+const NAME: f64 = 18.0;
+/// The least difference of what stands left of frames for which these are not in line.
+const LONG_NAMES: f64 = 60.0;
 /// The part of its own width that a frame keeps beside others.
 const NARROWEST: f64 = 0.6;
 
@@ -95,21 +99,18 @@ impl Plot {
             return self.page(&self.rows, self.frame, f64::INFINITY);
         }
         let most = if self.has_headings() { self.columns() } else { self.panels().count() };
-        let candidates = (1..=most.max(1)).map(|columns| self.fitted(columns, room));
-        // Frames are as wide as the page; on one of fixed height they are as large as they can be
-        let score = |page: &Page, [width, height]: [f64; 2]| match () {
+        // As many as fit with frames large enough; on a page of fixed height, with the largest frames
+        let score = |columns: usize, page: &Page, [width, height]: [f64; 2]| match () {
             () if page.width > room.width + 1.0 || page.height > room.height + 1.0 => -1.0,
             () if room.height.is_finite() => width.min(1.6 * height),
-            () if width >= NARROWEST * self.frame[0] => 1.0,
-            () => 0.0,
+            () if width >= NARROWEST * self.frame[0] => columns as f64,
+            () => 1.0 / columns as f64,
         };
-        let mut best: Option<(f64, Page)> = None;
-        for (page, frame) in candidates {
-            let score = score(&page, frame);
-            if best.as_ref().is_none_or(|(other, _)| score > *other || (score == 1.0 && room.height.is_infinite())) {
-                best = Some((score, page));
-            }
-        }
+        let candidate = |columns: usize| {
+            let (page, frame) = self.fitted(columns, room);
+            (score(columns, &page, frame), page)
+        };
+        let best = (1..=most.max(1)).map(candidate).max_by(|(a, _), (b, _)| a.total_cmp(b));
         best.map_or_else(|| Page::new(0.0, 0.0, PIXELS), |(_, page)| page)
     }
 
@@ -137,16 +138,14 @@ impl Plot {
         (page, frame)
     }
 
-    /// The height of a frame of this width: in proportion, as high as the room where that is limited, and as it was made where each
-    /// of its places has a name.
+    /// The height of a frame of this width: in proportion, as high as the room where that is limited, and as the names beside it need.
     fn height_of(&self, width: f64, room: f64) -> f64 {
         let [natural, height] = self.frame;
-        let is_named = self.panels().any(|panel| panel.y.is_named());
+        let places = self.panels().map(|panel| panel.y.places()).max().unwrap_or(0);
         let wanted = match () {
             () if self.is_map() => height * width / natural,
             () if room.is_finite() => room,
-            () if is_named => height,
-            () => (height * width / natural).min(FLAT * width),
+            () => (height * width / natural).min(FLAT * width).max(NAME * places as f64),
         };
         wanted.min(room)
     }
@@ -155,7 +154,14 @@ impl Plot {
         self.panels().any(|panel| panel.heatmap.is_some())
     }
 
-    fn has_headings(&self) -> bool {
+    /// Each row with its heading; a row that is alone in halves.
+    pub(super) fn rows_apart(&self) -> Vec<Self> {
+        let rows =
+            if self.rows.len() > 1 { self.rows.clone() } else { self.arranged(self.columns().div_ceil(2).max(1)) };
+        rows.into_iter().map(|row| Self { rows: vec![row], ..self.clone() }).collect()
+    }
+
+    pub(super) fn has_headings(&self) -> bool {
         self.rows.iter().any(|row| !row.heading.is_empty())
     }
 
@@ -185,11 +191,10 @@ impl Plot {
         let legends: Vec<Option<Legend>> =
             rows.iter().flat_map(|row| &row.panels).map(|p| Legend::new(&p.marks)).collect();
         let is_last = |i: usize| legends[i].is_some() && !legends[i + 1..].contains(&legends[i]);
-        let mut index = 0;
-        let mut draw_row = |row: &Row| -> Vec<Chart> {
+        let draw_row = |(number, row): (usize, &Row), width: f64| -> Vec<Chart> {
+            let before: usize = rows[..number].iter().map(|row| row.panels.len()).sum();
             let draw = |(column, panel): (usize, &Panel)| {
-                index += 1;
-                let has_own = Parts { legend: legend.is_none() && is_last(index - 1), bar: bar.is_none() };
+                let has_own = Parts { legend: legend.is_none() && is_last(before + column), bar: bar.is_none() };
                 // Names of places stand once in a row
                 let mut panel = panel.clone();
                 if column > 0 {
@@ -199,7 +204,7 @@ impl Plot {
             };
             row.panels.iter().enumerate().map(draw).collect()
         };
-        let charts: Vec<Vec<Chart>> = rows.iter().map(&mut draw_row).collect();
+        let charts: Vec<Vec<Chart>> = rows.iter().enumerate().map(|row| draw_row(row, width)).collect();
 
         // Frames line up: those of a column share what is left and right of them, those of a row what is above and below
         let count = charts.iter().map(Vec::len).max().unwrap_or(0);
@@ -208,6 +213,16 @@ impl Plot {
         };
         let columns: Vec<Sides> =
             (0..count).map(|column| around(&mut charts.iter().filter_map(|row| row.get(column)))).collect();
+        // Below each other on a page of limited size, frames take the room of long names that stand beside others only
+        let names = columns.first().map_or(0.0, |column| column.left);
+        let lefts = charts.iter().filter_map(|row| Some(row.first()?.room.left));
+        let usual = lefts.filter(|left| *left < names - LONG_NAMES).fold(0.0, f64::max);
+        let is_usual = |chart: &Chart| count == 1 && limit.is_finite() && chart.room.left <= usual;
+        let widened = |(row, charts): ((usize, &Row), Vec<Chart>)| match charts.first() {
+            Some(first) if is_usual(first) => draw_row(row, width + names - usual),
+            _ => charts,
+        };
+        let charts: Vec<Vec<Chart>> = rows.iter().enumerate().zip(charts).map(widened).collect();
         let mut page = Page::new(0.0, 0.0, PIXELS);
         let mut y = EDGE;
         for (charts, Row { heading, .. }) in charts.into_iter().zip(rows) {
@@ -222,8 +237,9 @@ impl Plot {
             let room = around(&mut charts.iter());
             let mut x = EDGE;
             for (chart, column) in charts.into_iter().zip(&columns) {
-                page.append(chart.drawing, (x + column.left).round(), (y + room.top).round());
-                x += (column.left + width + column.right + BETWEEN).ceil();
+                let (left, width) = (if is_usual(&chart) { usual } else { column.left }, chart.drawing.width);
+                page.append(chart.drawing, (x + left).round(), (y + room.top).round());
+                x += (left + width + column.right + BETWEEN).ceil();
             }
             page.width = page.width.max(x - BETWEEN + EDGE);
             y += (room.top + height + room.bottom + BETWEEN).ceil();

@@ -136,13 +136,15 @@ fn vector_address(svg: &str) -> String {
     address
 }
 
-/// Width and height that a tag gives, rounded up.
+/// Width and height in drawing units, rounded up, that a tag gives: of a drawing by its view.
 fn size(tag: &str) -> Option<[u32; 2]> {
-    let attribute = |name: &str| {
-        let value: f64 = tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok()?;
-        (value > 0.0 && value < 1e6).then(|| value.ceil() as u32)
+    let attribute = |name: &str| Some(tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0);
+    let (width, height) = match attribute("viewBox") {
+        Some(view) => view.strip_prefix("0 0 ")?.split_once(' ')?,
+        None => (attribute("width")?, attribute("height")?),
     };
-    Some([attribute("width")?, attribute("height")?])
+    let side = |text: &str| text.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 1e6).map(|v| v.ceil() as u32);
+    Some([side(width)?, side(height)?])
 }
 
 #[cfg(test)]
