@@ -54,14 +54,22 @@ fn exit_codes_say_the_verdict() {
     // What is too little to tell is no success in a report either
     let ran = run(dir.path(), &same, &["--detect", "0.01%", "--markdown", "few.md"]);
     let few = std::fs::read_to_string(dir.path().join("few.md")).unwrap();
-    assert!(ran.code == 3 && few.starts_with("## etalon compare: inconclusive\n"), "{few}");
+    assert!(
+        ran.code == 3
+            && few.starts_with("## etalon compare a0.exr (16 images) against b0.exr (16 images): inconclusive\n"),
+        "{few}"
+    );
 
     let biased = replicates(dir.path(), 16, 1.01);
     let ran = run(dir.path(), &biased, &["--junit", "t.xml", "--markdown", "t.md", "--json"]);
     assert!(ran.code == 1 && ran.stdout.contains("\"answer\":\"different\""), "{}", ran.stdout);
     assert!(std::fs::read_to_string(dir.path().join("t.xml")).unwrap().contains("<failure"));
     let markdown = std::fs::read_to_string(dir.path().join("t.md")).unwrap();
-    assert!(markdown.starts_with("## etalon compare: rejected\n") && markdown.contains("; most at "), "{markdown}");
+    assert!(markdown.contains("(16 images): rejected\n") && markdown.contains("; most at "), "{markdown}");
+    // An exposure is named between the means, too
+    let explanation =
+        serde_json::from_str::<serde_json::Value>(&ran.stdout).unwrap()["explanation"]["change"].to_string();
+    assert!(explanation.contains("multiply A by 0.99"), "{explanation}");
     // Tiles need 16 replicates.
     let few = replicates(dir.path(), 3, 1.0);
     let ran = run(dir.path(), &few, &[]);
@@ -148,4 +156,84 @@ fn common_mistakes_are_named() {
     assert_eq!(change("a.pfm"), "null");
     let ran = etalon(dir.path(), &["compare", "a.pfm", "png.png", "--relative"]);
     assert!(ran.code == 0 && ran.stderr.contains("clipped at 1"), "{}", ran.stderr);
+}
+
+#[test]
+fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let write = |name: &str, image: &Image| etalon::raster::write(&path(name), image, &Metadata::default()).unwrap();
+    let image = noisy(1, 1.0);
+    write("ref.exr", &image);
+    write("same.pfm", &image);
+    write("double.exr", &image.map(|p| 2.0 * p));
+    write("other.exr", &noisy(2, 1.0));
+    write("small.exr", &Image::new(8, 8));
+    std::fs::write(path("cut.exr"), b"v/1\x01").unwrap();
+    let all = [
+        "compare",
+        "--reference",
+        "ref.exr",
+        "--at-most",
+        "mse=.05,max_abs=0.5",
+        "--sort",
+        "mse",
+        "--junit",
+        "j.xml",
+        "--each",
+    ];
+    let good = [&all[..], &["double.exr", "other.exr", "same.pfm"]].concat();
+    let ran = etalon(dir.path(), &good);
+    assert!(ran.code == 1 && ran.stdout.contains("rejected: 1 of 3 images"), "{}{}", ran.stdout, ran.stderr);
+    let value: serde_json::Value =
+        serde_json::from_str(&etalon(dir.path(), &[&good[..], &["--json"]].concat()).stdout).unwrap();
+    let images = value["images"].as_array().unwrap();
+    let files: Vec<&str> = images.iter().map(|image| image["file"].as_str().unwrap()).collect();
+    assert_eq!(files, ["same.pfm", "other.exr", "double.exr"]);
+    assert_eq!(
+        images.iter().map(|image| image["rejected"].as_bool().unwrap()).collect::<Vec<_>>(),
+        [false, false, true]
+    );
+    assert!(images[0]["identical"] == true && images[1]["explanation"].is_null());
+    assert!(images[2]["explanation"]["change"].as_str().unwrap().starts_with("multiply A by 0.50"), "{}", images[2]);
+    let junit = std::fs::read_to_string(path("j.xml")).unwrap();
+    assert!(
+        junit.contains("tests=\"6\" failures=\"2\" errors=\"0\"") && junit.contains("double.exr against ref.exr"),
+        "{junit}"
+    );
+    // What cannot be compared is told of after the others
+    let ran = etalon(dir.path(), &[&all[..], &["cut.exr", "small.exr", "same.pfm"]].concat());
+    assert!(
+        ran.code == 2 && ran.stdout.contains("8x8") && ran.stdout.contains("the same values"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
+    let rows = std::fs::read_to_string(path("out/each-vs-ref.csv")).unwrap();
+    assert!(rows.starts_with("file,mse,rel_mse,hdr_flip,ssim,psnr,") && rows.lines().count() == 4, "{rows}");
+    assert!(std::fs::read_to_string(path("j.xml")).unwrap().contains("errors=\"2\""));
+}
+
+#[test]
+fn two_images_may_be_limited() {
+    let dir = tempfile::tempdir().unwrap();
+    replicates(dir.path(), 2, 1.0);
+    let run = |line: &str| etalon(dir.path(), &line.split(' ').collect::<Vec<_>>());
+    let ran = run("compare a0.exr b0.exr --at-most rel_mse=1e-6 --junit j.xml");
+    assert!(ran.code == 1 && ran.stdout.contains("at most 0.000001 allowed"), "{}", ran.stdout);
+    assert!(
+        std::fs::read_to_string(dir.path().join("j.xml")).unwrap().contains("a0.exr against b0.exr\" name=\"rel_mse\"")
+    );
+    assert_eq!(run("compare a0.exr b0.exr --at-most flip=.9").code, 0);
+    let same = run("compare a0.exr a0.exr --at-most mse=0");
+    assert!(same.code == 0 && same.stdout.contains("A and B are the same values"), "{}", same.stdout);
+    for (line, says) in [
+        ("compare a0.exr b0.exr --at-most ssim=.9", "larger for images that are more alike"),
+        ("compare a0.exr b0.exr --junit j.xml", "--at-most"),
+        ("compare --each a0.exr", "--reference"),
+        ("compare a0.exr --each a1.exr --reference b0.exr", "cannot be used with"),
+    ] {
+        let ran = run(line);
+        assert!(ran.code == 2 && ran.stderr.contains(says), "{line}: {}", ran.stderr);
+    }
 }

@@ -151,6 +151,77 @@ fn our_own_program_as_a_renderer_is_as_efficient_as_its_strategy() {
     assert_eq!(table.lines().count(), 1 + 6 * (9 + 5));
 }
 
+/// Two renderers without a scene, one of which is 10 % too bright: by images that are given.
+#[cfg(unix)]
+#[test]
+fn renderers_need_no_scene() {
+    use etalon::raster::{Image, Metadata, write};
+    use etalon::sampling::stream::{Independent, Stream};
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let image = |seed: u64, spp: u32, scale: f32| {
+        let noise = |i: u64| (Independent::new(seed, i, 0).pair(0)[0] as f32 - 0.5) / (spp as f32).sqrt();
+        Image::from_fn(12, 8, |x, y| glam::Vec3::splat(scale * (1.0 + noise((12 * y + x) as u64))))
+    };
+    for spp in [1, 4, 16, 64, 256] {
+        for seed in 1..=8 {
+            write(
+                &path(&format!("good-{spp}-{seed}.pfm")),
+                &image(seed + 100 * u64::from(spp), spp, 1.0),
+                &Metadata::default(),
+            )
+            .unwrap();
+            write(
+                &path(&format!("bright-{spp}-{seed}.pfm")),
+                &image(seed + 101 * u64::from(spp), spp, 1.1),
+                &Metadata::default(),
+            )
+            .unwrap();
+        }
+    }
+    write(&path("ref.exr"), &image(1, u32::MAX, 1.0), &Metadata::default()).unwrap();
+    let renderer = |name: &str| format!("{name}=sh -c \"cp {name}-$0-$1.pfm $2\" {{spp}} {{seed}} {{out}}");
+    let (good, bright) = (renderer("good"), renderer("bright"));
+    let args = [
+        "converge",
+        "--renderer",
+        &good,
+        "--reference",
+        "ref.exr",
+        "--max-spp",
+        "256",
+        "--replicates",
+        "8",
+        "--budget",
+        "60",
+    ];
+    let ran = etalon(folder.path(), &[&args[..], &["--junit", "j.xml"]].concat());
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    assert!(
+        path("out/good-converge.csv").is_file() && !ran.stdout.contains("NaN") && !ran.stdout.contains("inf "),
+        "{}",
+        ran.stdout
+    );
+    let ran = etalon(folder.path(), &[&args[..], &["--renderer", &bright, "--markdown", "m.md"]].concat());
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+    let markdown = std::fs::read_to_string(path("m.md")).unwrap();
+    assert!(
+        markdown.starts_with("## etalon converge good-bright: rejected\n") && markdown.contains("mean +10."),
+        "{markdown}"
+    );
+    for (args, says) in [
+        (&["converge"][..], "required"),
+        (&["converge", "--renderer", &good], "--reference: without a scene"),
+        (&["converge", "--renderer", &good, "--reference", "mis"], "is no file and no renderer"),
+        (&["converge", "--renderer", &good, "--reference", "good"], "it is the size of the images"),
+        (&["converge", "--renderer", &good, "--reference", "ref.exr", "--alpha", "0.5"], "it changes a scene"),
+        (&["converge", "cornell-lambert", "--junit", "j.xml"], "--renderer"),
+    ] {
+        let ran = etalon(folder.path(), args);
+        assert!(ran.code == 2 && ran.stderr.contains(says), "{args:?}: {}", ran.stderr);
+    }
+}
+
 /// Planted faults of renderers: each is found and named, and the others are measured all the same.
 #[cfg(unix)]
 #[test]

@@ -43,7 +43,9 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
     let significance = |of: &Structure| of.energy / of.error;
     let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])))?;
     if !(significance(&before[main]) > BEYOND) {
-        return None;
+        // Noise alone, but the same noise elsewhere?
+        let same = rearranged(a).into_iter().find(|(_, image, _)| a != b && image() == *b);
+        return same.map(|(change, ..)| Explanation { change, mse_left: 0.0, leaves_noise: true });
     }
     let try_one = |change: String, a: &Image, b: &Image| {
         let after = grid.structure(a, b);
@@ -59,18 +61,19 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let top = clamp_level(a, b);
     let clamp = |level: f32| clamped(b, level);
-    let plain = || candidates(a, b, &grid, None).into_iter().filter_map(|(change, a, _)| try_one(change, &a, b));
-    let clamped = || {
+    let plain =
+        || candidates(a, b, &grid, None).into_iter().filter_map(|(change, image, _)| try_one(change, &image(), b));
+    let with_clamp = || {
         let top = top?;
         let alone = try_one(format!("clamp B at {top}: no value of A is larger"), a, &clamp(top));
-        let one = |(change, image, undo): Candidate| {
-            try_one(format!("{change}, and clamp B: no value of A is larger than {top}"), &image, &clamp(undo(top)))
+        let one = |(change, image, undo): Candidate<'_>| {
+            try_one(format!("{change}, and clamp B: no value of A is larger than {top}"), &image(), &clamp(undo(top)))
         };
         alone.or_else(|| least(candidates(a, b, &grid, Some(top)).into_iter().filter_map(one)))
     };
     let mut found = least(plain());
     if found.as_ref().is_none_or(|(_, found)| !found.leaves_noise) {
-        found = least(found.into_iter().chain(clamped()));
+        found = least(found.into_iter().chain(with_clamp()));
     }
     let (_, found) = found.or_else(|| {
         let [red, green, blue] = [0, 1, 2].map(|c| grid.factor(a, b, &[c], None));
@@ -92,49 +95,64 @@ fn mse(a: &Image, b: &Image) -> f64 {
     errors.filter(|e| e.is_finite()).sum()
 }
 
-/// A change in words, the changed image, and what it does to a value.
-type Candidate = (String, Image, Box<dyn Fn(f32) -> f32>);
+/// A change in words, what makes the changed image (one at a time: images may be large), and what it does to a value.
+type Candidate<'a> = (String, Box<dyn Fn() -> Image + 'a>, Box<dyn Fn(f32) -> f32 + 'a>);
 
-fn candidates(a: &Image, b: &Image, grid: &Grids, top: Option<f32>) -> Vec<Candidate> {
-    let (width, height) = (a.width(), a.height());
-    let moved = |at: &dyn Fn(usize, usize) -> [usize; 2]| {
-        Image::from_fn(width, height, |x, y| {
-            let [x, y] = at(x, y);
-            a.get(x, y)
-        })
-    };
+/// Turns of A, and its channels in another order.
+fn rearranged(a: &Image) -> Vec<Candidate<'_>> {
+    let (right, down) = (a.width() - 1, a.height() - 1);
     let mut list: Vec<Candidate> = Vec::new();
-    let mut add = |change: &str, image: Image| list.push((change.to_owned(), image, Box::new(|v| v)));
-    let (right, down) = (width - 1, height - 1);
-    add("flip A left to right", moved(&|x, y| [right - x, y]));
-    add("flip A upside down", moved(&|x, y| [x, down - y]));
-    add("rotate A by 180°", moved(&|x, y| [right - x, down - y]));
-    if width == height {
-        add("transpose A: swap its rows and columns", moved(&|x, y| [y, x]));
-        add("rotate A by 90° clockwise", moved(&|x, y| [y, right - x]));
-        add("rotate A by 90° counterclockwise", moved(&|x, y| [right - y, x]));
-        add("transpose A and rotate it by 180°", moved(&|x, y| [right - y, right - x]));
+    let mut moved = |change: &str, at: fn([usize; 2], [usize; 2]) -> [usize; 2]| {
+        let image = move || {
+            Image::from_fn(a.width(), a.height(), |x, y| {
+                let [x, y] = at([x, y], [right, down]);
+                a.get(x, y)
+            })
+        };
+        list.push((change.into(), Box::new(image), Box::new(|v| v)));
+    };
+    moved("flip A left to right", |[x, y], [right, _]| [right - x, y]);
+    moved("flip A upside down", |[x, y], [_, down]| [x, down - y]);
+    moved("rotate A by 180°", |[x, y], [right, down]| [right - x, down - y]);
+    if right == down {
+        moved("transpose A: swap its rows and columns", |[x, y], _| [y, x]);
+        moved("rotate A by 90° clockwise", |[x, y], [right, _]| [y, right - x]);
+        moved("rotate A by 90° counterclockwise", |[x, y], [right, _]| [right - y, x]);
+        moved("transpose A and rotate it by 180°", |[x, y], [right, _]| [right - y, right - x]);
     }
-    for (what, order) in [
+    for (change, order) in [
         ("swap red and blue of A", [2, 1, 0]),
         ("swap red and green of A", [1, 0, 2]),
         ("swap green and blue of A", [0, 2, 1]),
         ("rotate the channels of A: its R, G, B are G, B, R of B", [2, 0, 1]),
         ("rotate the channels of A: its R, G, B are B, R, G of B", [1, 2, 0]),
     ] {
-        add(what, a.map(|p| Rgb::from_array(order.map(|c| p[c]))));
+        let image = move || a.map(|p| Rgb::from_array(order.map(|c| p[c])));
+        list.push((change.into(), Box::new(image), Box::new(|v| v)));
     }
+    list
+}
+
+/// All single changes; of a B that will be clamped to what they make of `top`, if there is one.
+fn candidates<'a>(a: &'a Image, b: &Image, grid: &Grids, top: Option<f32>) -> Vec<Candidate<'a>> {
+    let mut list = rearranged(a);
     if let Some([dx, dy]) = shift(a, b, grid) {
+        let (width, height) = (a.width(), a.height());
         let from = |at: usize, by: isize, length: usize| at.checked_add_signed(by).filter(|at| *at < length);
-        let image = Image::from_fn(width, height, |x, y| match (from(x, dx, width), from(y, dy, height)) {
-            (Some(x), Some(y)) => a.get(x, y),
-            _ => Rgb::NAN,
-        });
-        add(&format!("shift A by {} pixels in x and {} in y", -dx, -dy), image);
+        let image = move || {
+            Image::from_fn(width, height, |x, y| match (from(x, dx, width), from(y, dy, height)) {
+                (Some(x), Some(y)) => a.get(x, y),
+                _ => Rgb::NAN,
+            })
+        };
+        let change = format!("shift A by {} pixels in x and {} in y", -dx, -dy);
+        list.push((change, Box::new(image), Box::new(|v| v)));
     }
     let mut by_value = |change: String, f: Box<dyn Fn(f32) -> f32>| {
-        let image = a.map(|p| Rgb::from_array(p.to_array().map(&f)));
-        list.push((change, image, f));
+        let f = std::rc::Rc::new(f);
+        let of_image = f.clone();
+        let image = move || a.map(|p| Rgb::from_array(p.to_array().map(|v| of_image(v))));
+        list.push((change, Box::new(image), Box::new(move |v| f(v))));
     };
     for (change, f) in [
         ("undo the sRGB curve in A: its values are encoded, those of B linear", linear_from_srgb as fn(f32) -> f32),
