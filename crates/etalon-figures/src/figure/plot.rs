@@ -120,22 +120,32 @@ impl Plot {
         let columns = rows.iter().map(|row| row.panels.len()).max().unwrap_or(1).max(1) as f64;
         let cell = (room.width - 2.0 * EDGE - BETWEEN * (columns - 1.0)) / columns;
         let share = room.height / rows.len() as f64;
+        let smallest = self.smallest(room);
         let mut frame = [cell, self.height_of(cell, share)];
         let mut page = self.page(&rows, frame, cell.max(SMALLEST[0]));
         // What stands around the frames hardly depends on their size
         for _ in 0..8 {
             let [wide, high] = [page.width - room.width, page.height - room.height];
-            if (wide <= 0.0 && high <= 0.0) || frame == SMALLEST {
+            if (wide <= 0.0 && high <= 0.0) || frame == smallest {
                 break;
             }
-            let width = (frame[0] - (wide / columns).max(0.0)).floor().max(SMALLEST[0]);
+            let width = (frame[0] - (wide / columns).max(0.0)).floor().max(smallest[0]);
             let height = self.height_of(width, frame[1] - (high / rows.len() as f64).max(0.0)).floor();
             // Images keep their shape
             let width = if self.is_map() { width.min(height * self.frame[0] / self.frame[1]) } else { width };
-            frame = [width, height.max(SMALLEST[1])];
+            frame = [width.max(smallest[0]), height.max(smallest[1])];
             page = self.page(&rows, frame, cell.max(SMALLEST[0]));
         }
         (page, frame)
+    }
+
+    /// The smallest frame: of several on a slide, of which some may go to another one, not much smaller than it was made.
+    fn smallest(&self, room: Room) -> [f64; 2] {
+        let [width, height] = self.frame;
+        match room.height.is_finite() && !self.is_single() {
+            true => [SMALLEST[0].max(0.4 * width), SMALLEST[1].max(0.4 * height)],
+            false => SMALLEST,
+        }
     }
 
     /// The height of a frame of this width: in proportion, as high as the room where that is limited, and as the names beside it need.
