@@ -16,7 +16,7 @@ const WIDEST: usize = 640;
 const WIDEST_ROW: usize = 2000;
 /// Narrowest cell, and lowest image, on a page of limited size.
 const NARROWEST: f64 = 110.0;
-const LOWEST: f64 = 60.0;
+const LOWEST: f64 = 100.0;
 const EDGE: f64 = 12.0;
 const GAP: f64 = 14.0;
 const LINE: f64 = 16.0;
