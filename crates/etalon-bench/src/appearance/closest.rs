@@ -10,8 +10,14 @@ use serde::Serialize;
 
 /// Values that are tried of each parameter in a round.
 const STEPS: usize = 16;
-/// Widths of the rounds, in parts of the range of a parameter.
-const WIDTHS: [f64; 5] = [1.0, 1.0, 0.25, 0.06, 0.015];
+/// Widths of the rounds, in parts of the range of a parameter, and most rounds of each: where the effects of two parameters are alike,
+/// many short steps lead along the valley.
+const WIDTHS: [f64; 4] = [1.0, 0.25, 0.06, 0.015];
+const ROUNDS: usize = 12;
+/// A round that leaves more of the difference is the last of its width.
+const PROGRESS: f64 = 0.999;
+/// Of models whose differences are larger than the least by no more, the one with the fewest parameters is chosen.
+const AS_CLOSE: f64 = 0.005;
 /// Angles of `wo` with the normal, in degrees, and its azimuths, which tell apart the widths along x and y.
 const ANGLES: [f64; 4] = [10.0, 35.0, 60.0, 80.0];
 const AZIMUTHS: [[f64; 2]; 2] = [[0.96, 0.28], [-0.28, 0.96]];
@@ -91,24 +97,27 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
             return Ok(None);
         }
         let mut least = difference(family, &shares)?;
-        for (round, width) in WIDTHS.into_iter().enumerate() {
-            for (i, parameter) in parameters.iter().enumerate() {
-                let middle = shares[i].clamp(0.5 * width, 1.0 - 0.5 * width);
-                for step in 0..=STEPS {
-                    let mut tried = shares.clone();
-                    let share = middle + width * (step as f64 / STEPS as f64 - 0.5);
-                    tried[i] = share;
+        for width in WIDTHS {
+            for round in 0..ROUNDS {
+                let before = least;
+                for (i, parameter) in parameters.iter().enumerate() {
+                    let middle = shares[i].clamp(0.5 * width, 1.0 - 0.5 * width);
                     // At first both widths of a surface together
+                    let stem = parameter.name.strip_suffix("_x").filter(|_| width == 1.0 && round == 0);
                     let across =
-                        parameter.name.strip_suffix("_x").filter(|_| round == 0).map(|stem| format!("{stem}_y"));
-                    if let Some(k) = across.and_then(|across| parameters.iter().position(|other| other.name == across))
-                    {
-                        tried[k] = share;
+                        stem.and_then(|stem| parameters.iter().position(|other| other.name == format!("{stem}_y")));
+                    for step in 0..=STEPS {
+                        let mut tried = shares.clone();
+                        let share = middle + width * (step as f64 / STEPS as f64 - 0.5);
+                        [Some(i), across].into_iter().flatten().for_each(|k| tried[k] = share);
+                        let found = difference(family, &tried)?;
+                        if found < least {
+                            (shares, least) = (tried, found);
+                        }
                     }
-                    let found = difference(family, &tried)?;
-                    if found < least {
-                        (shares, least) = (tried, found);
-                    }
+                }
+                if least > PROGRESS * before {
+                    break;
                 }
             }
         }
@@ -118,7 +127,13 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
     };
     let families = families::all();
     let models = families.par_iter().map(fitted).collect::<Result<Vec<_>>>()?;
-    let best = models.into_iter().flatten().min_by(|a, b| a.difference.total_cmp(&b.difference));
+    let models: Vec<Model> = models.into_iter().flatten().collect();
+    let least = models.iter().map(|model| model.difference).fold(f64::INFINITY, f64::min);
+    let as_close = models.into_iter().filter(|model| model.difference <= least + AS_CLOSE);
+    let best = as_close.min_by(|a, b| {
+        let parameters = a.parameters.len().cmp(&b.parameters.len());
+        parameters.then(a.difference.total_cmp(&b.difference))
+    });
     best.ok_or_else(|| Error::input(name.as_ref(), "there is no model to compare it with"))
 }
 
