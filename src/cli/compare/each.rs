@@ -16,7 +16,7 @@ use etalon_figures::view::text::{counted, rounded};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// An image and what came of it.
@@ -114,7 +114,7 @@ impl Compare {
     }
 
     /// Compares one image; of it, only what the sheet shows is kept.
-    fn entry(&self, path: &PathBuf, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
+    fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
             let measured = measure(path, &a.image, reference, &b.image)?;
             let is_rejected = !self.is_within(&measured);

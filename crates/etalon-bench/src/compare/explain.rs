@@ -1,6 +1,6 @@
 //! What would explain the difference of two images: a turn, another order of channels, an exposure, a transfer function, a shift, a clamp.
 //!
-//! An edit explains a difference if undoing it leaves nothing but noise. Noise and differences are told apart by products of
+//! An edit explains a difference if undoing it leaves nothing but noise. Noise is distinguished from differences by products of
 //! the residual's means over blocks of pixels two blocks apart: their expectation is 0 for noise, whatever its distribution, also if a
 //! filter correlates neighbouring pixels, and positive for a difference that goes on over several pixels. Differences of
 //! neighbouring pixels give the variance of these products.
@@ -9,6 +9,8 @@ use etalon_core::math::Rgb;
 use etalon_core::raster::{Image, linear_from_srgb, srgb_from_linear};
 use etalon_stats::Extremes;
 use serde::Serialize;
+use std::cmp::Ordering;
+use std::rc::Rc;
 
 /// A change of image `a` after which its difference from `b` is noise, or next to nothing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,8 +44,9 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
     let before = grid.structure(a, b);
     let significance = |of: &Structure| of.energy / of.error;
     let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])))?;
-    if !(significance(&before[main]) > BEYOND) {
-        // Noise alone, but the same noise elsewhere?
+    let is_noise_alone = significance(&before[main]).partial_cmp(&BEYOND) != Some(Ordering::Greater);
+    if is_noise_alone {
+        // The same noise elsewhere?
         let same = rearranged(a).into_iter().find(|(_, image, _)| a != b && image() == *b);
         return same.map(|(change, ..)| Explanation { change, mse_left: 0.0, leaves_noise: true });
     }
@@ -149,7 +152,7 @@ fn candidates<'a>(a: &'a Image, b: &Image, grid: &Grids, top: Option<f32>) -> Ve
         list.push((change, Box::new(image), Box::new(|v| v)));
     }
     let mut by_value = |change: String, f: Box<dyn Fn(f32) -> f32>| {
-        let f = std::rc::Rc::new(f);
+        let f = Rc::new(f);
         let of_image = f.clone();
         let image = move || a.map(|p| Rgb::from_array(p.to_array().map(|v| of_image(v))));
         list.push((change, Box::new(image), Box::new(move |v| f(v))));
@@ -184,7 +187,8 @@ fn clamp_level(a: &Image, b: &Image) -> Option<f32> {
 
 /// Where a falling function is 0; nothing where it has one sign.
 fn root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
-    if !(f(low) > 0.0 && f(high) < 0.0) {
+    let has_root = f(low) > 0.0 && f(high) < 0.0;
+    if !has_root {
         return None;
     }
     for _ in 0..HALVINGS {
