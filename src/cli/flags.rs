@@ -145,13 +145,14 @@ mod tests {
     use std::path::Path;
 
     /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
-    const OF_CALLERS: [&str; 14] = [
+    const OF_CALLERS: [&str; 15] = [
         "SIGMA",
         "cells",
         "dimension",
         "figure",
         "figure size",
         "films",
+        "format",
         "heat map",
         "images",
         "layers",

@@ -69,7 +69,7 @@ fn numbers_out_of_range() {
         ("fresnel --eta-t=-1", &["--eta-t: -1 ", "hint: "]),
         ("fresnel --eta-t NaN", &["--eta-t: NaN ", "hint: "]),
         ("fresnel --eta-t inf", &["--eta-t: inf ", "hint: "]),
-        ("fresnel --eta-t glass", &["--eta-t", "glass"]),
+        ("fresnel --eta-t Au", &["--eta-t", "Au", "--list"]),
         ("fresnel --k -1", &["--k: -1 ", "hint: "]),
         ("fresnel --k NaN", &["--k: NaN ", "hint: "]),
         ("fresnel --points 0", &["--points: 0 ", "hint: "]),

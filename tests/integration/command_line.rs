@@ -216,10 +216,11 @@ fn envmap_sample() {
         assert_ne!(first, csv(out, other), "{other:?}");
     }
     let (header, rows) = table(&dir.path().join("a/constant-samples-20.csv"));
-    assert_eq!((header.as_str(), rows.len()), ("x,y,dir_x,dir_y,dir_z,pdf,r,g,b", 20));
+    assert_eq!((header.as_str(), rows.len()), ("x,y,dir_x,dir_y,dir_z,pdf,solid_angle,r,g,b", 20));
     for r in rows {
         assert!((0.0..64.0).contains(&r[0]) && (0.0..32.0).contains(&r[1]), "{r:?}");
         assert!((r[2].hypot(r[3]).hypot(r[4]) - 1.0).abs() < 1e-6 && (r[5] * 4.0 * PI - 1.0).abs() < 1e-6, "{r:?}");
+        assert!((r[6] * 20.0 / (4.0 * PI) - 1.0).abs() < 1e-6, "{r:?}");
     }
     let args = ["envmap", "sample", "onehot", "-n", "9", "--sampler", "cosine", "-o", "f/any.svg"];
     let files = assert_files(dir.path(), &json(dir.path(), &args)["results"][0]);
@@ -228,7 +229,8 @@ fn envmap_sample() {
 
 #[test]
 fn envmap_cut() {
-    const HEADER: &str = "x0,y0,x1,y1,centroid_x,centroid_y,dir_x,dir_y,dir_z,flux_r,flux_g,flux_b,energy";
+    const HEADER: &str =
+        "x0,y0,x1,y1,centroid_x,centroid_y,dir_x,dir_y,dir_z,flux_r,flux_g,flux_b,energy,solid_angle,r,g,b";
     let dir = folder();
     let colour = |x: usize, y: usize| Rgb::new((x * 7 % 48) as f32, (y * y) as f32, if x == 40 { 3e4 } else { 0.5 });
     write(&dir.path().join("map.pfm"), &Image::from_fn(48, 24, colour), &Metadata::default()).unwrap();
@@ -250,6 +252,10 @@ fn envmap_cut() {
             assert_eq!((header.as_str(), rows.len()), (HEADER, n), "{extra:?}");
             let texels: f64 = rows.iter().map(|r| (r[2] - r[0]) * (r[3] - r[1])).sum();
             assert_eq!(texels, 48.0 * 24.0, "{extra:?}: the regions tile the map");
+            assert_eq!(result["lights"].as_array().unwrap().len(), n);
+            for (row, light) in rows.iter().zip(result["lights"].as_array().unwrap()) {
+                assert!((number(light, "r") * number(light, "solid_angle") / row[9] - 1.0).abs() < 1e-9, "{light}");
+            }
             for c in 0..3 {
                 let flux = info["flux_rgb"][c].as_f64().unwrap();
                 assert!((rows.iter().map(|r| r[9 + c]).sum::<f64>() / flux - 1.0).abs() < 1e-9, "{extra:?}");

@@ -89,7 +89,12 @@ fn words(line: &str) -> Vec<String> {
 /// `VALUE` stands for the value, `FILTER COLUMN EXAMPLE` for an example whose answers have it in that column.
 type Entry = (&'static str, &'static [(&'static str, i32, &'static str)]);
 
-const ENTRIES: [Entry; 9] = [
+const ENTRIES: [Entry; 11] = [
+    ("etalon validate examples/my_sampler.py", &[("validate --detect 0.2 --domain line mine.py", 1, "reject")]),
+    (
+        "etalon render sphere-env --exec 'python3 examples/bsdf.py'",
+        &[("render sphere-env -r 8 8 -s 2 --exec |FILTER 3 bsdf.py|", 2, "not finite")],
+    ),
     (
         "etalon validate --exec 'python3 examples/sampler.py'",
         &[
@@ -180,6 +185,7 @@ fn every_entry_point_says_what_it_does_with_numbers_that_are_none() {
     for (value, number) in VALUES {
         let folder = folder(number);
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("mine.py", &format!("def sample(u):\n    return float('{value}')\n\n\ndef pdf(x):\n    return 1.0\n"));
         write("samples.csv", &format!("x\n0.5\n{value}\n0.25\n"));
         write("good.csv", "x\n0.5\n0.75\n0.25\n");
         write("pdf.csv", "1\n1\n");
