@@ -168,7 +168,7 @@ impl Found {
         let worst = compared.families.iter().filter(|family| family.adjusted_p.is_some_and(|p| p < level));
         let place = |worst: &etalon::study::compare::Tested| {
             let [a, b] = worst.means;
-            format!("{}, {}: {a:.6} and {b:.6}", worst.functional, compared.channels[worst.channel])
+            format!("{}, channel {}: {a:.6} and {b:.6}", worst.functional, compared.channels[worst.channel])
         };
         let places = worst.filter_map(|family| family.worst.as_ref()).map(place).collect();
         Self {

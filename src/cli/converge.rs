@@ -190,7 +190,8 @@ impl Converge {
             let table = output::with_extension(&replicates, "csv");
             let rows = output::csv(&view::replicate_rows(&result))?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
-            saving.add(view::images(&result).write(&images, &style));
+            // Panels are those of the curves
+            saving.add(view::images(&result).write(&images, &style.with_all_panels()));
         }
         let checks = Checks {
             title: format!("etalon converge {}", result.scene),

@@ -93,7 +93,12 @@ impl Stability {
             return Err(Error::Interrupted);
         }
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::worst_cases(&result.rows), &style, &output::csv(&result.rows)?));
+        saving.add(output::write(
+            &stem,
+            &view::worst_cases(&result.rows),
+            &style.clone().with_all_panels(),
+            &output::csv(&result.rows)?,
+        ));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
             saving.add(view::maps(&result.sweeps).write(&maps_stem, &style));
         }

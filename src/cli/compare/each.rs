@@ -168,7 +168,9 @@ impl Compare {
             line + &about(entry).into_iter().map(|about| format!("  {about}\n")).collect::<String>()
         });
         if !self.at_most.is_empty() {
-            text += &format!("rejected: {rejected} of {}\n", counted(entries.len(), "image"));
+            text += &format!("rejected: {rejected} of {}", counted(entries.len(), "image"));
+            let unreadable = entries.iter().filter(|entry| entry.result.is_err()).count();
+            text += &if unreadable > 0 { format!("; {unreadable} not compared\n") } else { "\n".to_owned() };
         }
         text
     }

@@ -10,7 +10,7 @@ use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::compare as view;
 use etalon_figures::view::compare::{sentence, text};
-use etalon_figures::view::text::{p_is, rounded};
+use etalon_figures::view::text::p_is;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -173,11 +173,12 @@ fn check(compared: &Compared, sides: &str, family: &FamilyResult) -> Check {
         (_, Some(_)) => Some(etalon_stats::Verdict::Accept),
     };
     let p = family.adjusted_p.map_or(family.untested.unwrap_or("nothing that can be tested").into(), p_is);
-    let worst = family.worst.map_or(String::new(), |test| {
-        let ([a, b], channel) = (test.means.map(|mean| rounded(mean, 5)), compared.channels[test.channel]);
-        format!("; most at {}, {channel}: A {a}, B {b}", test.functional)
-    });
-    let message = format!("{p}{worst}; {} of {} dominated by a few samples", family.dominated, family.tests.len());
+    let most = view::most(compared, family).map_or(String::new(), |most| format!("; {most}"));
+    let dominated = match family.dominated {
+        0 => String::new(),
+        count => format!("; {count} of {} dominated by a few samples", family.tests.len()),
+    };
+    let message = format!("{p}{most}{dominated}");
     Check {
         group: sides.to_owned(),
         name: family.family.name().into(),

@@ -88,7 +88,11 @@ pub struct Compare {
 impl Compare {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         match (self.a.as_slice(), &self.reference) {
-            (_, Some(reference)) => self.measure_each(reference, global, console),
+            ([], Some(reference)) => self.measure_each(reference, global, console),
+            (_, Some(_)) => {
+                Err(Error::parameter("reference", "it is the reference of the images of `each`, and there are none")
+                    .with_hint("give the images by `each`; to compare two, give one after the other"))
+            }
             _ if !self.against.is_empty() => self.test(global, console),
             ([a, b], None) => self.measure(a, b, global, console),
             (images, None) => {

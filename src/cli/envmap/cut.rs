@@ -74,6 +74,7 @@ impl Cut {
         let one = |(&n, rows): (&usize, Vec<RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
+            let style = style.clone().or_title(&format!("{} of {name}", counted(rows.len(), "region")));
             let mut files = output::write(&stem, &display.partition(&rows), &style, &output::csv(&rows)?)?;
             // Half a million regions take seconds to draw.
             interrupt::check()?;

@@ -107,6 +107,7 @@ impl Sample {
             }
             let window = self.look.window as usize;
             let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
+            let style = style.clone().or_title(&format!("{} of {name}", counted(samples.rows.len(), "sample")));
             let mut files =
                 output::write(&stem, &display.samples(&samples.rows, window), &style, &output::csv(&samples.rows)?)?;
             // Many markers take seconds to draw.

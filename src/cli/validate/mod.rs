@@ -108,7 +108,7 @@ impl Validate {
         bar.finish_and_clear();
         let mut saving = Saving::default();
         let table = output::csv(&view::rows(&validation))?;
-        saving.add(output::write(&stem, &view::drawing(&validation), &style, &table));
+        saving.add(output::write(&stem, &view::drawing(&validation), &style.clone().with_all_panels(), &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {

@@ -116,6 +116,18 @@ impl Style {
         })
     }
 
+    /// The same, with this title if it has none.
+    #[must_use]
+    pub fn or_title(self, title: &str) -> Self {
+        if self.title.is_empty() { Self { title: title.to_owned(), ..self } } else { self }
+    }
+
+    /// The same for a figure with other panels, all of which are shown.
+    #[must_use]
+    pub fn with_all_panels(self) -> Self {
+        Self { panels: Vec::new(), ..self }
+    }
+
     /// The width of the page in millimetres.
     pub(super) fn width_mm(&self) -> f64 {
         self.room.width * self.unit / CSS_PER_MM

@@ -6,7 +6,7 @@ use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use etalon_bench::compare::{
-    Answer, Bias, Compared, Explanation, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
+    Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
 };
 use etalon_bench::table::Table;
 use etalon_core::math::Rgb;
@@ -270,7 +270,7 @@ fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
     let largest = values.iter().filter(|z| z.is_finite()).fold(5.0_f64, |m, z| m.max(z.abs())).min(10.0);
     // The last tiles of a row or column may reach beyond the image.
     let (width, height) = (columns * compared.tile_side, rows * compared.tile_side);
-    let label = "z of the channel that differs most; grey: not tested";
+    let label = "z, channel that differs most";
     let map = Heatmap::new(columns, values, Shading::Diverging, label).range(-largest, largest);
     pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
 }
@@ -334,8 +334,8 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         let Some(worst) = worst else { continue };
         let [mean_a, mean_b] = worst.means.map(|mean| format!("{mean:.4}"));
         let channel = compared.channels[worst.channel];
-        cells.push((format!("{}: image A, {channel} = {mean_a}", i + 1), shown(&a)));
-        cells.push((format!("image B, {channel} = {mean_b}"), shown(&b)));
+        cells.push((format!("{}: image A, channel {channel}: {mean_a}", i + 1), shown(&a)));
+        cells.push((format!("image B, channel {channel}: {mean_b}"), shown(&b)));
         let p = compared.families[2].adjusted(worst);
         cells.push((format!("A − B, ±{limit:.2e}; corrected {}", p_value(p)), map.image()));
     }
@@ -353,6 +353,14 @@ fn bias(compared: &Compared, family: &FamilyResult, test: &Tested) -> String {
     };
     let percent = |share: f64| format!("{:+.2}", 100.0 * share);
     format!("{} % ({} to {} %)", percent(value), percent(low), percent(high))
+}
+
+/// Where and by how much the images differ most, by the tests of a family.
+pub fn most(compared: &Compared, family: &FamilyResult) -> Option<String> {
+    let worst = family.worst?;
+    let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
+    let bias = bias(compared, family, &worst);
+    Some(format!("most at {}, channel {channel}: A {a}, B {b}, {bias}", worst.functional))
 }
 
 /// The verdict in words.
@@ -376,11 +384,15 @@ pub fn sentence(compared: &Compared) -> String {
             )
         }
         (Answer::Different, _) => {
+            // The mean of the image, if it differs: that is what a bias is
+            let level = compared.plan.level;
             let worst = compared.families.iter().filter_map(|family| Some((family, family.adjusted_p?, family.worst?)));
-            worst.min_by(|a, b| a.1.total_cmp(&b.1)).map_or("different".into(), |(family, _, test)| {
+            let rank = |(family, p, _): &(&FamilyResult, f64, Tested)| (family.family != Family::Mean || *p >= level, *p);
+            let worst = worst.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
+            worst.map_or("different".into(), |(family, _, test)| {
                 let (at, channel) = (test.functional, compared.channels[test.channel]);
                 let of = if compared.bias(family, &test).is_some() { " of the mean of image B" } else { "" };
-                format!("different: most at {at}, {channel}: A − B is {}{of}", bias(compared, family, &test))
+                format!("different: most at {at}, channel {channel}: A − B is {}{of}", bias(compared, family, &test))
             })
         }
         _ if compared.noise_hides_difference => {
@@ -424,13 +436,11 @@ pub fn text(compared: &Compared) -> String {
     if compared.non_finite > 0 {
         text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
     }
-    let told = |family: &FamilyResult| match (family.untested, family.adjusted_p.zip(family.worst)) {
+    let told = |family: &FamilyResult| match (family.untested, family.adjusted_p.zip(most(compared, family))) {
         (Some(reason), _) => format!("not tested: {reason}"),
-        (None, Some((p, worst))) => {
+        (None, Some((p, most))) => {
             let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
-            let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
-            let bias = bias(compared, family, &worst);
-            format!("{p:<12} of {tests}; most at {}, {channel}: A {a}, B {b}, {bias}", worst.functional)
+            format!("{p:<12} of {tests}; {most}")
         }
         (None, None) => "nothing that can be tested".into(),
     };

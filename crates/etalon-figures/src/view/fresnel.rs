@@ -80,19 +80,10 @@ fn index(eta: f64) -> String {
     rounded(eta, 5).trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// What happens beyond the critical angle.
+/// Beyond the critical angle.
 fn total_reflection(panel: Panel, critical: f64) -> Panel {
-    let lines = [
-        (0.74, "total internal reflection"),
-        (0.65, "/{R} = 1,  /{T} = 0"),
-        (0.50, "outside: an evanescent"),
-        (0.41, "wave, which decays"),
-        (0.32, "exponentially and carries"),
-        (0.23, "no power away"),
-    ];
     let middle = 0.5 * (critical + 90.0);
-    let panel = panel.shade(critical, 90.0, theme::TOTAL_REFLECTION);
-    lines.into_iter().fold(panel, |panel, (y, text)| panel.note([middle, y], text, theme::INK))
+    panel.shade(critical, 90.0, theme::TOTAL_REFLECTION).note([middle, 0.6], "total internal reflection", theme::INK)
 }
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
