@@ -9,7 +9,7 @@ use super::map_file::{self, MapOptions};
 use crate::cli::style::StyleArgs;
 use clap::Args;
 use etalon_bench::validation::{Tested, Validation, run, select, suite};
-use etalon_core::error::Result;
+use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::figure::Style;
 use etalon_figures::output::{self, Saving};
@@ -19,7 +19,7 @@ use etalon_stats::{Protocol, SampleCount};
 use external::{SampleSource, Subject};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Test samplers against their pdfs
 #[derive(Args)]
@@ -154,7 +154,13 @@ impl Validate {
             let source = map_file::load(name, self.options, console)?;
             all.extend(suite::maps::of_map(&map_file::short_name(name), source.map));
         }
-        select(all, &self.names).map(Subject::Cases)
+        // A file without the end of its name?
+        let file = self.names.iter().map(|name| format!("{name}.py")).find(|file| Path::new(file).is_file());
+        let meant = |error: Error| match &file {
+            Some(file) => error.with_hint(format!("to test the file, give {file}")),
+            None => error,
+        };
+        select(all, &self.names).map(Subject::Cases).map_err(meant)
     }
 }
 

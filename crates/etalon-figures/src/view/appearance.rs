@@ -57,8 +57,12 @@ pub fn text(found: &Appearance) -> String {
         found.pixel_difference_percent, found.pixel_noise_percent
     );
     let apart = 100.0 * model.difference;
-    let far = if model.difference > FAR { ": no model is close, and a right BSDF would differ, too" } else { "" };
-    text += &format!("values differ by {apart:.1} %{far}\n");
+    let far = if model.difference > FAR {
+        ": no model is close, and a right BSDF would differ, too; compare images of two versions of it by `etalon compare`"
+    } else {
+        ""
+    };
+    text += &wrapped(&format!("values differ by {apart:.1} %{far}"), "", 80);
     if found.dropped > 0 {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }

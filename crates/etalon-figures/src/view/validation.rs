@@ -278,5 +278,11 @@ pub fn p_text(p: Option<f64>) -> String {
 }
 
 fn percent(share: Option<f64>) -> String {
-    share.map_or("-".into(), |w| if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{:.0e} %", 100.0 * w) })
+    const LEAST: f64 = 1e-6;
+    share.map_or("-".into(), |w| match 100.0 * w {
+        0.0 => "0 %".into(),
+        percent if percent >= 0.01 => format!("{percent:.2} %"),
+        percent if percent >= LEAST => format!("{} %", rounded(percent, 1)),
+        _ => format!("< {LEAST} %"),
+    })
 }

@@ -201,7 +201,7 @@ class SamplerFile:
             try:
                 points = [point for point in points if point is not None]
                 if not points:
-                    raise Refused("sample returned None for all of the first samples")
+                    raise Refused("sample returned None for all of the first samples: is a return missing?")
                 of_point = [len(points[0])]
                 pdf, _ = first(forms(module.pdf, "pdf", of_point, numbers_of("pdf", [1]), points))
             except Exception as error:
