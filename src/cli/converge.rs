@@ -20,8 +20,9 @@ use etalon_core::raster::{self, ReadOptions};
 use etalon_core::scene::{Material, Request, Scene, builtin};
 use etalon_figures::output::{self, Saving, file_name};
 use etalon_figures::view::checks::{Check, Checks};
+use etalon_figures::view::compare::left_out;
 use etalon_figures::view::converge as view;
-use etalon_figures::view::text::{counted, duration, rounded, wrapped};
+use etalon_figures::view::text::{duration, rounded, wrapped};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
@@ -270,7 +271,7 @@ impl Converge {
             notes.iter().for_each(|note| console.warn(note));
             let bad = image.pixels().iter().filter(|pixel| !pixel.is_finite()).count();
             if bad > 0 {
-                console.warn(&format!("{name}: left out: {} with NaN or infinite values", counted(bad, "pixel")));
+                console.warn(&format!("{name}: {}", left_out(bad)));
             }
             console.note(&format!(
                 "the noise of {name} counts as error of the renderers, and as bias if it is visible beside theirs"

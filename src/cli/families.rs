@@ -82,7 +82,7 @@ pub struct ExternalBsdf {
 }
 
 /// Seconds that a program has for each reply, unless the user gives others.
-const REPLY_LIMIT: f64 = 30.0;
+pub const REPLY_LIMIT: f64 = 30.0;
 
 const OF_SAMPLERS: &str = "`etalon validate` tests samplers";
 

@@ -104,7 +104,7 @@ impl Compare {
         let unreadable = count(|entry| entry.result.is_err());
         let images = entries.iter().map(record).collect();
         let output = Output { reference: reference.display().to_string(), images, rejected, unreadable };
-        console.saved(&output, &target.written(files), || self.text(&entries, rejected));
+        console.saved(&output, &target.written(files), || self.text(&entries, [rejected, unreadable]));
         saved?;
         // What could not be compared is told after the results of all others
         match entries.into_iter().find_map(|entry| entry.result.err()) {
@@ -139,7 +139,7 @@ impl Compare {
         }
     }
 
-    fn text(&self, entries: &[Entry], rejected: usize) -> String {
+    fn text(&self, entries: &[Entry], [rejected, unreadable]: [usize; 2]) -> String {
         let number = |entry: &Entry, metric: &Metric| match &entry.result {
             Ok(done) => match metric.of(&done.measured) {
                 value if value.is_nan() => "-".into(),
@@ -169,7 +169,6 @@ impl Compare {
         });
         if !self.at_most.is_empty() {
             text += &format!("rejected: {rejected} of {}", counted(entries.len(), "image"));
-            let unreadable = entries.iter().filter(|entry| entry.result.is_err()).count();
             text += &if unreadable > 0 { format!("; {unreadable} not compared\n") } else { "\n".to_owned() };
         }
         text
@@ -202,8 +201,7 @@ fn sort(entries: &mut [Entry], metric: &Metric) {
 /// What is to be said of an image beside its metrics.
 fn remark(measured: &Measured) -> Option<String> {
     let Measured { numbers, explanation, identical, .. } = measured;
-    let lost = (numbers.non_finite > 0)
-        .then(|| format!("left out: {} with NaN or infinite values", counted(numbers.non_finite, "pixel")));
+    let lost = (numbers.non_finite > 0).then(|| view::left_out(numbers.non_finite));
     let same = identical.then(|| "the same values as the reference".to_owned());
     let parts: Vec<String> = [same, explanation.as_ref().map(view::explained), lost].into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join("; "))

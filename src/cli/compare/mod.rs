@@ -56,7 +56,7 @@ pub struct Compare {
     sort: Option<&'static Metric>,
     /// Reject an image of which a metric is larger: flip=.05,mse=.01
     ///
-    /// Of mse, rel_mse, flip, rmse, mape, smape and max_abs.
+    /// METRIC is mse, rel_mse, flip, rmse, mape, smape or max_abs.
     #[arg(long, value_name = "METRIC=N,...", value_parser = limit, value_delimiter = ',', action = ArgAction::Set, conflicts_with = "against")]
     at_most: Vec<Limit>,
     /// Images of the second renderer: test whether both have one expectation

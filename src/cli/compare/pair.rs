@@ -11,7 +11,7 @@ use etalon_core::interrupt;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::Checks;
 use etalon_figures::view::compare as view;
-use etalon_figures::view::text::{counted, rounded, wrapped};
+use etalon_figures::view::text::{rounded, wrapped};
 use std::path::Path;
 use std::time::Instant;
 
@@ -36,8 +36,7 @@ impl Compare {
         saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
         if measured.numbers.non_finite > 0 {
-            let pixels = counted(measured.numbers.non_finite, "pixel");
-            console.warn(&format!("left out: {pixels} with NaN or infinite values"));
+            console.warn(&view::left_out(measured.numbers.non_finite));
         }
         let clipped = match [a.is_clipped, b.is_clipped] {
             [false, false] => None,

@@ -2,7 +2,7 @@
 
 use super::Render;
 use crate::cli::console::Console;
-use crate::cli::families::ProgramSource;
+use crate::cli::families::{ProgramSource, REPLY_LIMIT};
 use crate::cli::flags::command_line;
 use crate::cli::global::{Global, SCENE, Verdict};
 use crate::cli::scene_file::Loaded;
@@ -62,7 +62,7 @@ pub struct ExternalArgs {
     #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
+    #[arg(long, value_name = "SECONDS", default_value_t = REPLY_LIMIT, requires = "program")]
     timeout: f64,
 }
 

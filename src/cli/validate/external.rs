@@ -1,6 +1,6 @@
 //! Samplers and BSDFs of other programs, samplers in files: the arguments of `validate` for them.
 
-use super::super::families::ProgramSource;
+use super::super::families::{ProgramSource, REPLY_LIMIT};
 use crate::cli::console::Console;
 use crate::cli::values::setting;
 use clap::{ArgAction, ArgGroup, Args};
@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, requires = "program")]
+    #[arg(long, value_name = "SECONDS", default_value_t = REPLY_LIMIT, requires = "program")]
     timeout: f64,
     /// Parameters of the program's BSDF [default: the values that it declares]
     #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]

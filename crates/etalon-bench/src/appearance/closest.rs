@@ -16,7 +16,7 @@ const WIDTHS: [f64; 4] = [1.0, 0.25, 0.06, 0.015];
 const ROUNDS: usize = 12;
 /// A round that leaves more of the difference is the last of its width.
 const PROGRESS: f64 = 0.999;
-/// Of models whose differences are larger than the least by no more, the one with the fewest parameters is chosen.
+/// The model with the fewest parameters is chosen among those whose differences are larger than the least by no more than this.
 const AS_CLOSE: f64 = 0.005;
 /// Angles of `wo` with the normal, in degrees, and its azimuths, which tell apart the widths along x and y.
 const ANGLES: [f64; 4] = [10.0, 35.0, 60.0, 80.0];

@@ -197,7 +197,7 @@ impl Plot {
     /// A page of rows with frames of one size; titles and legends are broken within the width `limit`.
     fn page(&self, rows: &[Row], [width, height]: [f64; 2], limit: f64) -> Page {
         let (legend, bar) = (self.shared_legend(), self.shared_bar());
-        // Of panels with the same legend the last one shows it
+        // The last of the panels with the same legend shows it
         let legends: Vec<Option<Legend>> =
             rows.iter().flat_map(|row| &row.panels).map(|p| Legend::new(&p.marks)).collect();
         let is_last = |i: usize| legends[i].is_some() && !legends[i + 1..].contains(&legends[i]);

@@ -363,6 +363,11 @@ pub fn most(compared: &Compared, family: &FamilyResult) -> Option<String> {
     Some(format!("most at {}, channel {channel}: A {a}, B {b}, {bias}", worst.functional))
 }
 
+/// What is said of pixels that are not compared.
+pub fn left_out(pixels: usize) -> String {
+    format!("left out: {} with NaN or infinite values", counted(pixels, "pixel"))
+}
+
 /// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
     let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
@@ -434,7 +439,7 @@ pub fn text(compared: &Compared) -> String {
         compared.explanation.as_ref().map(|explanation| format!("between the means: {}", explained(explanation)));
     text += &about.map_or(String::new(), |about| wrapped(&about, "", 100));
     if compared.non_finite > 0 {
-        text += &format!("left out: {} with NaN or infinite values\n", counted(compared.non_finite, "pixel"));
+        text += &format!("{}\n", left_out(compared.non_finite));
     }
     let told = |family: &FamilyResult| match (family.untested, family.adjusted_p.zip(most(compared, family))) {
         (Some(reason), _) => format!("not tested: {reason}"),
