@@ -11,7 +11,7 @@
 #include <string.h>
 
 typedef struct {
-    const char *name, *domain; /* "sphere", "hemisphere" (x y z), "square" (x y), "line" (x) or "discrete:N" (0 to N - 1) */
+    const char *name, *domain; /* "sphere", "square", "line", "real", "discrete:N" …: docs/src/domains.md; 0 with an etalon_chart */
     int dimension; /* random numbers that a sample takes, at most 64; 0: random numbers of your own, see `seed` */
     int (*sample)(const double *u, double *x); /* from u in [0, 1): 1, and the sample x; 0 if there is none */
     double (*pdf)(const double *x);            /* per steradian, area, length, or outcome */
@@ -19,6 +19,13 @@ typedef struct {
     void (*seed)(unsigned long seed);          /* if dimension is 0: starts the random numbers of the samples that follow */
     const char *keys;                          /* optional: "mass=0.5" and the like */
 } etalon_sampler;
+
+typedef struct { /* a domain of your own, by a chart to the unit square or interval: docs/src/domains.md */
+    int dimension, coordinates; /* of the unit cube, 1 or 2; of points, 1 to 4 */
+    int (*to_cube)(const double *x, double *u);    /* 1, and the place of x in the cube; 0 if x is not in the domain */
+    void (*from_cube)(const double *u, double *x); /* its inverse */
+    double (*jacobian)(const double *u);           /* area (length) of the domain per area of the cube */
+} etalon_chart;
 
 typedef struct {
     double wi[3], weight[3]; /* f |cos| / pdf in each channel; of a delta lobe, throughput over probability */
@@ -75,22 +82,57 @@ static inline int etalon_next(char *line, char *verb, unsigned long *count, unsi
     return fgets(line, ETALON_LINE, stdin) && sscanf(line, "%15s %lu %lu", verb, count, seed) > 0 && strcmp(verb, "quit");
 }
 
-static inline int etalon_serve_sampler(const etalon_sampler *s) {
-    const int n = strncmp(s->domain, "square", 6) == 0 ? 2 : strchr("sh", s->domain[0]) ? 3 : 1;
+/* The coordinates of a point of a domain. */
+static inline int etalon_coordinates(const char *domain) {
+    const char *two[] = {"square", "plane", "box", "disk", "circle", "triangle"}, *three[] = {"sphere", "hemisphere", "simplex", "triangle:"};
+    const char *star = strchr(domain, '*'), *name = star ? star + 1 + strspn(star + 1, " ") : domain;
+    int n = 1;
+    for (int i = 0; i < 6; i++)
+        if (!strncmp(name, two[i], strlen(two[i]))) n = 2;
+    for (int i = 0; i < 4; i++)
+        if (!strncmp(name, three[i], strlen(three[i]))) n = 3;
+    return star ? n + 1 : n;
+}
+
+/* Answers a request of the chart. */
+static inline int etalon_serve_chart(const etalon_chart *c, const char *verb, unsigned long count) {
+    const int is_to_cube = !strcmp(verb, "to_cube"), is_from_cube = !strcmp(verb, "from_cube");
+    for (; count > 0; count--) {
+        double u[2], x[4];
+        if (!etalon_read(is_to_cube ? x : u, is_to_cube ? c->coordinates : c->dimension))
+            return 2;
+        const int inside = !is_to_cube || c->to_cube(x, u);
+        if (is_from_cube) c->from_cube(u, x);
+        const double jacobian = is_to_cube || is_from_cube ? 0 : c->jacobian(u);
+        etalon_write(is_to_cube ? u : is_from_cube ? x : &jacobian, is_to_cube ? inside * c->dimension : is_from_cube ? c->coordinates : 1);
+        puts(inside ? "" : "none");
+    }
+    return 0;
+}
+
+/* Serves a sampler on a domain of its own; without one, c is 0. */
+static inline int etalon_serve_sampler_on(const etalon_sampler *s, const etalon_chart *c) {
+    const int n = c ? c->coordinates : etalon_coordinates(s->domain ? s->domain : "");
     char line[ETALON_LINE], verb[16];
     unsigned long count, seed, first = 1;
-    if (s->dimension < 0 || s->dimension > ETALON_MOST)
+    if (s->dimension < 0 || s->dimension > ETALON_MOST || n < 1 || n > 4 || (c && (c->dimension < 1 || c->dimension > 2)))
         return etalon_fail("a dimension out of range", s->name);
     while (etalon_next(line, verb, &count, &seed, &first)) {
         const int is_sample = !strcmp(verb, "sample"), is_invert = !strcmp(verb, "invert") && s->invert;
-        if (!strcmp(verb, "etalon"))
-            count = 0, printf("etalon 1 name=%s domain=%s dimension=%d%s %s\n", s->name, s->domain, s->dimension,
-                              s->invert ? " invert=yes" : "", s->keys ? s->keys : "");
-        else if (!is_sample && !is_invert && strcmp(verb, "pdf"))
+        if (c && (!strcmp(verb, "to_cube") || !strcmp(verb, "from_cube") || !strcmp(verb, "jacobian"))) {
+            if (etalon_serve_chart(c, verb, count)) return 2;
+            continue;
+        }
+        if (!strcmp(verb, "etalon")) {
+            count = 0, printf("etalon 1 name=%s dimension=%d%s ", s->name, s->dimension, s->invert ? " invert=yes" : "");
+            if (c) printf("chart=%d", c->dimension);
+            else printf("domain=%s", s->domain);
+            printf(" %s\n", s->keys ? s->keys : "");
+        } else if (!is_sample && !is_invert && strcmp(verb, "pdf"))
             return etalon_fail("an unknown request", line);
         if (is_sample && s->dimension == 0 && s->seed) s->seed(seed);
         for (; count > 0; count--) {
-            double u[ETALON_MOST], x[3];
+            double u[ETALON_MOST], x[4];
             if (is_sample ? s->dimension > 0 && !etalon_read(u, s->dimension) : !etalon_read(x, n))
                 return 2;
             const int found = is_sample ? s->sample(u, x) : is_invert ? s->invert(x, u) : 1;
@@ -101,6 +143,10 @@ static inline int etalon_serve_sampler(const etalon_sampler *s) {
         }
     }
     return ferror(stdout) ? etalon_fail("the output cannot be written", verb) : 0;
+}
+
+static inline int etalon_serve_sampler(const etalon_sampler *s) {
+    return etalon_serve_sampler_on(s, 0);
 }
 
 static inline int etalon_serve_bsdf(const etalon_bsdf *b) {

@@ -16,9 +16,11 @@ from ._bsdfs import Bsdf, BsdfSamples, assert_bsdf, assert_furnace, check_bsdf, 
 from ._images import assert_images, compare_images
 from ._result import Result
 from ._samplers import (
+    Chart,
     Samples,
     assert_sampler,
     check_sampler,
+    domains,
     min_discrepancy_of_pdfs_detectable,
     min_num_samples_for_sampler_test,
 )
@@ -26,6 +28,7 @@ from ._samplers import (
 __all__ = [
     "Bsdf",
     "BsdfSamples",
+    "Chart",
     "Result",
     "Samples",
     "assert_bsdf",
@@ -35,6 +38,7 @@ __all__ = [
     "check_bsdf",
     "check_sampler",
     "compare_images",
+    "domains",
     "furnace",
     "min_discrepancy_of_pdfs_detectable",
     "min_num_samples_for_sampler_test",

@@ -29,6 +29,38 @@ class Samples(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Chart:
+    """A domain by the functions of its chart: they map the domain one to one to the unit square, or to the interval from 0 to 1.
+
+    All three are tested first: they must invert each other, and the Jacobian must agree with differences of `from_cube`.
+
+    Attributes:
+        to_cube: points, shape (n, d) or (n,), to coordinates of the unit square, shape (n, 2) or of the interval, shape (n,); other
+            numbers, or NaN, where a point is not in the domain.
+        from_cube: the inverse.
+        jacobian: the area (or length) of the domain per area of the square, at coordinates of the square; shape (n,).
+        dimension: 2 for the square, 1 for the interval.
+        names: of the coordinates of the square, in messages and figures.
+    """
+
+    to_cube: Callable[..., Any]
+    from_cube: Callable[..., Any]
+    jacobian: Callable[..., Any]
+    dimension: int = 2
+    names: tuple[str, str] = ("u0", "u1")
+
+    def __post_init__(self) -> None:
+        for name in ("to_cube", "from_cube", "jacobian"):
+            function(getattr(self, name), name)
+        if self.dimension not in (1, 2):
+            raise ValueError(f"dimension: {self.dimension}; wanted 1 or 2")
+        names = tuple(self.names)
+        if not 1 <= len(names) <= 2:
+            raise ValueError(f"names: {self.names}; wanted one for each coordinate")
+        object.__setattr__(self, "names", (*names, "")[:2])
+
+
+@dataclass(frozen=True)
 class _Sampler:
     """A sampler as the extension takes it."""
 
@@ -46,7 +78,7 @@ class _Sampler:
 def check_sampler(
     sample: Callable[..., Any],
     pdf: Callable[..., Any],
-    domain: str,
+    domain: str | Chart,
     *,
     dimension: int | None = None,
     mass: float | Literal["at-most-1", "unknown"] = 1.0,
@@ -70,9 +102,10 @@ def check_sampler(
         sample: maps uniform random numbers from [0, 1), shape (n, dimension), to points, shape (n, d), or to `Samples`. With
             dimension 0, it is called as sample(n, seed) and has random numbers of its own; equal seeds give equal samples.
         pdf: the pdf at points, shape (n, d), in the domain's measure; shape (n,).
-        domain: "sphere" (unit vectors, d = 3, per sr), "hemisphere" (those with z >= 0), "square" (d = 2, from 0 to 1),
-            "line" (from 0 to 1) or "discrete:N" (the integers below N). Points of the last two have the shape (n,).
-        dimension: random numbers of a sample, 0 to 64; by default 2, and 1 on a line and for a discrete domain.
+        domain: the name of one of `domains()`, such as "sphere" (unit vectors, d = 3, per sr), "hemisphere" (those with z >= 0),
+            "square" (d = 2, from 0 to 1), "line" (from 0 to 1), "real" (any number) or "discrete:N" (the integers below N); or a
+            `Chart`. Points with one coordinate have the shape (n,).
+        dimension: random numbers of a sample, 0 to 64; by default 2, and 1 where points have one coordinate.
         mass: what the pdf integrates to, atoms included; below 1 where there may be no sample, "at-most-1" if it is not known. With
             "unknown" only the shape of the pdf is tested.
         table: rows and columns of a table in whose cells the pdf is constant, as `etalon validate --pdf` reads it: equal steps of θ
@@ -110,6 +143,11 @@ def check_sampler(
     points = [([float(x) for x in (at if isinstance(at, Sequence) else [at])], float(share)) for at, share in atoms]
     sampler = _Sampler(name, sample, pdf, invert, dimension, share, table, relative, points)
     return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
+
+
+def domains() -> str:
+    """The names of all domains, with their parameters."""
+    return _native.domains()
 
 
 assert_sampler = asserting(check_sampler, "assert_sampler")

@@ -29,5 +29,5 @@ mod _native {
     #[pymodule_export]
     use crate::program::main;
     #[pymodule_export]
-    use crate::sampler::check_sampler;
+    use crate::sampler::{check_sampler, domains};
 }

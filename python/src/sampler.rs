@@ -7,7 +7,8 @@ use crate::found::Found;
 use etalon::protocol::sampler::Space;
 use etalon::study::validation::{Case, run as validate};
 use etalon_stats::{
-    Atom, Density, Mass, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount, Sampler, Verdict, examine, explain,
+    Atom, Chart, ChartFunctions, Density, Domain, Mass, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount,
+    Sampler, Verdict, examine, explain,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -60,19 +61,100 @@ pub enum DeclaredMass {
     Words(String),
 }
 
+/// A domain: its name, or a chart of the user's own.
+#[derive(FromPyObject)]
+pub enum DeclaredDomain {
+    Name(String),
+    Chart(DeclaredChart),
+}
+
+/// The functions of a chart, and what is declared of them.
+#[derive(FromPyObject)]
+pub struct DeclaredChart {
+    to_cube: Py<PyAny>,
+    from_cube: Py<PyAny>,
+    jacobian: Py<PyAny>,
+    /// Of the unit cube: 1 or 2.
+    dimension: usize,
+    /// Of the coordinates of the cube.
+    names: (String, String),
+}
+
+impl DeclaredDomain {
+    fn space(self, caller: &Caller) -> etalon::Result<Space> {
+        let DeclaredChart { to_cube, from_cube, jacobian, dimension, names } = match self {
+            Self::Name(name) => return name.parse(),
+            Self::Chart(chart) => chart,
+        };
+        let [to_cube, from_cube, jacobian] = [to_cube, from_cube, jacobian].map(Arc::new);
+        let functions = OwnChart { caller: caller.clone(), to_cube, from_cube, jacobian, dimension };
+        let chart = Chart::new(functions, dimension).with_axes([names.0, names.1]);
+        chart.check()?;
+        Ok(Space::new("of its own chart", chart))
+    }
+}
+
+/// The functions of a chart.
+struct OwnChart {
+    caller: Caller,
+    to_cube: Arc<Py<PyAny>>,
+    from_cube: Arc<Py<PyAny>>,
+    jacobian: Arc<Py<PyAny>>,
+    dimension: usize,
+}
+
+/// An array (n, width), or (n,) of one coordinate each.
+fn array(py: Python<'_>, values: Vec<f64>, width: usize) -> PyResult<Bound<'_, PyAny>> {
+    if width == 1 { Ok(values.into_pyarray(py).into_any()) } else { rows(py, values, width) }
+}
+
+impl OwnChart {
+    /// Calls a function with places of the cube; `read` takes what it returns for so many.
+    fn at_places<T: Send + 'static>(
+        &self,
+        function: &Arc<Py<PyAny>>,
+        cube: &[[f64; 2]],
+        read: impl FnOnce(&Bound<'_, PyAny>, usize) -> PyResult<T> + Send + 'static,
+    ) -> etalon_stats::Result<T> {
+        let (function, d, n) = (Arc::clone(function), self.dimension, cube.len());
+        let cube: Vec<f64> = cube.iter().flat_map(|place| &place[..d]).copied().collect();
+        self.caller.call(move |py| read(&function.bind(py).call1((array(py, cube, d)?,))?, n))
+    }
+}
+
+impl ChartFunctions for OwnChart {
+    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<[f64; 2]>> {
+        let Some(first) = points.first() else { return Ok(Vec::new()) };
+        let (width, n, d) = (first.coordinates().len(), points.len(), self.dimension);
+        let (function, coordinates) = (Arc::clone(&self.to_cube), coordinates(points));
+        self.caller.call(move |py| {
+            let returned = numbers(&function.bind(py).call1((array(py, coordinates, width)?,))?, "to_cube")?;
+            let shapes: [&[usize]; 2] = [&[n, d], &[n]];
+            let cube: Vec<f64> = returned.of_shape(if d == 1 { &shapes } else { &shapes[..1] })?;
+            Ok(cube.chunks_exact(d).map(|place| [place[0], place.get(1).copied().unwrap_or(0.5)]).collect())
+        })
+    }
+
+    fn from_cube(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<Point>> {
+        self.at_places(&self.from_cube, cube, |returned, n| {
+            let points: Numbers<f64> = numbers(returned, "from_cube")?;
+            let width = match points.shape[..] {
+                [rows] if rows == n => 1,
+                [rows, width @ 1..=4] if rows == n => width,
+                _ => return Err(points.wrong_shape(&format!("({n},) or ({n}, 2 to 4)"))),
+            };
+            Ok(points.values.chunks_exact(width).filter_map(Point::of).collect())
+        })
+    }
+
+    fn jacobian(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<f64>> {
+        self.at_places(&self.jacobian, cube, |returned, n| numbers(returned, "jacobian")?.of_shape(&[&[n]]))
+    }
+}
+
 /// Tests samples against their pdf.
 #[pyfunction]
-pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Plan) -> PyResult<Found> {
-    let space: Space = domain.parse().map_err(crate::errors::of)?;
-    let atom = |(point, probability): &(Vec<f64>, f64)| {
-        let is_right = point.len() == space.width() && (0.0..=1.0).contains(probability);
-        let found = space.point(point).filter(|&point| is_right && space.domain().to_chart(point).is_some());
-        let wrong = "is no point of the domain with its probability";
-        let wrong = || PyValueError::new_err(format!("atoms: ({point:?}, {probability}) {wrong}"));
-        Ok(Atom { point: found.ok_or_else(wrong)?, probability: *probability })
-    };
-    let atoms = declared.atoms.iter().map(atom).collect::<PyResult<Vec<_>>>()?;
-    let dimension = declared.dimension.unwrap_or(if space.width() > 1 { 2 } else { 1 });
+pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain, plan: Plan) -> PyResult<Found> {
     let mass = match declared.mass {
         DeclaredMass::Exactly(mass) => Mass::Exactly(mass),
         DeclaredMass::Words(words) if words == "unknown" => Mass::Unknown,
@@ -83,10 +165,24 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Pla
     let (name, protocol) = (declared.name, plan.protocol());
     let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
     let invert = declared.invert.map(Arc::new);
+    let (of_points, dimension) = (declared.atoms, declared.dimension);
     let tested = run(py, move |caller| {
+        let space = domain.space(&caller)?;
+        let atom = |(point, probability): &(Vec<f64>, f64)| {
+            let is_right = point.len() == space.width() && (0.0..=1.0).contains(probability);
+            let found = space.point(point).filter(|&point| is_right && space.domain().to_chart(point).is_some());
+            let wrong = format!("({point:?}, {probability}) is no point of the domain with its probability");
+            let point = found.ok_or_else(|| etalon::Error::parameter("atoms", wrong))?;
+            Ok(Atom { point, probability: *probability })
+        };
+        let atoms = of_points.iter().map(atom).collect::<etalon::Result<Vec<_>>>()?;
+        let dimension = dimension.unwrap_or(if space.width() > 1 { 2 } else { 1 });
+        if let Some(sides) = table {
+            space.steps(sides)?;
+        }
         let functions = Functions {
             caller,
-            space,
+            space: space.clone(),
             sample,
             pdf,
             invert,
@@ -99,9 +195,9 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Pla
         };
         let calls = functions.calls.clone();
         // As the command line runs it: the random numbers depend on the name, too
-        let case = Case::new(name, move |protocol, round| {
-            Ok(examine(space.domain(), &functions, &functions, protocol, round)?)
-        });
+        let own = space.clone();
+        let case =
+            Case::new(name, move |protocol, round| Ok(examine(own.domain(), &functions, &functions, protocol, round)?));
         let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
         if let (Some(test), Some(raised)) = (&mut tested, calls.iter().find_map(|calls| calls.raised())) {
             let outcome = &mut test.outcome;
@@ -134,11 +230,11 @@ impl Functions {
     /// Appends the samples that `call` has the function return.
     fn append(
         &self,
-        call: impl FnOnce(Space, &Bound<'_, PyAny>) -> PyResult<Vec<Option<Sample>>> + Send + 'static,
+        call: impl FnOnce(&Space, &Bound<'_, PyAny>) -> PyResult<Vec<Option<Sample>>> + Send + 'static,
         out: &mut Vec<Option<Sample>>,
     ) -> etalon_stats::Result<()> {
-        let (space, sample) = (self.space, Arc::clone(&self.sample));
-        out.append(&mut self.caller.call(move |py| call(space, sample.bind(py)))?);
+        let (space, sample) = (self.space.clone(), Arc::clone(&self.sample));
+        out.append(&mut self.caller.call(move |py| call(&space, sample.bind(py)))?);
         Ok(())
     }
 }
@@ -150,7 +246,7 @@ impl Sampler for Functions {
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let (u, dimension, calls) = (u.to_vec(), self.dimension, Arc::clone(&self.calls));
-        let call = move |space: Space, sample: &Bound<'_, PyAny>| {
+        let call = move |space: &Space, sample: &Bound<'_, PyAny>| {
             let py = sample.py();
             let some = |range: Range<usize>| {
                 let u = rows(py, u[range.start * dimension..range.end * dimension].to_vec(), dimension)?;
@@ -164,7 +260,7 @@ impl Sampler for Functions {
 
     fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let calls = Arc::clone(&self.calls);
-        let call = move |space: Space, sample: &Bound<'_, PyAny>| {
+        let call = move |space: &Space, sample: &Bound<'_, PyAny>| {
             let some = |range: Range<usize>| samples(space, &sample.call1((range.len(), seed))?, range.len());
             let given = |_: usize| format!("n = 1, seed = {seed}");
             calls[0].of_rows(sample.py(), ("sample", count), nowhere(space), some, given)
@@ -174,9 +270,9 @@ impl Sampler for Functions {
 
     fn invert(&self, point: Point) -> etalon_stats::Result<Option<Vec<f64>>> {
         let Some(invert) = self.invert.clone() else { return Ok(None) };
-        let (dimension, space, coordinates) = (self.dimension, self.space, coordinates(&[point]));
+        let (dimension, space, coordinates) = (self.dimension, self.space.clone(), coordinates(&[point]));
         self.caller.call(move |py| {
-            let u = invert.bind(py).call1((points(py, space, coordinates)?,))?;
+            let u = invert.bind(py).call1((points(py, &space, coordinates)?,))?;
             numbers(&u, "invert")?.of_shape(&[&[1, dimension]]).map(Some)
         })
     }
@@ -187,12 +283,13 @@ impl Density for Functions {
         if at.is_empty() {
             return Ok(());
         }
-        let (count, space, coordinates, pdf) = (at.len(), self.space, coordinates(at), Arc::clone(&self.pdf));
+        let (count, space, coordinates, pdf) = (at.len(), self.space.clone(), coordinates(at), Arc::clone(&self.pdf));
         let calls = Arc::clone(&self.calls);
         let job = move |py: Python<'_>| {
-            let of = |range: Range<usize>| coordinates[range.start * space.width()..range.end * space.width()].to_vec();
+            let width = space.width();
+            let of = |range: Range<usize>| coordinates[range.start * width..range.end * width].to_vec();
             let some = |range: Range<usize>| {
-                let x = points(py, space, of(range.clone()))?;
+                let x = points(py, &space, of(range.clone()))?;
                 numbers(&pdf.bind(py).call1((&x,))?, "pdf")?.of_shape(&[&[range.len()]])
             };
             calls[1].of_rows(py, ("pdf", count), f64::NAN, some, |i| format!("x = {:?}", of(i..i + 1)))
@@ -214,7 +311,7 @@ impl Density for Functions {
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
-        self.table.map(|sides| self.space.steps(sides))
+        self.space.steps(self.table?).ok()
     }
 }
 
@@ -224,22 +321,21 @@ fn coordinates(points: &[Point]) -> Vec<f64> {
 }
 
 /// Points as an array: (n, d); (n,) for points with one coordinate, of integers for a finite set.
-fn points(py: Python<'_>, space: Space, coordinates: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
-    match space.names()[0] {
+fn points<'py>(py: Python<'py>, space: &Space, coordinates: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
+    match space.domain().names()[..] {
         ["i"] => Ok(coordinates.into_iter().map(|i| i as i64).collect::<Vec<_>>().into_pyarray(py).into_any()),
-        [_] => Ok(coordinates.into_pyarray(py).into_any()),
-        names => rows(py, coordinates, names.len()),
+        _ => array(py, coordinates, space.width()),
     }
 }
 
 /// A sample that is outside of any domain.
-fn nowhere(space: Space) -> Option<Sample> {
+fn nowhere(space: &Space) -> Option<Sample> {
     let points = [vec![f64::NAN; space.width()], vec![f64::from(u32::MAX); space.width()]];
     points.iter().find_map(|point| space.point(point)).map(Sample::new)
 }
 
 /// The samples that a function has returned: an array of points, or `Samples`.
-fn samples(space: Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<Sample>>> {
+fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<Sample>>> {
     let [x, pdf, valid, atom] = match returned.cast::<PyTuple>() {
         Err(_) => [Some(returned.clone()), None, None, None],
         Ok(parts) if parts.len() == 4 => {
@@ -275,4 +371,10 @@ fn samples(space: Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<
         samples.push(of_row(row)?);
     }
     Ok(samples)
+}
+
+/// The names of all domains, in a sentence.
+#[pyfunction]
+pub fn domains() -> String {
+    Space::known()
 }

@@ -6,15 +6,15 @@ use etalon::import::{self, SceneOptions, read_scene};
 use etalon::optics::metals::GOLD;
 use etalon::protocol::program::sampler::Client;
 use etalon::protocol::program::{Answer, Connection, External, connect};
+use etalon::protocol::sampler::Space;
 use etalon::protocol::sampler::files::{GridDensity, SampleFile};
-use etalon::protocol::sampler::{NAMED, Space};
 use etalon::raster::{ExrFile, ReadOptions};
 use etalon::render::film::Part;
 use etalon::render::{Settings, Silent, render};
 use etalon::scene::{Request, Scene, builtin};
 use etalon::{Error, Result};
 use etalon_stats::bsdf::{Family, Pair};
-use etalon_stats::{Density, Discrete, Protocol, SampleCount, Sampler, examine};
+use etalon_stats::{DOMAINS, Density, Protocol, SampleCount, Sampler, examine};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -103,12 +103,12 @@ fn files(samples: &Path, grid: &Path) -> Result<()> {
     // Too brief for a verdict, but it uses everything that was read.
     let brief = Protocol { samples: SampleCount::Fixed(1), cells: 2, ..Protocol::default() };
     let test = |space: Space| {
-        let density = Arc::new(GridDensity::read_csv(space, grid)?);
+        let density = Arc::new(GridDensity::read_csv(space.clone(), grid)?);
         let sampler = SampleFile::open(samples, Arc::clone(&density))?;
         examine(space.domain(), &sampler, &*density, &brief, 0)?;
         Ok(())
     };
-    let spaces = NAMED.map(|(_, space)| space).into_iter().chain([Space::Discrete(Discrete { outcomes: 3 })]);
+    let spaces = DOMAINS.iter().filter_map(|entry| entry.example.parse().ok());
     spaces.map(test).reduce(Result::or).unwrap_or(Ok(()))
 }
 
@@ -163,6 +163,9 @@ fn ask_sampler(program: &Client) -> Result<()> {
     }
     let points: Vec<_> = samples.iter().flatten().map(|sample| sample.point).collect();
     program.pdf(&points, &mut pdfs)?;
+    let space = program.space();
+    space.domain().charts(&points)?;
+    space.domain().per_chart_area(&[[0.5; 2]], &mut [1.0])?;
     for point in points {
         program.invert(point)?;
     }

@@ -74,6 +74,17 @@ fn the_first_sampler_is_the_file_of_the_examples() {
     }
 }
 
+#[test]
+fn the_page_of_domains_has_all_of_them_and_the_file_of_the_examples() {
+    let page = include_str!("../../docs/src/domains.md");
+    for entry in &etalon_stats::DOMAINS {
+        let etalon_stats::Entry { name, parameters, coordinates, measure, example, .. } = entry;
+        let row = format!("\n| `{name}{parameters}` | {coordinates} | {measure} | `{example}` |\n");
+        assert!(page.contains(&row), "{row}");
+    }
+    assert!(page.contains(&format!("```python\n{}```", include_str!("../../examples/half_disk.py"))));
+}
+
 /// The names that a cell of a table lists in backquotes; `.name` stands for the last part of the name before it.
 fn names(cell: &str) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();

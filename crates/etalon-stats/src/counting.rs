@@ -5,7 +5,7 @@ use crate::cubature::{Check, Integration, InvalidPdf, Probe, Shares};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
-use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, outside};
+use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_infinite, outside};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
@@ -65,6 +65,8 @@ pub struct Counted {
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
     pub invalid: Option<InvalidPdf>,
+    /// A place far from all samples at which the pdf is no number.
+    pub far: Option<InvalidPdf>,
     pub tally: Tally,
 }
 
@@ -143,6 +145,7 @@ impl Counting<'_> {
             shares: Some((integration.shares(self.subdivision).times(scale), 0.0)),
             uncertain: false,
             invalid: integrals.invalid,
+            far: integration.far(),
             tally: Tally::empty(counters),
         }
     }
@@ -330,16 +333,28 @@ impl Source<'_> {
         let of_batch = |batch| {
             let (_, samples) = self.batch(stream, batch, count)?;
             let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
+            let spread: Vec<Point> = spread.collect();
+            let charts = self.domain.charts(&spread)?;
             let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
-                spread.filter_map(|point| Some((point, self.domain.to_chart(point)?))).unzip();
-            let mut pdfs = Vec::with_capacity(points.len());
-            self.density.pdf(&points, &mut pdfs)?;
+                spread.into_iter().zip(charts).filter_map(|(point, chart)| Some((point, chart?))).unzip();
+            let (_, pdfs) = self.densities(&points, &charts)?;
             // A pdf that is infinite at a single point says nothing of its surroundings.
-            let known = charts.into_iter().zip(pdfs).filter(|(_, pdf)| *pdf != f64::INFINITY);
-            Ok(known.map(|(at, pdf)| Probe { at, pdf }).collect::<Vec<_>>())
+            let known = charts.into_iter().zip(pdfs).filter(|(_, density)| *density != f64::INFINITY);
+            Ok(known.map(|(at, density)| Probe { at, density }).collect::<Vec<_>>())
         };
         let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The pdf at points, and the density there per area of the chart.
+    fn densities(&self, points: &[Point], charts: &[[f64; 2]]) -> Result<(Vec<f64>, Vec<f64>)> {
+        let mut pdfs = Vec::with_capacity(points.len());
+        self.density.pdf(points, &mut pdfs)?;
+        let mut densities = pdfs.clone();
+        let at_infinity = densities.iter_mut().zip(points).filter(|(density, _)| !density.is_finite());
+        at_infinity.filter(|(_, point)| is_infinite(point)).for_each(|(density, _)| *density = 0.0);
+        self.domain.per_chart_area(charts, &mut densities)?;
+        Ok((pdfs, densities))
     }
 
     /// Counts a range of samples in cells, in their parts and at atoms, and what the integration misses at them. The range
@@ -382,34 +397,37 @@ impl Source<'_> {
             }
         };
         // Ask for all pdfs of the batch at once; a point outside of the domain has none.
-        let (mut spread, mut points) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
-        for (i, sample) in samples.iter().enumerate() {
-            let Some(sample) = sample.as_ref().filter(|sample| !sample.atom) else { continue };
-            if let Some(at) = self.domain.to_chart(sample.point) {
-                spread.push((i, sample, at));
+        let all = samples.iter().enumerate().filter_map(|(i, sample)| sample.as_ref().map(|sample| (i, sample)));
+        let spread: Vec<(usize, &Sample)> = all.filter(|(_, sample)| !sample.atom).collect();
+        let places = self.domain.charts(&spread.iter().map(|(_, sample)| sample.point).collect::<Vec<_>>())?;
+        let (mut inside, mut points, mut charts) = (Vec::new(), Vec::new(), Vec::new());
+        [inside.reserve(spread.len()), points.reserve(spread.len()), charts.reserve(spread.len())];
+        for ((i, sample), at) in spread.into_iter().zip(places) {
+            if let Some(at) = at {
+                inside.push((i, sample));
                 points.push(sample.point);
+                charts.push(at);
             } else {
-                note(i, outside(sample));
+                note(i, outside(self.domain, sample));
             }
         }
-        let mut pdfs = Vec::with_capacity(points.len());
-        self.density.pdf(&points, &mut pdfs)?;
+        let (pdfs, densities) = self.densities(&points, &charts)?;
         if self.domain.outcomes().is_none() {
-            let known = spread.iter().zip(&pdfs).map(|((_, _, at), pdf)| (*at, *pdf));
+            let known = charts.iter().copied().zip(densities.iter().copied());
             tally.repeats.count(batch, 1 + usize::from(self.domain.is_plane()), known);
         }
 
         // Check and count samples that have a density.
         let precision = self.density.precision();
-        for ((i, sample, at), pdf) in spread.into_iter().zip(pdfs) {
+        for (((i, sample), at), (pdf, density)) in inside.into_iter().zip(charts).zip(pdfs.into_iter().zip(densities)) {
             if let Some(violation) = invalid_pdf(sample, pdf) {
                 note(i, violation);
             }
             let words = || carries_another(sample, pdf) + &sampled_from(u, i, dimension);
             tally.carried.count(sample, pdf, precision, words);
             tally.outside_support += u64::from(pdf == 0.0);
-            tally.infinite += u64::from(pdf == f64::INFINITY);
-            let (cell, probe) = (subdivision.grid.find(at), Probe { at, pdf });
+            tally.infinite += u64::from(density == f64::INFINITY);
+            let (cell, probe) = (subdivision.grid.find(at), Probe { at, density });
             tally.observed[cell] += 1;
             tally.parts.cells[subdivision.find(cell, at)] += 1;
             let mut parts = [0; 2];
@@ -420,8 +438,8 @@ impl Source<'_> {
             tally.serial.count(labels, &mut past, parts, at);
             let within = match integration {
                 Integration::Exact(..) => 1.0,
-                Integration::Refined(_) if pdf == f64::INFINITY => 1.0,
-                Integration::Refined(refinement) if refinement.reaches(cell, pdf) => 1.0,
+                Integration::Refined(_) if density == f64::INFINITY => 1.0,
+                Integration::Refined(refinement) if refinement.reaches(cell, density) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
             };
             if within < 1.0 {

@@ -14,9 +14,15 @@ use crate::sampler::{Density, SINGLE_PRECISION, Sample, Sampler};
 use crate::serial::SerialCounts;
 use std::cmp::Reverse;
 
+/// Whether a point of an unbounded set is at infinity, where pdfs are 0 and formulas of them say anything.
+pub fn is_infinite(point: &Point) -> bool {
+    point.coordinates().iter().any(|x| x.is_infinite())
+}
+
 /// What is wrong with `pdf`, the density's value at a sample, if no pdf can have it. At single points a pdf may be infinite.
 pub fn invalid_pdf(sample: &Sample, pdf: f64) -> Option<String> {
-    (pdf.is_nan() || pdf < 0.0).then(|| format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)))
+    (pdf.is_nan() && !is_infinite(&sample.point) || pdf < 0.0)
+        .then(|| format!("the pdf at the sample {} is {pdf}", tuple(&sample.point)))
 }
 
 /// The relative difference of the pdf that a sample carries from `pdf`, the density's value there, if it carries one; 0 where
@@ -129,13 +135,8 @@ pub fn percent(share: f64) -> String {
 }
 
 /// What is wrong with a sample that has no chart coordinates.
-pub fn outside(sample: &Sample) -> String {
-    let length = match sample.point.coordinates() {
-        [x, y, z] => (x * x + y * y + z * z).sqrt(),
-        _ => 1.0,
-    };
-    let hint = if (length - 1.0).abs() > 1e-4 { format!(": its length is {length:.6}") } else { String::new() };
-    format!("the sample {} is outside of the domain{hint}", tuple(&sample.point))
+pub fn outside(domain: &dyn Domain, sample: &Sample) -> String {
+    format!("the sample {} is outside of the domain{}", tuple(&sample.point), domain.hint(sample.point))
 }
 
 /// What random numbers at the edges of \[0, 1) find, which a generator hardly ever returns.
@@ -173,7 +174,7 @@ pub fn corners(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density
     for (u, sample) in numbers.iter().zip(samples) {
         match sample {
             Some(sample) if domain.to_chart(sample.point).is_none() => {
-                corners.violation.get_or_insert_with(|| from(u, outside(&sample)));
+                corners.violation.get_or_insert_with(|| from(u, outside(domain, &sample)));
             }
             Some(sample) if !sample.atom => {
                 points.push(sample.point);
@@ -184,7 +185,8 @@ pub fn corners(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density
     }
     let mut pdfs = Vec::with_capacity(points.len());
     density.pdf(&points, &mut pdfs)?;
-    for ((u, sample), pdf) in spread.iter().zip(pdfs) {
+    let all = spread.iter().zip(pdfs).filter(|((_, sample), _)| !is_infinite(&sample.point));
+    for ((u, sample), pdf) in all {
         if let Some(violation) = pdf_violation(sample, pdf, density.precision()) {
             corners.violation.get_or_insert_with(|| from(u, violation));
         }
@@ -198,7 +200,8 @@ pub fn corners(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density
 /// Tests whether the density returns the same values when asked again at the points of some probes.
 pub fn repeatable(domain: &dyn Domain, density: &dyn Density, probes: &[Probe]) -> Result<Option<String>> {
     const POINTS: usize = 64;
-    let points: Vec<Point> = probes.iter().take(POINTS).map(|probe| domain.point_at(probe.at)).collect();
+    let places: Vec<[f64; 2]> = probes.iter().take(POINTS).map(|probe| probe.at).collect();
+    let points = domain.points_at(&places)?;
     let ask = || -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(points.len());
         density.pdf(&points, &mut values).map(|()| values)
@@ -245,11 +248,9 @@ pub fn repeated(domain: &dyn Domain, probes: &[Probe]) -> Option<String> {
 /// average, whatever p is, and nearly a Poisson-distributed number. Cells hold many outcomes and do not see it.
 pub fn collisions(domain: &dyn Domain, probes: &[Probe], draws: u64) -> Option<String> {
     let n = draws as f64;
-    if domain.outcomes().is_none() || probes.len() < FEWEST {
-        return None;
-    }
-    let mut rare: Vec<(u64, f64)> =
-        probes.iter().filter(|p| n * p.pdf <= 1.0).map(|p| (p.at[0].to_bits(), p.pdf)).collect();
+    let outcomes = domain.outcomes().filter(|_| probes.len() >= FEWEST)? as f64;
+    let known = probes.iter().map(|probe| (probe.at[0].to_bits(), probe.density / outcomes));
+    let mut rare: Vec<(u64, f64)> = known.filter(|(_, pdf)| n * pdf <= 1.0).collect();
     let expected = 0.5 * (n - 1.0) * rare.iter().map(|(_, pdf)| pdf).sum::<f64>();
     rare.sort_unstable_by_key(|(outcome, _)| *outcome);
     let pairs: usize = rare.chunk_by(|a, b| a.0 == b.0).map(|same| same.len() * (same.len() - 1) / 2).sum();
@@ -269,7 +270,7 @@ pub fn discrete(domain: &dyn Domain, probes: &[Probe], mass: f64) -> Option<Stri
         return None;
     }
     let axes = if domain.is_plane() { 2 } else { 1 };
-    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, domain.measure() / mass)).or_else(|| {
+    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, mass)).or_else(|| {
         let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
         points.sort_unstable();
         points.dedup();
@@ -280,8 +281,8 @@ pub fn discrete(domain: &dyn Domain, probes: &[Probe], mass: f64) -> Option<Stri
 }
 
 /// Finds a coordinate with few values, or with one value that many samples have.
-fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option<String> {
-    let mut values: Vec<(f64, f64)> = probes.iter().map(|probe| (probe.at[axis], probe.pdf)).collect();
+fn few_values(name: &str, axis: usize, probes: &[Probe], mass: f64) -> Option<String> {
+    let mut values: Vec<(f64, f64)> = probes.iter().map(|probe| (probe.at[axis], probe.density)).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let groups: Vec<&[(f64, f64)]> = values.chunk_by(|a, b| a.0 == b.0).collect();
     let (samples, distinct) = (values.len() as f64, groups.len() as f64);
@@ -306,8 +307,8 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], measure: f64) -> Option
     // A value that many times as many samples have as one value has on average, where the density is not so high that
     // single precision has no other value near.
     let common = groups.iter().max_by_key(|group| group.len())?;
-    let highest = common.iter().map(|(_, pdf)| *pdf).fold(0.0, f64::at_least);
-    let is_steep = highest * measure * COINCIDENCE * samples > 1.0;
+    let highest = common.iter().map(|(_, density)| *density).fold(0.0, f64::at_least);
+    let is_steep = highest / mass * COINCIDENCE * samples > 1.0;
     (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
         let percent = 100.0 * common.len() as f64 / samples;
         format!("{percent:.2} % of the samples have the same {name} = {}, where the pdf has no atom", common[0].0)
@@ -324,14 +325,14 @@ const SINGLE_ULP: f64 = 1.0 / (1u64 << 24) as f64;
 /// ends of an axis samplers clamp what rounding puts beyond them, up to the root of a rounding error (of √(1 − x²) at x = 1): 2⁻¹²
 /// in single precision, which is as frequent as what could be found here.
 pub fn repeated_values(domain: &dyn Domain, probes: &[Probe], repeats: &Repeats, mass: f64) -> Option<String> {
-    let (n, measure) = (probes.len() as f64, domain.measure() / mass);
+    let n = probes.len() as f64;
     (0..1 + usize::from(domain.is_plane())).find_map(|axis| {
         let mut values: Vec<u64> = probes.iter().map(|probe| probe.at[axis].to_bits()).collect();
         values.sort_unstable();
         let pairs: usize = values.chunk_by(|a, b| a == b).map(|same| same.len() * (same.len() - 1)).sum();
         let equal = (pairs as f64 / (n * (n - 1.0)).at_least(1.0)).at_least(COINCIDENCE);
         let is_impossible = |of: &Repeated| {
-            let q = equal * (of.pdf * measure).at_least(1.0);
+            let q = equal * (of.density / mass).at_least(1.0);
             let expected = repeats.batches as f64 * (0.5 * (BATCH as f64 * q).powi(2)).at_most(1.0);
             // Any of as many values could be found.
             chi_square_below(2.0 * of.batches as f64, 2.0 * expected) < IMPOSSIBLE * COINCIDENCE
@@ -368,8 +369,8 @@ pub struct Repeated {
     pub value: f64,
     /// In how many batches.
     pub batches: u64,
-    /// The largest pdf of these samples.
-    pub pdf: f64,
+    /// The largest density of these samples per area of the chart.
+    pub density: f64,
 }
 
 /// Values that several samples of a batch have, from the batches so far.
@@ -381,14 +382,14 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Looks at batch number `batch`: coordinates along the `axes` first axes, and the pdf there.
+    /// Looks at batch number `batch`: coordinates along the `axes` first axes, and the density there.
     pub fn count(&mut self, batch: u64, axes: usize, samples: impl Iterator<Item = ([f64; 2], f64)> + Clone) {
         if batch >= BATCHES {
             return;
         }
         self.batches += 1;
         for (axis, repeated) in self.of_axes.iter_mut().enumerate().take(axes) {
-            repeated.extend(of_batch(samples.clone().map(|(at, pdf)| (at[axis], pdf))));
+            repeated.extend(of_batch(samples.clone().map(|(at, density)| (at[axis], density))));
         }
     }
 
@@ -400,7 +401,7 @@ impl Repeats {
     /// The values of an axis that are repeated in several batches.
     pub fn along(&self, axis: usize) -> Vec<Repeated> {
         let mut all = self.of_axes[axis].clone();
-        all.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.pdf.total_cmp(&b.pdf)));
+        all.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.density.total_cmp(&b.density)));
         let same = all.chunk_by(|a, b| a.value == b.value).filter(|same| same.len() > 1);
         same.map(|same| Repeated { batches: same.len() as u64, ..same[same.len() - 1] }).collect()
     }
@@ -428,7 +429,7 @@ fn of_batch(samples: impl Iterator<Item = (f64, f64)> + Clone) -> Vec<Repeated> 
     suspects.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut repeated: Vec<&[(f64, f64)]> = suspects.chunk_by(|a, b| a.0 == b.0).filter(|s| s.len() > 1).collect();
     repeated.sort_by_key(|same| Reverse(same.len()));
-    let of_value = |same: &[(f64, f64)]| Repeated { value: same[0].0, batches: 1, pdf: same[same.len() - 1].1 };
+    let of_value = |same: &[(f64, f64)]| Repeated { value: same[0].0, batches: 1, density: same[same.len() - 1].1 };
     repeated.into_iter().take(KEPT).map(of_value).collect()
 }
 
@@ -450,7 +451,7 @@ mod tests {
         (5..8).chain([BATCHES]).for_each(|i| other.count(i, 2, batch(i)));
         repeats.add(other);
         assert_eq!(repeats.batches, 8);
-        assert_eq!(repeats.along(0), [Repeated { value: 0.25, batches: 8, pdf: 6007.0 }]);
+        assert_eq!(repeats.along(0), [Repeated { value: 0.25, batches: 8, density: 6007.0 }]);
         assert_eq!(repeats.along(1), []);
     }
 

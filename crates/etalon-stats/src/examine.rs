@@ -166,6 +166,9 @@ pub fn examine(
 ) -> Result<Outcome> {
     protocol.check()?;
     let start = Instant::now();
+    if round == 0 {
+        domain.check()?;
+    }
     let source = Source { domain, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
@@ -290,7 +293,7 @@ impl Test<'_> {
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
     fn find(&self, counted: &Counted, states_power: bool) -> Findings {
         let Self { domain, density, protocol, corners, subdivision, labels, atoms, looks, .. } = *self;
-        let Counted { values, shares, integral, uncertain, invalid, tally } = counted;
+        let Counted { values, shares, integral, uncertain, invalid, tally, .. } = counted;
         let level = protocol.own_level();
         // Leave "no sample" out where its probability is not known.
         let none = if self.is_normalized() { 0 } else { tally.none };
@@ -373,7 +376,13 @@ impl Test<'_> {
         let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
         let grid = subdivision.grid.clone();
         Findings {
-            counts: Counts { axes: domain.axes(), grid, observed, expected, atoms: density.atom_names() },
+            counts: Counts {
+                axes: domain.axes().map(str::to_owned),
+                grid,
+                observed,
+                expected,
+                atoms: density.atom_names(),
+            },
             samples,
             mass: is_pdf.then_some(mass),
             test,
@@ -390,7 +399,7 @@ impl Test<'_> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
         let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
             self.find(&counted, true);
-        let Counted { uncertain, integral, tally, .. } = counted;
+        let Counted { uncertain, integral, tally, far, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
         remarks.extend(
             corners
@@ -398,6 +407,9 @@ impl Test<'_> {
                 .as_ref()
                 .map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
         );
+        remarks.extend(far.map(|InvalidPdf { point, value }| {
+            format!("the pdf at {} is {value}: far from all samples it counts as 0", tuple(&point))
+        }));
         if self.is_normalized() {
             let mass = integral.plus(self.at_atoms());
             remarks.push(format!(
@@ -497,7 +509,9 @@ fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
     if !domain.is_plane() {
         return [cells, 1];
     }
+    // Rows for many sets of their own leave few columns.
     let rows = ((cells as f64 / 2.0).sqrt().round() as usize).max(1);
+    let rows = rows.max(domain.parts().min(cells));
     [rows, cells.div_ceil(rows)]
 }
 

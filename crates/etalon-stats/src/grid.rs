@@ -157,6 +157,23 @@ impl Grid {
         }
         Self::new(rows, columns)
     }
+
+    /// The same cells, cut at the lines between that many equal parts of the first axis.
+    #[must_use]
+    pub(crate) fn cut_at_parts(self, parts: usize) -> Self {
+        if parts == 1 {
+            return self;
+        }
+        let (mut rows, mut columns) = (vec![self.rows[0]], Vec::new());
+        for (row, ys) in self.rows.windows(2).zip(&self.columns) {
+            let first = (row[0] * parts as f64).floor() as usize + 1;
+            let lines = (first..parts).map(|i| i as f64 / parts as f64).take_while(|line| *line < row[1]);
+            let edges = tidy(lines, [row[0], row[1]], None);
+            columns.extend(std::iter::repeat_n(ys.clone(), edges.len() - 1));
+            rows.extend(&edges[1..]);
+        }
+        Self::new(rows, columns)
+    }
 }
 
 /// The number of the interval between ascending `edges` that `at` is in; the first or last if it is in none.

@@ -1,8 +1,8 @@
 //! Statistical tests of samplers against their pdfs, with stated power: a dev-dependency for whoever writes code that
 //! importance-samples something.
 //!
-//! A [`Domain`] is the set in which samples lie: [`Directions`], the unit [`Square`], a [`Line`], a [`Discrete`] set. A
-//! [`Sampler`] maps uniform random numbers to its points. A [`Density`] is the pdf with respect to the domain's measure (solid
+//! A [`Domain`] is the set in which samples lie: [`Directions`], the unit [`Square`], a [`Line`], a [`Discrete`] set, one of the others
+//! in [`DOMAINS`], or one whose [`chart`] you write. A [`Sampler`] maps uniform random numbers to its points. A [`Density`] is the pdf with respect to the domain's measure (solid
 //! angle, area, length, count); it may have atoms (the one direction of a mirror) and a mass below 1 ("no sample").
 //! [`assert_samples_follow_pdf`] is for tests; [`validate`] returns an [`Outcome`], [`decide`] judges many.
 //!
@@ -38,7 +38,11 @@ pub mod sweep;
 pub mod welch;
 
 pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
-pub use domain::{Directions, Discrete, Domain, Line, Point, Pole, Square};
+pub use domain::{
+    Axis, Barycentric, Chart, ChartFunctions, Circle, Cube, DOMAINS, Directions, Discrete, Disk, Domain, Entry,
+    HalfLine, Indexed, Line, Named, Plane, Point, Pole, Product, RealLine, Rectangle, Simplex, Square, Triangle, chart,
+    known, named,
+};
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};
 pub use examine::{Protocol, SampleCount, examine, validate};

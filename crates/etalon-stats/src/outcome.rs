@@ -34,7 +34,7 @@ impl fmt::Display for Verdict {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counts {
     /// The quantities along the axes of the grid's chart.
-    pub axes: [&'static str; 2],
+    pub axes: [String; 2],
     /// The cells.
     pub grid: Grid,
     /// Observed counts: of the grid's cells, then of the atoms, then of "no sample".

@@ -10,7 +10,7 @@ use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
 use etalon_bench::validation::{Case, WholeBsdf, families};
 use etalon_core::error::{Error, Result};
-use etalon_stats::{Directions, examine};
+use etalon_stats::examine;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ impl Arguments {
     }
 
     fn program(&self, source: ProgramSource, space: Option<Space>, console: &Console) -> Result<Subject> {
-        match source.start(space, self.timeout)? {
+        match source.start(space.clone(), self.timeout)? {
             External::Bsdf(program) => {
                 let values = families::values(&program, &self.set)?;
                 Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
@@ -127,7 +127,8 @@ impl Arguments {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
             }
             External::Sampler(client) => {
-                if let (ProgramSource::File(file), None) = (source, space) {
+                let is_named = client.space().to_string().parse::<Space>().is_ok();
+                if let (ProgramSource::File(file), None, true) = (source, space, is_named) {
                     let other = "another one by --domain, or by a variable `domain` of the file";
                     console.note(&format!("{file}: the domain is {}; {other}", client.space()));
                 }
@@ -142,17 +143,19 @@ impl Arguments {
 /// The test of samples in a file.
 fn files(samples: &Path, pdf: &Path, space: Option<Space>, console: &Console) -> Result<Case> {
     let is_table = pdf.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    let of_image = || -> Result<GridDensity> {
+        let (density, notes) = GridDensity::read_image(pdf)?;
+        notes.iter().for_each(|note| console.warn(note));
+        Ok(density)
+    };
     let density = match space {
         None if is_table => {
             return Err(Error::parameter("domain", "the domain of a table is not known")
                 .with_hint(format!("`domain` {}", Space::known())));
         }
         Some(space) if is_table => GridDensity::read_csv(space, pdf)?,
-        None | Some(Space::Directions(Directions { half: false, .. })) => {
-            let (density, notes) = GridDensity::read_image(pdf)?;
-            notes.iter().for_each(|note| console.warn(note));
-            density
-        }
+        None => of_image()?,
+        Some(space) if space == "sphere".parse()? => of_image()?,
         Some(_) => {
             return Err(Error::parameter("pdf", "an image is a pdf over the sphere").with_hint("`domain` sphere"));
         }

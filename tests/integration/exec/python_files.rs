@@ -89,6 +89,29 @@ fn domains_come_from_the_file_the_flag_or_the_samples() {
 }
 
 #[test]
+fn files_have_domains_by_name_and_charts_of_their_own() {
+    let half_disk = include_str!("../../../examples/half_disk.py");
+    let exponential = include_str!("../../../examples/exponential.py");
+    let indexed = "domain = '3*interval:0,2'\n\ndef sample(u0, u1):\n    return int(3 * u0), 2 * u1\n\ndef pdf(i, x):\n    return 1 / 6\n";
+    let cases = [
+        (half_disk.to_owned(), 0, ""),
+        (half_disk.replace("sqrt(u0)", "u0"), 1, ""),
+        (half_disk.replace("return pi * r", "return r"), 2, "3.141593 = π times as much"),
+        (half_disk.replace("atan2(y, x)", "atan2(x, y)"), 2, "do not invert each other"),
+        (half_disk.replace("return pi * r", "return -r"), 2, "must be positive and finite"),
+        (half_disk.replace("def jacobian", "def other"), 2, "functions of a chart and no function jacobian"),
+        (exponential.to_owned(), 0, ""),
+        (exponential.replace("/ 2", "* 2"), 1, ""),
+        (exponential.replace("half-line", "half_line"), 2, "half-line[:FROM[,WIDTH]]"),
+        (indexed.to_owned(), 0, ""),
+    ];
+    for (file, code, said) in cases {
+        let Some(ran) = validate(&file, &["--samples", "20000"]) else { return };
+        assert!(ran.code == code && ran.stderr.contains(said), "{file}: {} {}", ran.stdout, ran.stderr);
+    }
+}
+
+#[test]
 fn functions_of_a_wrong_shape_are_told_the_right_one() {
     let pdf = "w[:, 2] / np.pi";
     for (file, said) in [

@@ -89,7 +89,7 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
     } else if is_list {
         listed(cells, &format!("cell, by {}", counts.axes[0]))
     } else {
-        maps(counts.axes, cells)
+        maps(counts.axes.each_ref().map(String::as_str), cells)
     };
     (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }

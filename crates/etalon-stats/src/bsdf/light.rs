@@ -187,7 +187,12 @@ impl Light<'_> {
     /// The light at the directions of these samples.
     fn probes(&self, samples: &Pilot) -> Result<Vec<Probe>> {
         let points: Vec<Direction> = samples.places.iter().map(|&at| sphere().direction_at(at)).collect();
-        Ok(samples.places.iter().zip(self.at(&points, &[])?).map(|(&at, pdf)| Probe { at, pdf }).collect())
+        Ok(samples
+            .places
+            .iter()
+            .zip(self.at(&points, &[])?)
+            .map(|(&at, light)| Probe { at, density: light * sphere().measure() })
+            .collect())
     }
 
     /// The random points of [`Refinement::check`] lie where the nodes predict light and do not meet narrow tails between

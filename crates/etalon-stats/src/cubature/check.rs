@@ -1,7 +1,7 @@
 //! The difference between a density and what the rules integrate, measured at random points.
 
 use super::pieces::{LARGE, Piece};
-use super::{InvalidPdf, Probe, Refinement, first_invalid, values_at};
+use super::{InvalidPdf, Probe, Refinement, first_invalid};
 use crate::counting::{BATCH, FOUND, Share, add};
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -55,9 +55,9 @@ impl Check {
 impl Refinement<'_> {
     /// Compares the density with the polynomials at `count` random points.
     pub fn check(&self, count: u64, seed: u64, stream: u64) -> Result<Check> {
-        let (plane, measure) = (self.domain.is_plane(), self.domain.measure());
+        let plane = self.domain.is_plane();
         let running_sum = |sum: &mut f64, piece: &Piece| {
-            *sum += piece.reach(measure);
+            *sum += piece.reach();
             Some(*sum)
         };
         let ends: Vec<f64> = self.pieces.iter().scan(0.0, running_sum).collect();
@@ -81,17 +81,17 @@ impl Refinement<'_> {
                 chosen.push(piece);
                 charts.push(chart);
             }
-            let (points, values) = values_at(self.domain, self.density, &charts)?;
+            let (points, values, _) = self.values_at(&charts)?;
             let mut check = none();
             check.invalid = first_invalid(&points, &values);
             // Add up the differences between density and polynomial.
-            for ((piece, at), pdf) in chosen.into_iter().zip(charts).zip(values) {
-                let probe = Probe { at, pdf };
+            for ((piece, at), density) in chosen.into_iter().zip(charts).zip(values) {
+                let probe = Probe { at, density };
                 let difference = piece.difference(&probe);
                 let sums = &mut check.sums[piece.part.cell];
                 sums[usize::from(difference <= 0.0)].add(Share::new(difference.abs()));
                 sums[2].add(Share::new(difference * difference));
-                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(pdf) < 1.0) {
+                if check.found.len() < FOUND && (difference.abs() > LARGE || piece.share_within(density) < 1.0) {
                     check.found.push(probe);
                 }
             }

@@ -43,11 +43,11 @@ pub struct InvalidPdf {
     pub value: f64,
 }
 
-/// A point at which the density is known.
+/// A place of the chart at which the density is known, per area of the chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Probe {
     pub at: [f64; 2],
-    pub pdf: f64,
+    pub density: f64,
 }
 
 /// How far from a point where a density is infinite it is asked for again, as a share of the way to [`AWAY`]: far enough for
@@ -56,23 +56,25 @@ const ASIDE: f64 = 1.0 / (1 << 16) as f64;
 /// A place of the chart that has nothing to do with any density's symmetries.
 const AWAY: [f64; 2] = [0.618_034, 0.381_966];
 
-/// The points at places of the chart, and the density there for sums: where it is infinite, its value beside. A single point has
-/// no part in an integral.
+/// The points at places of the chart, and the density there for sums, per area of the chart: where it is infinite, its value beside.
+/// A single point has no part in an integral.
 pub(crate) fn values_at(
     domain: &dyn Domain,
     density: &dyn Density,
     charts: &[[f64; 2]],
 ) -> Result<(Vec<Point>, Vec<f64>)> {
-    let points: Vec<Point> = charts.iter().map(|at| domain.point_at(*at)).collect();
+    let points = domain.points_at(charts)?;
     let mut values = Vec::with_capacity(points.len());
     density.pdf(&points, &mut values)?;
+    domain.per_chart_area(charts, &mut values)?;
     let is_infinite = |(i, value): (usize, &f64)| (*value == f64::INFINITY).then_some(i);
     let infinite: Vec<usize> = values.iter().enumerate().filter_map(is_infinite).collect();
     if !infinite.is_empty() {
         let aside = |i: &usize| [0, 1].map(|axis| charts[*i][axis] + ASIDE * (AWAY[axis] - charts[*i][axis]));
-        let beside: Vec<Point> = infinite.iter().map(|i| domain.point_at(aside(i))).collect();
+        let beside: Vec<[f64; 2]> = infinite.iter().map(aside).collect();
         let mut finite = Vec::with_capacity(beside.len());
-        density.pdf(&beside, &mut finite)?;
+        density.pdf(&domain.points_at(&beside)?, &mut finite)?;
+        domain.per_chart_area(&beside, &mut finite)?;
         infinite.iter().zip(finite).for_each(|(i, value)| values[*i] = value);
     }
     Ok((points, values))
@@ -107,13 +109,22 @@ impl<'a> Integration<'a> {
         cancelled: Cancelled,
     ) -> Result<Self> {
         let outcomes = domain.outcomes().map(|n| [(1..n).map(|i| i as f64 / n as f64).collect(), Vec::new()]);
-        Ok(match outcomes.or_else(|| density.steps()) {
+        let declared = || density.steps().filter(|_| domain.is_even());
+        Ok(match outcomes.or_else(declared) {
             Some(steps) => {
                 let (integrals, shares) = steps::sums(domain, density, subdivision, &steps, cancelled)?;
                 Self::Exact(integrals, shares)
             }
             None => Self::Refined(Refinement::new(domain, density, subdivision.grid, probes, cancelled)?),
         })
+    }
+
+    /// A place far from all samples at which the density is no number, and counts as 0.
+    pub fn far(&self) -> Option<InvalidPdf> {
+        match self {
+            Self::Exact(..) => None,
+            Self::Refined(refinement) => refinement.far(),
+        }
     }
 
     /// The integrals as they are known so far.
@@ -205,7 +216,8 @@ mod tests {
                 domain.to_chart(normalize(w).into()).unwrap()
             })
             .collect();
-        let probes: Vec<Probe> = pilot.iter().map(|&at| Probe { at, pdf: pdf(domain.direction_at(at)) }).collect();
+        let probes: Vec<Probe> =
+            pilot.iter().map(|&at| Probe { at, density: domain.measure() * pdf(domain.direction_at(at)) }).collect();
         let blind = total(&integrate(&domain, &lobe, &Grid::equal([10, 20], None)).unwrap()).0;
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
@@ -226,7 +238,7 @@ mod tests {
             let probe = |i: u32| {
                 let u = [f64::from(i) / f64::from(1 << 14), (f64::from(i) * 0.618_034).fract()];
                 let at = domain.to_chart(ggx_visible(wo, alpha, u).into()).unwrap();
-                Probe { at, pdf: pdf(domain.direction_at(at)) }
+                Probe { at, density: domain.measure() * pdf(domain.direction_at(at)) }
             };
             let probes: Vec<Probe> = (0..1 << 14).map(probe).collect();
             let (visible, grid) = (density(pdf), Grid::equal([10, 20], None));
@@ -268,7 +280,7 @@ mod tests {
         assert!((total(&refinement.integrals()).0 - 1.0).abs() < 1e-12, "no rule sees it");
         let check = refinement.check(1 << 18, 1, 0).unwrap();
         let mean = check.reach * (check.total(0) - check.total(1)) / check.count as f64;
-        let sees = refinement.share_within(&Probe { at: [from + 0.5 * width, 0.5], pdf: 1.9 });
+        let sees = refinement.share_within(&Probe { at: [from + 0.5 * width, 0.5], density: 1.9 });
         assert!((sees - 1.25 / 1.9).abs() < 1e-12 && !check.found.is_empty());
         // Up to 1.25, in a share of 10⁻⁴ of the places: 26 of them.
         assert!((mean - 0.25 * width).abs() < 4.0 * 0.25 * (width / check.count as f64).sqrt(), "{mean}");

@@ -53,9 +53,9 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// The rules' results from the densities at the nodes; `measure` is that of the whole chart.
-    pub(super) fn new(part: Part, values: &[f64], measure: f64) -> Self {
-        let [k, gx, gy] = rules(values).map(|sum| 0.25 * part.at.area() * measure * sum);
+    /// The rules' results from the densities at the nodes, per area of the chart.
+    pub(super) fn new(part: Part, values: &[f64]) -> Self {
+        let [k, gx, gy] = rules(values).map(|sum| 0.25 * part.at.area() * sum);
         let top = REACH * values.iter().copied().fold(0.0, f64::at_least);
         let shape = values.iter().map(|value| if top > 0.0 { value / top } else { 0.0 }).collect();
         let errors = [(gx - k).abs(), (gy - k).abs()];
@@ -70,8 +70,8 @@ impl Piece {
 
     /// The share of a density that is within reach.
     #[inline]
-    pub(super) fn share_within(&self, pdf: f64) -> f64 {
-        share_within(self.top, pdf)
+    pub(super) fn share_within(&self, density: f64) -> f64 {
+        share_within(self.top, density)
     }
 
     /// The difference between the density at a probe, as far as it is within reach, and the rule's polynomial there, from −1
@@ -81,31 +81,31 @@ impl Piece {
         if self.top == 0.0 {
             return 0.0;
         }
-        ((probe.pdf / self.top).at_most(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).within(-1.0, 1.0)
+        ((probe.density / self.top).at_most(1.0) - interpolate(&self.shape, &self.part.at, probe.at)).within(-1.0, 1.0)
     }
 
     /// The integral of the largest density that the piece is expected to reach.
     #[inline]
-    pub(super) fn reach(&self, measure: f64) -> f64 {
-        self.top * self.part.at.area() * measure
+    pub(super) fn reach(&self) -> f64 {
+        self.top * self.part.at.area()
     }
 
     /// The densities at the nodes in units of what the piece reaches, and the integral of such a unit over the piece divided
     /// by the measure of the rule's square or line.
-    pub(super) fn values(&self, measure: f64) -> (&[f64], f64) {
+    pub(super) fn values(&self) -> (&[f64], f64) {
         let of_rule = if self.shape.len() == KRONROD { 0.5 } else { 0.25 };
-        (&self.shape, of_rule * self.reach(measure))
+        (&self.shape, of_rule * self.reach())
     }
 
     /// Learns the density at a probe in it.
-    pub(super) fn learn(&mut self, probe: &Probe, measure: f64) {
-        if self.share_within(probe.pdf) < 1.0 {
+    pub(super) fn learn(&mut self, probe: &Probe) {
+        if self.share_within(probe.density) < 1.0 {
             self.mismatch = f64::INFINITY;
             return;
         }
         let difference = self.difference(probe).abs();
         if difference > LARGE {
-            self.mismatch = self.mismatch.at_least(difference * self.reach(measure));
+            self.mismatch = self.mismatch.at_least(difference * self.reach());
         }
     }
 
@@ -185,6 +185,6 @@ impl Tree {
 
 /// The share of a density that is within reach of `top`.
 #[inline]
-pub(super) fn share_within(top: f64, pdf: f64) -> f64 {
-    if pdf > top { top / pdf } else { 1.0 }
+pub(super) fn share_within(top: f64, density: f64) -> f64 {
+    if density > top { top / density } else { 1.0 }
 }

@@ -3,7 +3,7 @@
 use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
-use crate::domain::Domain;
+use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
@@ -32,7 +32,17 @@ pub(crate) struct Refinement<'a> {
     probes: Vec<Probe>,
     evaluations: usize,
     invalid: Option<InvalidPdf>,
+    /// Where the density is known of a chart whose ends may be far from all samples: within this rectangle.
+    sampled: Option<Cell>,
+    far: Option<InvalidPdf>,
     cancelled: Cancelled,
+}
+
+/// The rectangle around all probes.
+fn around(probes: &[Probe]) -> Cell {
+    let none = Cell { x: [1.0, 0.0], y: [1.0, 0.0] };
+    let wider = |[from, to]: [f64; 2], at: f64| [from.at_most(at), to.at_least(at)];
+    probes.iter().fold(none, |Cell { x, y }, Probe { at, .. }| Cell { x: wider(x, at[0]), y: wider(y, at[1]) })
 }
 
 impl<'a> Refinement<'a> {
@@ -55,11 +65,13 @@ impl<'a> Refinement<'a> {
             probes: probes.to_vec(),
             evaluations: 0,
             invalid: None,
+            sampled: (!domain.is_even()).then(|| around(probes)),
+            far: None,
             cancelled,
         };
         let all = (0..probes.len() as u32).collect();
         let whole = Part { leaf: 0, cell: 0, at: Cell::WHOLE, probes: all };
-        let mut parts = work.cut(whole, grid.graded());
+        let mut parts = work.cut(whole, grid.graded().cut_at_parts(domain.parts()));
         for part in &mut parts {
             let [x, y] = [part.at.x, part.at.y].map(|[from, to]| 0.5 * (from + to));
             part.cell = grid.find([x, y]);
@@ -72,12 +84,11 @@ impl<'a> Refinement<'a> {
 
     /// Takes the density at more probes into account.
     pub fn learn(&mut self, probes: &[Probe]) -> Result<()> {
-        let measure = self.domain.measure();
         for probe in probes {
             let (piece, _) = self.tree.find(probe.at);
             let piece = &mut self.pieces[piece];
             piece.part.probes.push(self.probes.len() as u32);
-            piece.learn(probe, measure);
+            piece.learn(probe);
             self.probes.push(*probe);
         }
         self.refine()
@@ -93,17 +104,17 @@ impl<'a> Refinement<'a> {
         Integrals { values, errors, invalid: self.invalid }
     }
 
-    /// Whether the nodes predict a density as large as `pdf` everywhere in a cell: then [`share_within`](Self::share_within)
+    /// Whether the nodes predict a density as large as this everywhere in a cell: then [`share_within`](Self::share_within)
     /// is 1, without a search for the piece.
     #[inline]
-    pub fn reaches(&self, cell: usize, pdf: f64) -> bool {
-        pdf <= self.reach[cell]
+    pub fn reaches(&self, cell: usize, density: f64) -> bool {
+        density <= self.reach[cell]
     }
 
     /// The share of the density at a probe that the nodes around it predict: below 1 for a spike.
     pub fn share_within(&self, probe: &Probe) -> f64 {
         let (_, top) = self.tree.find(probe.at);
-        share_within(top, probe.pdf)
+        share_within(top, probe.density)
     }
 
     /// Where a rectangle is cut before any rule is applied: nowhere if its known probes are halved near its middle, as those of
@@ -164,28 +175,50 @@ impl<'a> Refinement<'a> {
         parts
     }
 
+    /// [`values_at`] places, and the first of those that are no numbers where no sample is, towards an end of a chart that is not even: there
+    /// formulas overflow, and the density counts as 0. (Where it is not, samples show it.)
+    pub(super) fn values_at(&self, charts: &[[f64; 2]]) -> Result<(Vec<Point>, Vec<f64>, Option<InvalidPdf>)> {
+        let (points, mut values) = values_at(self.domain, self.density, charts)?;
+        let mut far = None;
+        if let Some(Cell { x, y }) = self.sampled {
+            let is_sampled = |at: &[f64; 2]| (x[0]..=x[1]).contains(&at[0]) && (y[0]..=y[1]).contains(&at[1]);
+            let all = values.iter_mut().zip(charts).zip(&points);
+            for ((value, _), &point) in all.filter(|((value, at), _)| !value.is_finite() && !is_sampled(at)) {
+                far = far.or(Some(InvalidPdf { point, value: std::mem::take(value) }));
+            }
+        }
+        Ok((points, values, far))
+    }
+
+    /// The first place of those that [`values_at`](Self::values_at) found.
+    pub fn far(&self) -> Option<InvalidPdf> {
+        self.far
+    }
+
     /// Applies the rules to `parts`.
     fn add(&mut self, parts: Vec<Part>) -> Result<()> {
         // Enough points for a batch, few enough to share out.
         const PARTS: usize = 16;
-        let (plane, measure, known) = (self.domain.is_plane(), self.domain.measure(), &self.probes);
+        let (plane, known) = (self.domain.is_plane(), &self.probes);
         let cancelled = self.cancelled;
         let apply = |batch: &[Part]| {
             poll(cancelled)?;
             let charts: Vec<[f64; 2]> = batch.iter().flat_map(|part| nodes(&part.at, plane)).collect();
-            let (points, values) = values_at(self.domain, self.density, &charts)?;
+            let (points, values, far) = self.values_at(&charts)?;
             let per_part = points.len() / batch.len();
             let made = batch.iter().zip(values.chunks(per_part)).map(|(part, values)| {
-                let mut piece = Piece::new(part.clone(), values, measure);
-                part.probes.iter().for_each(|&probe| piece.learn(&known[probe as usize], measure));
+                let mut piece = Piece::new(part.clone(), values);
+                part.probes.iter().for_each(|&probe| piece.learn(&known[probe as usize]));
                 piece
             });
-            Ok((made.collect::<Vec<_>>(), first_invalid(&points, &values)))
+            Ok((made.collect::<Vec<_>>(), (first_invalid(&points, &values), far)))
         };
         let made = parts.par_chunks(PARTS).map(apply).collect::<Result<Vec<_>>>()?;
         self.evaluations += parts.len() * if plane { KRONROD * KRONROD } else { KRONROD };
         let (pieces, invalid): (Vec<Vec<Piece>>, Vec<_>) = made.into_iter().unzip();
+        let (invalid, far): (Vec<_>, Vec<_>) = invalid.into_iter().unzip();
         self.invalid = invalid.into_iter().flatten().next().or(self.invalid);
+        self.far = self.far.or(far.into_iter().flatten().next());
         for piece in pieces.into_iter().flatten() {
             self.tree.set(&piece, self.pieces.len());
             self.pieces.push(piece);

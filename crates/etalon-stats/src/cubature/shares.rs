@@ -87,7 +87,7 @@ fn over(ends: &[f64], met: Range<usize>, [from, to]: [f64; 2]) -> Vec<[f64; TERM
 impl Refinement<'_> {
     /// The integrals over the parts of `subdivision`, with the error of each piece as that of every part that it meets.
     pub fn shares(&self, subdivision: &Subdivision) -> Shares {
-        let (projection, plane, measure) = (projection(), self.domain.is_plane(), self.domain.measure());
+        let (projection, plane) = (projection(), self.domain.is_plane());
         let mut shares = Shares::new(subdivision);
         // Pieces over the same interval of an axis add up before their polynomials are integrated.
         let mut along: [BTreeMap<[u64; 2], Terms>; 2] = Default::default();
@@ -95,7 +95,7 @@ impl Refinement<'_> {
         let cells: Vec<Cell> = if subdivision.depth > 0 { subdivision.grid.cells().collect() } else { Vec::new() };
         for piece in &self.pieces {
             let Piece { part, integral, .. } = piece;
-            let (values, scale) = piece.values(measure);
+            let (values, scale) = piece.values();
             let terms = if plane { tensor(values, scale, &projection) } else { vec![line(values, scale, &projection)] };
             let margins = [terms[0], std::array::from_fn(|k| terms.get(k).map_or(0.0, |row| row[0]))];
             // Rows of the tensor belong to the second axis: its margin along x is the first row.

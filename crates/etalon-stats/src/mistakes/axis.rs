@@ -79,7 +79,8 @@ pub fn of<E>(
     pdf: impl Fn(&[Point]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Axis>, E> {
     let [pole, other] = [[0.0; 2], [0.5; 2]].map(|chart| Direction::from(domain.point_at(chart)));
-    if pole.iter().chain(&other).any(|x| x.is_nan()) {
+    let is_unit = |w: &Direction| (dot(*w, *w) - 1.0).abs() < SAME;
+    if ![pole, other].iter().all(is_unit) {
         return Ok(None);
     }
     let all = points.iter().map(|&point| Direction::from(point)).zip(masses.iter().copied());

@@ -239,7 +239,7 @@ struct Table<'a> {
     total: f64,
     /// Points of parts of the cells, graded so that wide cells have more of them near narrow ones.
     points: Vec<Point>,
-    /// For each, the number of its cell and the area that it stands for.
+    /// For each, the number of its cell and the measure that it stands for.
     places: Vec<(usize, f64)>,
     /// The pdf there.
     pdfs: Vec<f64>,
@@ -252,7 +252,7 @@ impl<'a> Table<'a> {
         let cells = counts.grid.len();
         let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
         let others = counts.observed[cells..].iter().copied().zip(counts.expected[cells..].iter().copied()).collect();
-        let (mut points, mut places) = (Vec::new(), Vec::new());
+        let (mut points, mut places) = (Vec::new(), Vec::<(usize, f64)>::new());
         match domain.outcomes() {
             // Each outcome is a point of its own.
             Some(n) if n <= MOST_POINTS => {
@@ -264,11 +264,15 @@ impl<'a> Table<'a> {
             None => {
                 let graded = counts.grid.graded();
                 let few = graded.len() <= MOST_CELLS;
+                let (mut charts, mut cells, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
                 for part in graded.cells().filter(|_| few) {
-                    let cell = counts.grid.find(part.place([0.0, 0.0]));
-                    points.extend(points_of(&part, lattice).map(|at| domain.point_at(at)));
-                    places.resize(points.len(), (cell, part.area() / lattice[0] as f64));
+                    charts.extend(points_of(&part, lattice));
+                    cells.resize(charts.len(), counts.grid.find(part.place([0.0, 0.0])));
+                    sizes.resize(charts.len(), part.area() / lattice[0] as f64);
                 }
+                domain.per_chart_area(&charts, &mut sizes)?;
+                points = domain.points_at(&charts)?;
+                places.extend(cells.into_iter().zip(sizes));
             }
         }
         let pdfs = asked(density, &points)?;
@@ -341,7 +345,7 @@ impl<'a> Table<'a> {
 
     /// The mistakes in one of two coordinates that explain the counts.
     fn marginals(&self, of_pdf: f64, of: &str) -> Result<Vec<Explained>> {
-        if !self.domain.is_plane() {
+        if !self.domain.is_plane() || !self.domain.is_even() {
             return Ok(Vec::new());
         }
         let all = marginals::of(self.domain, self.density, &self.points)?.into_iter();

@@ -12,7 +12,8 @@ from math import isfinite
 from types import ModuleType
 
 ROWS = 7  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
-WIDTHS = {"sphere": 3, "hemisphere": 3, "square": 2, "line": 1}
+WIDTHS = {}  # of points of the domains, by name: `etalon` fills it in
+CHART = ("to_cube", "from_cube", "jacobian")
 DECLARED = ("mass", "table", "precision", "dimension")
 DECLARED_OF_BSDFS = ("scatters", "eta", "reciprocal", "energy", "map", "precision", "dimension")
 
@@ -192,7 +193,7 @@ class SamplerFile:
         if count == 0:
             raise Refused("sample takes no argument; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
         self.domain = getattr(module, "domain", domain)
-        of_one = self.domain == "line" or str(self.domain).startswith("discrete")
+        of_one = widths_of(self.domain) == [1]
         own = getattr(module, "dimension", None)
         dimensions = [own] if own else [count] if count and count > 1 else [1, 2] if of_one else [2, 1]
 
@@ -216,25 +217,51 @@ class SamplerFile:
             for d in dimensions
             for form in forms(module.sample, "sample", [d], read, uniform(ROWS, d))
         )
-        dimension, self.sample, self.pdf = first(attempts)
-        found = self.sample(uniform(1024, dimension))
+        dimension, sample, pdf = first(attempts)
+        self.functions = {"sample": sample, "pdf": pdf}
+        found = sample(uniform(1024, dimension))
         points = [point for point in found if point is not None]
-        if self.domain is None:
+        own = self.chart(module, points)
+        if self.domain is None and not own:
             self.domain = guessed(points)
-        width = WIDTHS.get(self.domain, 1)
-        if len(points[0]) != width:
-            raise Refused(f"sample returns {len(points[0])} coordinates; a point of the domain {self.domain} has {width}")
+        widths = widths_of(self.domain)
+        if widths and len(points[0]) not in widths:
+            wanted = " or ".join(map(str, widths))
+            raise Refused(f"sample returns {len(points[0])} coordinates; a point of the domain {self.domain} has {wanted}")
         words = declaration(module, DECLARED)
         if len(points) < len(found) and not hasattr(module, "mass"):
             words.append("mass=at-most-1")
         if not hasattr(module, "dimension"):
             words.append(f"dimension={dimension}")
-        self.greeting = " ".join([f"domain={self.domain}", *words])
+        self.greeting = " ".join([own or f"domain={self.domain}", *words])
+
+    def chart(self, module, points):
+        """The chart of the file's own, declared for the greeting; None if it has none."""
+        missing = [name for name in CHART if not hasattr(module, name)]
+        if len(missing) == len(CHART):
+            return None
+        if missing or self.domain is not None:
+            also = f"no function {' and no function '.join(missing)}" if missing else f"a domain, {self.domain}"
+            raise Refused(f"it has functions of a chart and {also}; wanted to_cube, from_cube and jacobian, and no other domain")
+        width, points = len(points[0]), points[:ROWS]
+        to_cube, cube = first(forms(module.to_cube, "to_cube", [width], maybe(numbers_of("to_cube", [2, 1])), points))
+        cube = [place for place in cube if place is not None]
+        if not cube:
+            raise Refused("to_cube returned None for all of the first samples: is a return missing?")
+        dimension = len(cube[0])
+        from_cube, _ = first(forms(module.from_cube, "from_cube", [dimension], numbers_of("from_cube", [width]), cube))
+        jacobian, _ = first(forms(module.jacobian, "jacobian", [dimension], numbers_of("jacobian", [1]), cube))
+        self.functions.update(to_cube=to_cube, from_cube=from_cube, jacobian=jacobian)
+        return f"chart={dimension}"
 
     def answer(self, verb, rows):
-        if verb == "pdf":
-            return self.pdf(rows)
-        return self.sample(rows)
+        return self.functions[verb](rows)
+
+
+def widths_of(domain):
+    """How many coordinates points of a domain may have; none if it is not known here."""
+    *indices, domain = str(domain).split("*")
+    return [width + len(indices) for width in WIDTHS.get(domain.split(":")[0], [])]
 
 
 def guessed(points):
@@ -245,9 +272,9 @@ def guessed(points):
     outside = [point for point in points if any(isfinite(x) and not 0 <= x <= 1 for x in point)]
     if 10 * len(outside) > len(points):
         raise Refused(
-            f"sample returns points such as ({', '.join(f'{x:.4g}' for x in outside[0])}), which no domain has: "
+            f"sample returns points such as ({', '.join(f'{x:.4g}' for x in outside[0])}), which no domain has that is taken by default: "
             "coordinates of square and line are from 0 to 1, directions of sphere and hemisphere are unit vectors x, y, z, "
-            'and a file with domain = "discrete:6" returns 0 to 5'
+            'and a file with domain = "discrete:6" returns 0 to 5; others are "real", "half-line", "plane", "disk" …'
         )
     return {2: "square", 1: "line"}[width]
 

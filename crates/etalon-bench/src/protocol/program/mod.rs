@@ -18,6 +18,7 @@ pub(crate) use process::{Group, last_line, tail, words};
 use crate::protocol::sampler::Space;
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
+use etalon_stats::{DOMAINS, named};
 use process::Process;
 use properties::Greeting;
 use std::io::ErrorKind;
@@ -64,9 +65,17 @@ pub fn start_file(file: &str, space: Option<Space>, limit: Duration) -> Result<E
         return Err(Error::input(path, "there is no such file"));
     }
     files::note_input(path);
+    let widths = DOMAINS.iter().map(|entry| {
+        let of = |name: &str| named(name).ok().map(|domain| domain.names().len());
+        let mut widths: Vec<usize> = [entry.name, entry.example].into_iter().filter_map(of).collect();
+        widths.dedup();
+        format!("\"{}\": {widths:?}", entry.name)
+    });
+    let widths = widths.collect::<Vec<_>>().join(", ");
+    let client = PYTHON_CLIENT.replacen("WIDTHS = {}", &format!("WIDTHS = {{{widths}}}"), 1);
     let program = |python: &str| {
-        let domain = space.map(|space| space.to_string());
-        let words = [python, "-c", PYTHON_CLIENT, file].map(str::to_owned).into_iter().chain(domain);
+        let domain = space.as_ref().map(ToString::to_string);
+        let words = [python, "-c", &client, file].map(str::to_owned).into_iter().chain(domain);
         Process::start(file, &words.collect::<Vec<_>>(), limit)
     };
     let is_missing = |started: &Result<Process>| matches!(started, Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound);

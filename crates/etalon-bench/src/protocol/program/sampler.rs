@@ -7,18 +7,21 @@
 //! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
 //! | `pdf N`, then N lines of coordinates | N lines with a pdf |
 //! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
+//! | `to_cube N`, then N lines of coordinates | N lines of coordinates of the unit cube, or `none` |
+//! | `from_cube N`, then N lines of those | N lines of coordinates |
+//! | `jacobian N`, then N lines of those | N lines with length or area per length or area of the cube |
 //!
 //! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
 //! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`;
-//! `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
+//! `chart=DIMENSION`, of a domain of its own; `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
 
 use super::connection::{self, Connection, protocol_error};
 use super::properties::Greeting;
 use crate::protocol::sampler::{Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{number, quote, real};
-use etalon_stats::{Atom, Density, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
-use std::sync::{Mutex, PoisonError};
+use etalon_stats::{Atom, Chart, ChartFunctions, Density, Domain, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most rows or columns of a table.
 pub const LONGEST: usize = 1 << 16;
@@ -35,6 +38,8 @@ struct Description {
     mass: Mass,
     /// If the program names it.
     domain: Option<Space>,
+    /// The dimension of its own chart, if it has one.
+    chart: Option<usize>,
     /// Rows and columns of the table in whose cells the pdf is constant.
     table: Option<[usize; 2]>,
     /// Whether it has the inverse of its sampler.
@@ -50,6 +55,7 @@ impl Description {
             dimension: 2,
             mass: Mass::Exactly(1.0),
             domain: None,
+            chart: None,
             table: None,
             invert: false,
             precision: 0.0,
@@ -73,6 +79,9 @@ impl Description {
                 }
                 "precision" => found.precision = precision(value).ok_or_else(refused)?,
                 "domain" => found.domain = Some(value.parse().map_err(|_| refused())?),
+                "chart" => {
+                    found.chart = Some(number(value).filter(|n| [1.0, 2.0].contains(n)).ok_or_else(refused)? as usize);
+                }
                 "invert" => {
                     found.invert = match value.as_str() {
                         "yes" => true,
@@ -103,9 +112,95 @@ fn table(value: &str) -> Option<[usize; 2]> {
     Some([side(rows)?, side(columns)?])
 }
 
+/// The connection to a program, for all that ask it.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Box<dyn Connection>>>);
+
+impl Shared {
+    /// Asks `verb` for `count` lines and reads the words of each by `read`.
+    fn ask<T>(
+        &self,
+        verb: &str,
+        count: usize,
+        request: String,
+        expected: &str,
+        read: impl Fn(&[&str]) -> Option<T>,
+    ) -> Result<Vec<T>> {
+        // A panic elsewhere leaves nothing half done that matters here.
+        let mut connection = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        connection::ask(&mut **connection, [verb, expected], count, request, read)
+    }
+}
+
+/// The chart of a program: one request is in flight at a time.
+struct OwnChart {
+    connection: Shared,
+    dimension: usize,
+}
+
+impl OwnChart {
+    /// Asks `verb` at places of the unit cube.
+    fn at_places<T>(
+        &self,
+        verb: &str,
+        places: &[[f64; 2]],
+        expected: &str,
+        read: impl Fn(&[&str]) -> Option<T>,
+    ) -> etalon_stats::Result<Vec<T>> {
+        if places.is_empty() {
+            return Ok(Vec::new());
+        }
+        let numbers = places.iter().map(|place| &place[..self.dimension]);
+        Ok(self.connection.ask(verb, places.len(), request(verb, numbers), expected, read)?)
+    }
+}
+
+impl ChartFunctions for OwnChart {
+    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<[f64; 2]>> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let read = |words: &[&str]| match words {
+            ["none"] => Some([f64::NAN; 2]),
+            [u] if self.dimension == 1 => Some([number(u)?, 0.5]),
+            [u, v] if self.dimension == 2 => Some([number(u)?, number(v)?]),
+            _ => None,
+        };
+        let expected = format!("{} coordinates of the unit cube or \"none\"", self.dimension);
+        let request = request("to_cube", points.iter().map(Point::coordinates));
+        Ok(self.connection.ask("to_cube", points.len(), request, &expected, read)?)
+    }
+
+    fn from_cube(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<Point>> {
+        let read = |words: &[&str]| {
+            let numbers = words.iter().map(|word| number(word)).collect::<Option<Vec<f64>>>()?;
+            Point::of(&numbers)
+        };
+        self.at_places("from_cube", cube, "one to four coordinates", read)
+    }
+
+    fn jacobian(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<f64>> {
+        let read = |words: &[&str]| match words {
+            [value] => number(value),
+            _ => None,
+        };
+        self.at_places("jacobian", cube, "a number", read)
+    }
+}
+
+/// A request with a line of numbers for each row.
+fn request<'a>(verb: &str, rows: impl ExactSizeIterator<Item = &'a [f64]>) -> String {
+    let mut request = format!("{verb} {}\n", rows.len());
+    for row in rows {
+        write_numbers(row, &mut request);
+        request.push('\n');
+    }
+    request
+}
+
 /// A running program: a sampler and its pdf over a domain. One request is in flight at a time.
 pub struct Client {
-    connection: Mutex<Box<dyn Connection>>,
+    connection: Shared,
     description: Description,
     atoms: Vec<Atom>,
     space: Space,
@@ -114,10 +209,26 @@ pub struct Client {
 impl Client {
     pub(super) fn new(connection: impl Connection + 'static, greeting: Greeting, space: Option<Space>) -> Result<Self> {
         let description = Description::of(&greeting)?;
-        let space = match (space, description.domain) {
+        let name = connection.name().to_owned();
+        let connection = Shared(Arc::new(Mutex::new(Box::new(connection))));
+        let own = match description.chart {
+            None => description.domain.clone(),
+            Some(dimension) => {
+                let chart = Chart::new(OwnChart { connection: connection.clone(), dimension }, dimension);
+                // From here on it is known how many coordinates points have.
+                chart.points_at(&[[0.5; 2]])?;
+                let space = Space::new("its own chart", chart);
+                if space.width() == 0 {
+                    return Err(protocol_error(&name, "from_cube gives no point"));
+                }
+                Some(space)
+            }
+        };
+        let space = match (space, own) {
             (Some(asked), Some(own)) if asked != own => {
-                return Err(protocol_error(connection.name(), format!("its domain is {own}"))
-                    .with_hint(format!("use the domain {own}")));
+                return Err(
+                    protocol_error(&name, format!("its domain is {own}")).with_hint(format!("use the domain {own}"))
+                );
             }
             (Some(space), _) | (None, Some(space)) => space,
             (None, None) => {
@@ -136,10 +247,13 @@ impl Client {
         };
         let of_line = |line: &String| {
             let wrong = || format!("its atom {} is not \"{words} PROBABILITY\"", quote(line));
-            read(line).ok_or_else(|| protocol_error(connection.name(), wrong()))
+            read(line).ok_or_else(|| protocol_error(&name, wrong()))
         };
         let atoms = greeting.lines.iter().map(of_line).collect::<Result<_>>()?;
-        Ok(Self { connection: Mutex::new(Box::new(connection)), description, atoms, space })
+        if let Some(sides) = description.table {
+            space.steps(sides)?;
+        }
+        Ok(Self { connection, description, atoms, space })
     }
 
     /// The name that the program gives its sampler.
@@ -151,26 +265,12 @@ impl Client {
     /// The domain.
     #[must_use]
     pub fn space(&self) -> Space {
-        self.space
-    }
-
-    /// Asks `verb` for `count` lines and reads the words of each by `read`.
-    fn ask<T>(
-        &self,
-        verb: &str,
-        count: usize,
-        request: String,
-        expected: &str,
-        read: impl Fn(&[&str]) -> Option<T>,
-    ) -> Result<Vec<T>> {
-        // A panic elsewhere leaves nothing half done that matters here.
-        let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        connection::ask(&mut **connection, [verb, expected], count, request, read)
+        self.space.clone()
     }
 
     fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample>>> {
         let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", self.space.names()[0].join(" "));
-        self.ask("sample", count, request, &expected, |words| match words {
+        self.connection.ask("sample", count, request, &expected, |words| match words {
             ["none"] => Some(None),
             ["atom", point @ ..] => Some(Some(Sample::atom(self.space.read(point)?))),
             [point @ .., pdf] if point.len() == self.space.width() => {
@@ -199,12 +299,7 @@ impl Sampler for Client {
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let samples = u.chunks_exact(self.description.dimension.max(1));
         let count = samples.len();
-        let mut request = format!("sample {count}\n");
-        for sample in samples {
-            write_numbers(sample, &mut request);
-            request.push('\n');
-        }
-        out.extend(self.ask_samples(count, request)?);
+        out.extend(self.ask_samples(count, request("sample", samples))?);
         Ok(())
     }
 
@@ -224,7 +319,7 @@ impl Sampler for Client {
             _ => words.iter().map(|word| number(word)).collect::<Option<Vec<f64>>>().map(Some),
         };
         let expected = format!("{dimension} numbers or \"none\"");
-        let mut answer = self.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
+        let mut answer = self.connection.ask("invert", 1, self.at_points("invert", &[point]), &expected, read)?;
         Ok(answer.pop().flatten())
     }
 }
@@ -239,7 +334,7 @@ impl Density for Client {
             [pdf] => number(pdf),
             _ => None,
         };
-        out.extend(self.ask("pdf", points.len(), request, "a pdf", read_pdf)?);
+        out.extend(self.connection.ask("pdf", points.len(), request, "a pdf", read_pdf)?);
         Ok(())
     }
 
@@ -252,7 +347,7 @@ impl Density for Client {
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
-        self.description.table.map(|sides| self.space.steps(sides))
+        self.space.steps(self.description.table?).ok()
     }
 
     fn atoms(&self) -> Vec<Atom> {

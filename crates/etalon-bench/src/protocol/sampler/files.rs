@@ -1,6 +1,6 @@
 //! Samples and a pdf from files, for samplers that cannot be called.
 //!
-//! Samples: CSV with a header, one point a row (see [`Space::names`](super::Space::names)) and perhaps its pdf in a column `pdf`. The pdf: a grid of
+//! Samples: CSV with a header, one point a row (see [`Space::names`]) and perhaps its pdf in a column `pdf`. The pdf: a grid of
 //! values, each constant over its part of the domain (see [`GridDensity`]).
 
 use crate::protocol::sampler::Space;
@@ -132,6 +132,7 @@ impl GridDensity {
     /// Reads a table of numbers without a header: rows of equal length, with commas.
     pub fn read_csv(space: Space, path: &Path) -> Result<Self> {
         let domain = space.domain();
+        space.steps([1, 1])?;
         let (mut rows, mut columns, values) = read_table(path)?;
         if !domain.is_plane() {
             if rows > 1 && columns > 1 {
@@ -142,13 +143,13 @@ impl GridDensity {
         if let Some(outcomes) = domain.outcomes().filter(|n| *n != rows) {
             return Err(Error::input(path, format!("{rows} values for {outcomes} outcomes")));
         }
-        let values = if space.is_transposed() {
+        let values = if domain.is_transposed() {
             memory::request(size_of_val(&values[..]), || table(path))?;
             (0..values.len()).map(|i| values[i % rows * columns + i / rows]).collect()
         } else {
             values
         };
-        Ok(Self { steps: space.steps([rows, columns]), values, space })
+        Ok(Self { steps: space.steps([rows, columns])?, values, space })
     }
 
     /// Whether `claimed` is the pdf at `point` up to rounding of both, in text or to f32.
@@ -176,7 +177,7 @@ impl GridDensity {
 
     /// The domain of the pdf.
     pub fn space(&self) -> Space {
-        self.space
+        self.space.clone()
     }
 
     /// Reads a lat-long image of densities per sr, with the orientation of environment maps: +y is up, and columns go from
@@ -189,7 +190,7 @@ impl GridDensity {
             return Err(Error::unsupported(path, "a density of several colours").with_hint("write one channel, Y"));
         }
         memory::request(width * height * size_of::<f64>(), || table(path))?;
-        let space = Space::Directions(Directions::sphere(Pole::Y));
+        let space = Space::new("sphere", Directions::sphere(Pole::Y));
         let [rows, turns] = LatLong::new(width, height).edges();
         let edges = [&[0.0], &turns[..], &[1.0]].concat();
         let columns: Vec<usize> =

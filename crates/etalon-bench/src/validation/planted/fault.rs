@@ -28,12 +28,23 @@ impl PlantedFault {
         P: Density,
         F: Fn(bool) -> (S, P) + Clone + Send + Sync + 'static,
     {
+        Self::on(name, || domain, make)
+    }
+
+    /// [`of`](Self::of) a domain that each of the two tests makes for itself.
+    pub(super) fn on<D, S, P, F>(name: &'static str, domain: impl Fn() -> D, make: F) -> Self
+    where
+        D: Domain + Send + Sync + 'static,
+        S: Sampler,
+        P: Density,
+        F: Fn(bool) -> (S, P) + Clone + Send + Sync + 'static,
+    {
         let right = make.clone();
         Self {
             name,
             mistake: "",
-            faulty: Case::of(format!("planted/{name}"), domain, move || make(true)),
-            sound: Case::of(format!("sound/{name}"), domain, move || right(false)),
+            faulty: Case::of(format!("planted/{name}"), domain(), move || make(true)),
+            sound: Case::of(format!("sound/{name}"), domain(), move || right(false)),
         }
     }
 

@@ -17,6 +17,7 @@ pub fn all() -> Vec<PlantedFault> {
     [
         warps::numbers(),
         warps::hemispheres(),
+        warps::domains(),
         lights::lights(),
         lights::light_paths(),
         renders::importance(),

@@ -7,11 +7,13 @@ use etalon_core::math::circular::sin_cos_turns;
 use etalon_core::sampling::warp;
 use etalon_stats::stream::CounterRng;
 use etalon_stats::{
-    Density, DensityFn, Directions, Discrete, Line, Mass, Point, Pole, Sample, Sampler, density, sampler,
+    Barycentric, Circle, Density, DensityFn, Directions, Discrete, Disk, HalfLine, Indexed, Line, Mass, Plane, Point,
+    Pole, RealLine, Rectangle, Sample, Sampler, Simplex, chart, density, sampler,
 };
 use glam::DVec3;
 use rand::RngExt;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 /// The unit vector at that cosine with +z and that azimuth in turns.
 pub(super) fn polar(cos: f64, turns: f64) -> DVec3 {
@@ -277,3 +279,149 @@ pub fn tables() -> Vec<PlantedFault> {
 
 /// Texels of the sky behind whose sun f32 sums end.
 const SKY: usize = 1 << 17;
+
+/// Samplers of other domains than directions.
+pub fn domains() -> Vec<PlantedFault> {
+    let mesh = || Indexed { count: 4, domain: Arc::new(Barycentric) };
+    // The area of each of four triangles
+    const AREAS: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
+    let half_disk = || {
+        chart(
+            |[x, y]: [f64; 2]| [x.hypot(y), y.atan2(x) / PI],
+            |[r, turn]: [f64; 2]| [r * (PI * turn).cos(), r * (PI * turn).sin()],
+            |[r, _]: [f64; 2]| PI * r,
+        )
+    };
+    // The radius of a point of the disk by a random number
+    let radius = |faulty: bool, u: f64| if faulty { u } else { u.sqrt() };
+    let uniform_triangle = move |faulty: bool, u: &[f64]| {
+        let side = radius(faulty, u[0]);
+        [1.0 - side, u[1] * side]
+    };
+    vec![
+        PlantedFault::on(
+            "warp/domain/disk-without-root",
+            || Disk::UNIT,
+            move |faulty| {
+                let draw = move |u: &[f64]| {
+                    let (r, (sin, cos)) = (radius(faulty, u[0]), (TAU * u[1]).sin_cos());
+                    Some(Sample::new([r * cos, r * sin]))
+                };
+                (sampler(2, draw), density(|_: [f64; 2]| 1.0 / PI))
+            },
+        )
+        .mistake("the radius of a point of the disk is u, not √u"),
+        PlantedFault::on("warp/domain/chart-without-root", half_disk, move |faulty| {
+            let draw = move |u: &[f64]| {
+                let (r, (sin, cos)) = (radius(faulty, u[0]), (PI * u[1]).sin_cos());
+                Some(Sample::new([r * cos, r * sin]))
+            };
+            (sampler(2, draw), density(|_: [f64; 2]| 2.0 / PI))
+        })
+        .mistake("the same on half a disk, by a chart of its own"),
+        PlantedFault::on(
+            "warp/domain/triangle-without-root",
+            || Barycentric,
+            move |faulty| {
+                let draw = move |u: &[f64]| Some(Sample::new(uniform_triangle(faulty, u)));
+                (sampler(2, draw), density(|_: [f64; 2]| 2.0))
+            },
+        )
+        .mistake("barycentric coordinates without the root, which crowd a corner"),
+        PlantedFault::on(
+            "warp/domain/simplex-normalized",
+            || Simplex,
+            move |faulty| {
+                let draw = move |u: &[f64]| {
+                    let exponential = [u[0], u[1], u[2]].map(|u| if faulty { u + 1e-9 } else { -(1.0 - u).ln() });
+                    let sum: f64 = exponential.iter().sum();
+                    (sum > 0.0).then(|| Sample::new(exponential.map(|x| x / sum)))
+                };
+                (sampler(3, draw), density(|_: [f64; 3]| 2.0))
+            },
+        )
+        .mistake("three uniform numbers divided by their sum, not three exponential ones"),
+        PlantedFault::on("warp/domain/mesh-by-index", mesh, move |faulty| {
+            let draw = move |u: &[f64]| {
+                let ends = [0.1, 0.3, 0.6, 1.0];
+                let i = if faulty { (4.0 * u[2]) as usize } else { ends.partition_point(|end| *end <= u[2]).min(3) };
+                let [b0, b1] = uniform_triangle(false, u);
+                Some(Sample::new([i as f64, b0, b1]))
+            };
+            (sampler(3, draw), density(|[i, ..]: [f64; 3]| 2.0 * AREAS[i as usize]))
+        })
+        .mistake("triangles of a mesh chosen with equal probabilities, not by area"),
+        PlantedFault::on(
+            "warp/domain/exponential-mean",
+            || HalfLine::POSITIVE,
+            |faulty| {
+                let draw = move |u: &[f64]| Some(Sample::new(-(1.0 - u[0]).ln() * if faulty { 2.0 } else { 0.5 }));
+                (sampler(1, draw), density(|x: f64| 2.0 * (-2.0 * x).exp()))
+            },
+        )
+        .mistake("distances through a medium multiplied by the extinction, not divided"),
+        PlantedFault::on(
+            "warp/domain/normal-variance",
+            || RealLine::UNIT,
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let normal = (-2.0 * (1.0 - u[0]).ln()).sqrt() * (TAU * u[1]).cos();
+                    Some(Sample::new(if faulty { 0.25 * normal } else { 0.5 * normal }))
+                };
+                (sampler(2, draw), density(|x: f64| (-2.0 * x * x).exp() * (2.0 / PI).sqrt()))
+            },
+        )
+        .mistake("a normal distribution scaled by its variance, not by its standard deviation"),
+        PlantedFault::on(
+            "warp/domain/slopes-without-alpha",
+            || Plane::UNIT,
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let r = if faulty { 0.25 } else { 0.5 } * (u[0] / (1.0 - u[0])).sqrt();
+                    let (sin, cos) = (TAU * u[1]).sin_cos();
+                    Some(Sample::new([r * cos, r * sin]))
+                };
+                let pdf = |[x, y]: [f64; 2]| 4.0 / (PI * (1.0 + 4.0 * (x * x + y * y)).powi(2));
+                (sampler(2, draw), density(pdf))
+            },
+        )
+        .mistake("slopes of GGX with α² in place of α"),
+        PlantedFault::on(
+            "warp/domain/circle-degrees",
+            || Circle,
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let turns = if faulty { 0.5 * u[0] } else { u[0] };
+                    let (sin, cos) = (TAU * turns).sin_cos();
+                    Some(Sample::new([cos, sin]))
+                };
+                (sampler(1, draw), density(|_: [f64; 2]| 1.0 / TAU))
+            },
+        )
+        .mistake("an angle from 0 to π where it goes to 2π"),
+        PlantedFault::on(
+            "warp/domain/interval-ends",
+            || Line { from: -1.0, to: 3.0 },
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let t = u[0].sqrt();
+                    Some(Sample::new(if faulty { 3.0 - 4.0 * t } else { 4.0 * t - 1.0 }))
+                };
+                (sampler(1, draw), density(|x: f64| (x + 1.0) / 8.0))
+            },
+        )
+        .mistake("a linear density that rises towards the other end"),
+        PlantedFault::on(
+            "warp/domain/box-sides",
+            || Rectangle { x: Line { from: 0.0, to: 2.0 }, y: Line::UNIT },
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let [x, y] = [2.0 * u[0], u[1]];
+                    Some(Sample::new(if faulty { [y, 0.5 * x] } else { [x, y] }))
+                };
+                (sampler(2, draw), density(|_: [f64; 2]| 0.5))
+            },
+        )
+        .mistake("the sides of a rectangle exchanged, so that half of it has no samples"),
+    ]
+}
