@@ -212,3 +212,59 @@ def test_carried_pdfs_may_have_a_declared_precision():
     assert check(precision=1e-9).verdict == "reject"
     with pytest.raises(ValueError, match="precision"):
         check(precision=0.5)
+
+
+def to_cube(x):
+    return np.stack([np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0]) / np.pi], axis=1)
+
+
+def from_cube(u):
+    return np.stack([u[:, 0] * np.cos(np.pi * u[:, 1]), u[:, 0] * np.sin(np.pi * u[:, 1])], axis=1)
+
+
+def jacobian(u):
+    return np.pi * u[:, 0]
+
+
+def half_disk(u, radius=np.sqrt):
+    return from_cube(np.stack([radius(u[:, 0]), u[:, 1]], axis=1))
+
+
+def uniform_on_half_disk(x):
+    return np.full(len(x), 2 / np.pi)
+
+
+def test_domains_by_name_and_a_chart_of_its_own():
+    assert "real[:PLACE[,WIDTH]]" in eb.domains()
+    chart = eb.Chart(to_cube, from_cube, jacobian, names=("r", "phi / pi"))
+    assert eb.check_sampler(half_disk, uniform_on_half_disk, chart)
+    wrong = eb.check_sampler(lambda u: half_disk(u, radius=lambda u: u), uniform_on_half_disk, chart)
+    assert wrong.verdict == "reject" and any("for r 0" in place for place in wrong.places), wrong.places
+    # A line that is folded: one dimension, points with two coordinates
+    diagonal = eb.Chart(lambda x: x[:, 0], lambda u: np.stack([u, 2 * u], axis=1), lambda u: np.full(len(u), 5**0.5), dimension=1)
+    assert eb.check_sampler(lambda u: u[:, :1] * [1.0, 2.0], lambda x: np.full(len(x), 5**-0.5), diagonal, dimension=1)
+    # An index and a point
+    assert eb.check_sampler(lambda u: np.stack([np.floor(3 * u[:, 0]), u[:, 1]], axis=1), lambda x: np.full(len(x), 1 / 3), "3*line")
+
+
+@pytest.mark.parametrize(
+    "chart, error",
+    [
+        ((lambda x: to_cube(x[:, ::-1]), from_cube, jacobian), "do not invert each other|outside of the unit square"),
+        ((to_cube, from_cube, lambda u: u[:, 0]), "π times as much"),
+        ((to_cube, from_cube, lambda u: -jacobian(u)), "must be positive and finite"),
+        ((to_cube, from_cube, lambda u: jacobian(u)[:, None]), "jacobian: shape"),
+        ((to_cube, lambda u: u[:, 0] * np.nan, jacobian), "from_cube"),
+    ],
+)
+def test_each_wrong_function_of_a_chart_is_named(chart, error):
+    with pytest.raises(ValueError, match=error):
+        eb.check_sampler(half_disk, uniform_on_half_disk, eb.Chart(*chart))
+
+
+def test_domains_that_make_no_sense():
+    for domain in ("disc", "real:0,0", "2*discrete:6"):
+        with pytest.raises(ValueError, match="domain"):
+            eb.check_sampler(half_disk, uniform_on_half_disk, domain)
+    with pytest.raises(ValueError, match="dimension"):
+        eb.Chart(to_cube, from_cube, jacobian, dimension=3)

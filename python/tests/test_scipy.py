@@ -31,3 +31,16 @@ def test_beta():
     assert eb.check_sampler(beta.ppf, stats.beta(2.5, 4.1).pdf, "line").verdict == "reject"
     # The default generator of SciPy, as a sampler with random numbers of its own
     assert eb.check_sampler(lambda n, seed: beta.rvs(n, random_state=seed), beta.pdf, "line", dimension=0)
+
+
+REAL = [stats.norm(1000, 0.1), stats.cauchy(), stats.t(1.5), stats.truncnorm(-1, 2.5), stats.uniform(2, 3), stats.arcsine()]
+POSITIVE = [stats.lognorm(3), stats.pareto(0.5), stats.levy(), stats.gamma(0.2), stats.weibull_min(0.4), stats.truncpareto(1.8, 5.3)]
+
+
+@pytest.mark.parametrize("distribution, domain", [(d, "real") for d in REAL] + [(d, "half-line") for d in POSITIVE])
+def test_distributions_as_they_are(distribution, domain):
+    with np.errstate(all="ignore"):
+        assert eb.check_sampler(distribution.ppf, distribution.pdf, domain, dimension=1)
+        # A pdf that is wrong by 4 % (root mean square)
+        wrong = eb.check_sampler(lambda u: distribution.ppf(u**1.04), distribution.pdf, domain, dimension=1)
+        assert wrong.verdict == "reject"

@@ -336,7 +336,7 @@ impl Source<'_> {
             let spread: Vec<Point> = spread.collect();
             let charts = self.domain.charts(&spread)?;
             let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
-                spread.into_iter().zip(charts).filter_map(|(point, chart)| Some((point, chart?))).unzip();
+                spread.into_iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
             let (_, pdfs) = self.densities(&points, &charts)?;
             // A pdf that is infinite at a single point says nothing of its surroundings.
             let known = charts.into_iter().zip(pdfs).filter(|(_, density)| *density != f64::INFINITY);
@@ -398,18 +398,18 @@ impl Source<'_> {
         };
         // Ask for all pdfs of the batch at once; a point outside of the domain has none.
         let all = samples.iter().enumerate().filter_map(|(i, sample)| sample.as_ref().map(|sample| (i, sample)));
-        let spread: Vec<(usize, &Sample)> = all.filter(|(_, sample)| !sample.atom).collect();
-        let places = self.domain.charts(&spread.iter().map(|(_, sample)| sample.point).collect::<Vec<_>>())?;
-        let (mut inside, mut points, mut charts) = (Vec::new(), Vec::new(), Vec::new());
-        [inside.reserve(spread.len()), points.reserve(spread.len()), charts.reserve(spread.len())];
-        for ((i, sample), at) in spread.into_iter().zip(places) {
-            if let Some(at) = at {
-                inside.push((i, sample));
-                points.push(sample.point);
-                charts.push(at);
-            } else {
-                note(i, outside(self.domain, sample));
+        let mut spread: Vec<(usize, &Sample)> = all.filter(|(_, sample)| !sample.atom).collect();
+        let mut points: Vec<Point> = spread.iter().map(|(_, sample)| sample.point).collect();
+        let mut charts = self.domain.charts(&points)?;
+        if charts.iter().any(|at| at[0].is_nan()) {
+            let is_inside: Vec<bool> = charts.iter().map(|at| !at[0].is_nan()).collect();
+            for ((i, sample), _) in spread.iter().zip(&is_inside).filter(|(_, is_inside)| !**is_inside) {
+                note(*i, outside(self.domain, sample));
             }
+            let [mut of_samples, mut of_points] = [is_inside.iter(), is_inside.iter()];
+            spread.retain(|_| of_samples.next() == Some(&true));
+            points.retain(|_| of_points.next() == Some(&true));
+            charts.retain(|at| !at[0].is_nan());
         }
         let (pdfs, densities) = self.densities(&points, &charts)?;
         if self.domain.outcomes().is_none() {
@@ -419,7 +419,7 @@ impl Source<'_> {
 
         // Check and count samples that have a density.
         let precision = self.density.precision();
-        for (((i, sample), at), (pdf, density)) in inside.into_iter().zip(charts).zip(pdfs.into_iter().zip(densities)) {
+        for (((i, sample), at), (pdf, density)) in spread.into_iter().zip(charts).zip(pdfs.into_iter().zip(densities)) {
             if let Some(violation) = invalid_pdf(sample, pdf) {
                 note(i, violation);
             }

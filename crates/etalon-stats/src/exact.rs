@@ -270,7 +270,7 @@ pub fn discrete(domain: &dyn Domain, probes: &[Probe], mass: f64) -> Option<Stri
         return None;
     }
     let axes = if domain.is_plane() { 2 } else { 1 };
-    (0..axes).find_map(|axis| few_values(domain.axes()[axis], axis, probes, mass)).or_else(|| {
+    (0..axes).find_map(|axis| few_values(domain, axis, probes, mass)).or_else(|| {
         let mut points: Vec<[u64; 2]> = probes.iter().map(|probe| probe.at.map(f64::to_bits)).collect();
         points.sort_unstable();
         points.dedup();
@@ -281,7 +281,7 @@ pub fn discrete(domain: &dyn Domain, probes: &[Probe], mass: f64) -> Option<Stri
 }
 
 /// Finds a coordinate with few values, or with one value that many samples have.
-fn few_values(name: &str, axis: usize, probes: &[Probe], mass: f64) -> Option<String> {
+fn few_values(domain: &dyn Domain, axis: usize, probes: &[Probe], mass: f64) -> Option<String> {
     let mut values: Vec<(f64, f64)> = probes.iter().map(|probe| (probe.at[axis], probe.density)).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let groups: Vec<&[(f64, f64)]> = values.chunk_by(|a, b| a.0 == b.0).collect();
@@ -299,7 +299,8 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], mass: f64) -> Option<St
             if met(middle) < distinct { few = middle } else { many = middle }
         }
         return Some(format!(
-            "{name} takes about {many:.0} values only, each many times: random numbers of {:.1} bits, or rounded samples",
+            "{} takes about {many:.0} values only, each many times: random numbers of {:.1} bits, or rounded samples",
+            domain.axes()[axis],
             many.log2()
         ));
     }
@@ -311,7 +312,8 @@ fn few_values(name: &str, axis: usize, probes: &[Probe], mass: f64) -> Option<St
     let is_steep = highest / mass * COINCIDENCE * samples > 1.0;
     (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
         let percent = 100.0 * common.len() as f64 / samples;
-        format!("{percent:.2} % of the samples have the same {name} = {}, where the pdf has no atom", common[0].0)
+        let same = domain.told(axis, common[0].0);
+        format!("{percent:.2} % of the samples have the same {same}, where the pdf has no atom")
     })
 }
 
@@ -340,9 +342,9 @@ pub fn repeated_values(domain: &dyn Domain, probes: &[Probe], repeats: &Repeats,
         let is_inside = |of: &Repeated| of.value > SINGLE_ULP && of.value < 1.0 - SINGLE_ULP;
         let inside = repeats.along(axis).into_iter().filter(is_inside);
         let found = inside.filter(is_impossible).max_by_key(|of| of.batches)?;
-        let (name, Repeated { value, batches, .. }) = (domain.axes()[axis], found);
-        let of = repeats.batches;
-        Some(format!("{name} = {value} is repeated in {batches} of {of} batches of samples, where the pdf has no atom"))
+        let Repeated { value, batches, .. } = found;
+        let (of, value) = (repeats.batches, domain.told(axis, value));
+        Some(format!("{value} is repeated in {batches} of {of} batches of samples, where the pdf has no atom"))
     })
 }
 

@@ -509,9 +509,9 @@ fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
     if !domain.is_plane() {
         return [cells, 1];
     }
-    // Rows for many sets of their own leave few columns.
-    let rows = ((cells as f64 / 2.0).sqrt().round() as usize).max(1);
-    let rows = rows.max(domain.parts().min(cells));
+    // Sets of their own have rows of their own.
+    let parts = domain.parts().min(cells);
+    let rows = parts * ((cells as f64 / (2 * parts) as f64).sqrt().round() as usize).max(1);
     [rows, cells.div_ceil(rows)]
 }
 

@@ -203,6 +203,6 @@ fn right_samplers_are_accepted_and_planted_twins_found() {
 
 #[ignore = "takes minutes"]
 #[test]
-fn two_hundred_seeds_of_each() {
-    assert_level_and_power(200);
+fn five_hundred_runs() {
+    assert_level_and_power(25);
 }

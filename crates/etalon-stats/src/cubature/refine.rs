@@ -183,7 +183,9 @@ impl<'a> Refinement<'a> {
         if let Some(Cell { x, y }) = self.sampled {
             let is_sampled = |at: &[f64; 2]| (x[0]..=x[1]).contains(&at[0]) && (y[0]..=y[1]).contains(&at[1]);
             let all = values.iter_mut().zip(charts).zip(&points);
-            for ((value, _), &point) in all.filter(|((value, at), _)| !value.is_finite() && !is_sampled(at)) {
+            for ((value, _), &point) in
+                all.filter(|((value, at), _)| (value.is_nan() || **value == f64::INFINITY) && !is_sampled(at))
+            {
                 far = far.or(Some(InvalidPdf { point, value: std::mem::take(value) }));
             }
         }

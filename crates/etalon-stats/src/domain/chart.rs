@@ -164,7 +164,7 @@ impl<F: ChartFunctions> Domain for Chart<F> {
     }
 
     fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
-        self.charts(&[point]).ok()?.pop()?
+        self.charts(&[point]).ok()?.pop().filter(|at| !at[0].is_nan())
     }
 
     fn point_at(&self, chart: [f64; 2]) -> Point {
@@ -184,9 +184,9 @@ impl<F: ChartFunctions> Domain for Chart<F> {
         self.functions.jacobian(&[chart]).map_or(f64::NAN, |values| values.first().copied().unwrap_or(f64::NAN))
     }
 
-    fn charts(&self, points: &[Point]) -> Result<Vec<Option<[f64; 2]>>> {
+    fn charts(&self, points: &[Point]) -> Result<Vec<[f64; 2]>> {
         let inside = |[x, y]: [f64; 2]| Some([within(x)?, within(y)?]);
-        Ok(self.functions.to_cube(points)?.into_iter().map(inside).collect())
+        Ok(self.functions.to_cube(points)?.into_iter().map(|at| inside(at).unwrap_or([f64::NAN; 2])).collect())
     }
 
     fn points_at(&self, charts: &[[f64; 2]]) -> Result<Vec<Point>> {
@@ -252,8 +252,9 @@ pub(super) fn check_chart(domain: &dyn Domain) -> Result<()> {
     }
     for ((at, point), back) in places.iter().zip(&points).zip(domain.charts(&points)?) {
         let is_near = |back: [f64; 2]| (0..2).all(|axis| (back[axis] - at[axis]).abs() <= RETURN);
-        if !back.is_some_and(is_near) {
-            let back = back.map_or_else(|| "outside of the unit square".to_owned(), |back| coordinates(&back));
+        if !is_near(back) {
+            let is_outside = back[0].is_nan();
+            let back = if is_outside { "outside of the unit square".to_owned() } else { coordinates(&back) };
             let (at, point) = (coordinates(at), tuple(point));
             return wrong(format!(
                 "from_cube({at}) is {point}, but to_cube({point}) is {back}: they do not invert each other"

@@ -119,6 +119,10 @@ impl Domain for Line {
         ["x", ""]
     }
 
+    fn told(&self, _axis: usize, at: f64) -> String {
+        format!("x = {}", self.at(at))
+    }
+
     fn table(&self, [rows, columns]: [usize; 2]) -> Option<[Vec<f64>; 2]> {
         Some([equal_parts(rows), equal_parts(columns)])
     }
@@ -245,6 +249,10 @@ impl Domain for HalfLine {
         ["x", ""]
     }
 
+    fn told(&self, _axis: usize, at: f64) -> String {
+        format!("x = {}", self.at(at))
+    }
+
     fn variables(&self) -> Vec<Variable<'_>> {
         vec![Variable::new("the distance from the end", |x| (f64::from(x) - self.from).abs())]
     }
@@ -346,6 +354,10 @@ impl Domain for RealLine {
 
     fn coordinates(&self) -> [&str; 2] {
         ["x", ""]
+    }
+
+    fn told(&self, _axis: usize, at: f64) -> String {
+        format!("x = {}", self.at(at))
     }
 
     fn variables(&self) -> Vec<Variable<'_>> {

@@ -50,12 +50,12 @@ pub trait Domain: Sync {
         self.measure()
     }
 
-    /// [`to_chart`](Self::to_chart) of many points.
+    /// [`to_chart`](Self::to_chart) of many points, NaN for those outside.
     ///
     /// # Errors
     /// [`Error::External`](crate::Error::External) from a chart that is computed in another process.
-    fn charts(&self, points: &[Point]) -> Result<Vec<Option<[f64; 2]>>> {
-        Ok(points.iter().map(|&point| self.to_chart(point)).collect())
+    fn charts(&self, points: &[Point]) -> Result<Vec<[f64; 2]>> {
+        Ok(points.iter().map(|&point| self.to_chart(point).unwrap_or([f64::NAN; 2])).collect())
     }
 
     /// [`point_at`](Self::point_at) of many places.
@@ -106,6 +106,11 @@ pub trait Domain: Sync {
     /// The quantities along the chart's axes, as mistakes name them.
     fn coordinates(&self) -> [&str; 2] {
         self.axes()
+    }
+
+    /// A chart coordinate along an axis, in the domain's own coordinates: `x = 0.5`.
+    fn told(&self, axis: usize, at: f64) -> String {
+        format!("{} = {at}", self.axes()[axis])
     }
 
     /// The point with these coordinates; `None` if there are too many or too few of them. It need not lie in the set.

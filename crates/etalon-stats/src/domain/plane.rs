@@ -130,6 +130,10 @@ impl<X: Axis, Y: Axis> Domain for Product<X, Y> {
         ["x", "y"]
     }
 
+    fn told(&self, axis: usize, at: f64) -> String {
+        if axis == 0 { format!("x = {}", self.x.at(at)) } else { format!("y = {}", self.y.at(at)) }
+    }
+
     fn table(&self, [rows, columns]: [usize; 2]) -> Option<[Vec<f64>; 2]> {
         self.is_even().then(|| [equal_parts(columns), equal_parts(rows)])
     }

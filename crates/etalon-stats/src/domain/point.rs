@@ -6,32 +6,39 @@ use std::fmt;
 ///
 /// `usize` (to 2⁵³), `f64`, `[f64; 2]`, `[f64; 3]` and `[f64; 4]` convert to points and back. Converted to another kind than its own, a point
 /// becomes NaN or `usize::MAX`, which lie in no domain.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct Point {
+    /// [`NONE`] where there is none; after that of an integer, [`INTEGER`].
     coordinates: [f64; 4],
-    kind: Kind,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Integer,
-    Real,
-    Pair,
-    Triple,
-    Quadruple,
+/// Numbers that are no coordinates. (A field for the kind would make samples larger, and tests of fast samplers slower.)
+const NONE: f64 = f64::from_bits(0x7ff8_0000_6e6f_6e65);
+const INTEGER: f64 = f64::from_bits(0x7ff8_0000_696e_7465);
+
+#[inline]
+fn is(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits()
 }
 
 impl Point {
+    #[inline]
+    fn is_integer(&self) -> bool {
+        is(self.coordinates[1], INTEGER)
+    }
+
+    /// How many coordinates there are.
+    #[inline]
+    fn len(&self) -> usize {
+        let [_, y, z, w] = self.coordinates;
+        if is(y, NONE) || is(y, INTEGER) { 1 } else { 4 - usize::from(is(z, NONE)) - usize::from(is(w, NONE)) }
+    }
+
     /// The coordinates; an integer counts as one.
     #[inline]
     #[must_use]
     pub fn coordinates(&self) -> &[f64] {
-        match self.kind {
-            Kind::Integer | Kind::Real => &self.coordinates[..1],
-            Kind::Pair => &self.coordinates[..2],
-            Kind::Triple => &self.coordinates[..3],
-            Kind::Quadruple => &self.coordinates,
-        }
+        &self.coordinates[..self.len()]
     }
 
     /// The point with one to four coordinates; `None` for more or fewer.
@@ -50,42 +57,42 @@ impl Point {
     #[inline]
     #[must_use]
     pub fn integer(&self) -> Option<usize> {
-        (self.kind == Kind::Integer).then_some(self.coordinates[0] as usize)
+        self.is_integer().then_some(self.coordinates[0] as usize)
     }
 }
 
 impl From<usize> for Point {
     #[inline]
     fn from(i: usize) -> Self {
-        Self { coordinates: [i as f64, 0.0, 0.0, 0.0], kind: Kind::Integer }
+        Self { coordinates: [i as f64, INTEGER, NONE, NONE] }
     }
 }
 
 impl From<f64> for Point {
     #[inline]
     fn from(x: f64) -> Self {
-        Self { coordinates: [x, 0.0, 0.0, 0.0], kind: Kind::Real }
+        Self { coordinates: [x, NONE, NONE, NONE] }
     }
 }
 
 impl From<[f64; 2]> for Point {
     #[inline]
     fn from([x, y]: [f64; 2]) -> Self {
-        Self { coordinates: [x, y, 0.0, 0.0], kind: Kind::Pair }
+        Self { coordinates: [x, y, NONE, NONE] }
     }
 }
 
 impl From<[f64; 3]> for Point {
     #[inline]
     fn from([x, y, z]: [f64; 3]) -> Self {
-        Self { coordinates: [x, y, z, 0.0], kind: Kind::Triple }
+        Self { coordinates: [x, y, z, NONE] }
     }
 }
 
 impl From<[f64; 4]> for Point {
     #[inline]
     fn from(coordinates: [f64; 4]) -> Self {
-        Self { coordinates, kind: Kind::Quadruple }
+        Self { coordinates }
     }
 }
 
@@ -99,39 +106,45 @@ impl From<Point> for usize {
 impl From<Point> for f64 {
     #[inline]
     fn from(point: Point) -> Self {
-        if point.kind == Kind::Real { point.coordinates[0] } else { f64::NAN }
+        if is(point.coordinates[1], NONE) { point.coordinates[0] } else { f64::NAN }
     }
 }
 
 impl From<Point> for [f64; 2] {
     #[inline]
     fn from(point: Point) -> Self {
-        let [x, y, ..] = point.coordinates;
-        if point.kind == Kind::Pair { [x, y] } else { [f64::NAN; 2] }
+        let [x, y, z, _] = point.coordinates;
+        if is(z, NONE) && point.len() == 2 { [x, y] } else { [f64::NAN; 2] }
     }
 }
 
 impl From<Point> for [f64; 3] {
     #[inline]
     fn from(point: Point) -> Self {
-        let [x, y, z, _] = point.coordinates;
-        if point.kind == Kind::Triple { [x, y, z] } else { [f64::NAN; 3] }
+        let [x, y, z, w] = point.coordinates;
+        if is(w, NONE) && !is(z, NONE) { [x, y, z] } else { [f64::NAN; 3] }
     }
 }
 
 impl From<Point> for [f64; 4] {
     #[inline]
     fn from(point: Point) -> Self {
-        if point.kind == Kind::Quadruple { point.coordinates } else { [f64::NAN; 4] }
+        if is(point.coordinates[3], NONE) { [f64::NAN; 4] } else { point.coordinates }
+    }
+}
+
+impl PartialEq for Point {
+    fn eq(&self, other: &Self) -> bool {
+        self.is_integer() == other.is_integer() && self.coordinates() == other.coordinates()
     }
 }
 
 impl fmt::Debug for Point {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.kind {
-            Kind::Integer => usize::from(*self).fmt(f),
-            Kind::Real => self.coordinates[0].fmt(f),
-            _ => self.coordinates().fmt(f),
+        match (self.integer(), self.coordinates()) {
+            (Some(i), _) => i.fmt(f),
+            (None, [x]) => x.fmt(f),
+            (None, several) => several.fmt(f),
         }
     }
 }
