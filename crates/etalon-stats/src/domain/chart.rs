@@ -22,6 +22,7 @@ pub trait ChartFunctions: Sync {
     ///
     /// # Errors
     /// As [`to_cube`](Self::to_cube).
+    #[allow(clippy::wrong_self_convention, reason = "its name in all languages")]
     fn from_cube(&self, cube: &[[f64; 2]]) -> Result<Vec<Point>>;
 
     /// Length or area of the set per length or area of the unit square, there.

@@ -2,6 +2,7 @@
 
 use super::{Domain, Named, Point, equal_parts};
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::mistakes::Mistake;
 
@@ -109,7 +110,7 @@ impl Domain for Indexed {
         let [u, v] = self.domain.to_chart(point)?;
         // Rounding must not carry it into the next part.
         let next = ((index + 1) as f64 / self.count as f64).next_down();
-        Some([((index as f64 + u) / self.count as f64).min(next), v])
+        Some([((index as f64 + u) / self.count as f64).at_most(next), v])
     }
 
     fn point_at(&self, chart: [f64; 2]) -> Point {

@@ -48,11 +48,11 @@ impl Domain for Square {
     }
 
     fn variables(&self) -> Vec<Variable<'_>> {
-        (&Rectangle::UNIT).variables()
+        Rectangle::UNIT.variables()
     }
 
     fn mistakes(&self) -> Vec<Mistake<'_>> {
-        (&Rectangle::UNIT).mistakes()
+        Rectangle::UNIT.mistakes()
     }
 }
 
