@@ -309,6 +309,23 @@ pub struct Counters<'a, 'i> {
 /// The random numbers of a batch, and its samples.
 type Batch = (Vec<f64>, Vec<Option<Sample>>);
 
+/// Densities per area of the chart, of pdfs.
+enum PerArea {
+    /// Of an even chart.
+    Times(f64),
+    Each(Vec<f64>),
+}
+
+impl PerArea {
+    #[inline]
+    fn of(&self, i: usize, pdf: f64) -> f64 {
+        match self {
+            Self::Times(factor) => factor * pdf,
+            Self::Each(densities) => densities[i],
+        }
+    }
+}
+
 impl Source<'_> {
     /// Batch number `batch` of the first `count` samples of random stream number `stream`.
     fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch> {
@@ -337,24 +354,28 @@ impl Source<'_> {
             let charts = self.domain.charts(&spread)?;
             let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
                 spread.into_iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
-            let (_, pdfs) = self.densities(&points, &charts)?;
+            let (pdfs, per_area) = self.densities(&points, &charts)?;
+            let probe = |(i, (at, pdf)): (usize, ([f64; 2], f64))| Probe { at, density: per_area.of(i, pdf) };
+            let probes = charts.into_iter().zip(pdfs).enumerate().map(probe);
             // A pdf that is infinite at a single point says nothing of its surroundings.
-            let known = charts.into_iter().zip(pdfs).filter(|(_, density)| *density != f64::INFINITY);
-            Ok(known.map(|(at, density)| Probe { at, density }).collect::<Vec<_>>())
+            Ok(probes.filter(|probe| probe.density != f64::INFINITY).collect::<Vec<_>>())
         };
         let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// The pdf at points, and the density there per area of the chart.
-    fn densities(&self, points: &[Point], charts: &[[f64; 2]]) -> Result<(Vec<f64>, Vec<f64>)> {
+    /// The pdf at points, and what makes it a density per area of the chart: a factor, or these densities.
+    fn densities(&self, points: &[Point], charts: &[[f64; 2]]) -> Result<(Vec<f64>, PerArea)> {
         let mut pdfs = Vec::with_capacity(points.len());
         self.density.pdf(points, &mut pdfs)?;
+        if self.domain.is_even() {
+            return Ok((pdfs, PerArea::Times(self.domain.measure())));
+        }
         let mut densities = pdfs.clone();
         let at_infinity = densities.iter_mut().zip(points).filter(|(density, _)| !density.is_finite());
         at_infinity.filter(|(_, point)| is_infinite(point)).for_each(|(density, _)| *density = 0.0);
         self.domain.per_chart_area(charts, &mut densities)?;
-        Ok((pdfs, densities))
+        Ok((pdfs, PerArea::Each(densities)))
     }
 
     /// Counts a range of samples in cells, in their parts and at atoms, and what the integration misses at them. The range
@@ -411,15 +432,16 @@ impl Source<'_> {
             points.retain(|_| of_points.next() == Some(&true));
             charts.retain(|at| !at[0].is_nan());
         }
-        let (pdfs, densities) = self.densities(&points, &charts)?;
+        let (pdfs, per_area) = self.densities(&points, &charts)?;
         if self.domain.outcomes().is_none() {
-            let known = charts.iter().copied().zip(densities.iter().copied());
+            let known = charts.iter().zip(&pdfs).enumerate().map(|(i, (at, pdf))| (*at, per_area.of(i, *pdf)));
             tally.repeats.count(batch, 1 + usize::from(self.domain.is_plane()), known);
         }
 
         // Check and count samples that have a density.
         let precision = self.density.precision();
-        for (((i, sample), at), (pdf, density)) in spread.into_iter().zip(charts).zip(pdfs.into_iter().zip(densities)) {
+        for (k, (((i, sample), at), pdf)) in spread.into_iter().zip(charts).zip(pdfs).enumerate() {
+            let density = per_area.of(k, pdf);
             if let Some(violation) = invalid_pdf(sample, pdf) {
                 note(i, violation);
             }

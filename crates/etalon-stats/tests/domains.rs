@@ -99,8 +99,8 @@ const KINDS: [(&str, Kind); 18] = [
     ("12*triangle, by area", |seed, spoil| {
         let draw = |u: &[f64]| {
             // Triangle i has the area i + 1 of 78.
-            let i = (0..12).find(|i| u[2] * 78.0 < f64::from((i + 1) * (i + 2) / 2)).unwrap_or(11);
-            [f64::from(i), 1.0 - u[0].sqrt(), u[1] * u[0].sqrt()]
+            let i = (0..12).find(|i| u[0] * 78.0 < f64::from((i + 1) * (i + 2) / 2)).unwrap_or(11);
+            [f64::from(i), 1.0 - u[1].sqrt(), u[2] * u[1].sqrt()]
         };
         run(seed, spoil, "12*triangle", 3, draw, |[i, ..]: [f64; 3]| 2.0 * (i + 1.0) / 78.0)
     }),
