@@ -78,7 +78,10 @@ impl Description {
                     found.mass = Mass::Exactly(mass);
                 }
                 "precision" => found.precision = precision(value).ok_or_else(refused)?,
-                "domain" => found.domain = Some(value.parse().map_err(|_| refused())?),
+                "domain" => {
+                    let known = |_| refused().with_hint(format!("domains: {}", Space::known()));
+                    found.domain = Some(value.parse().map_err(known)?);
+                }
                 "chart" => {
                     found.chart = Some(number(value).filter(|n| [1.0, 2.0].contains(n)).ok_or_else(refused)? as usize);
                 }
