@@ -89,7 +89,7 @@ impl Global {
 
     /// Where results go.
     pub fn target(&self) -> Target {
-        Target::new(self.out.as_deref())
+        Target::new(self.out.as_deref(), &self.arguments.subject)
     }
 }
 
@@ -137,6 +137,19 @@ impl Verdict {
     }
 }
 
+impl From<&Checks> for Verdict {
+    /// A rejected check decides, then an inconclusive one.
+    fn from(checks: &Checks) -> Self {
+        use etalon_stats::Verdict::{Inconclusive, Reject};
+        let has = |verdict| checks.list.iter().any(|check| check.verdict == Some(verdict));
+        match (has(Reject), has(Inconclusive)) {
+            (true, _) => Self::Rejected,
+            (false, true) => Self::Inconclusive,
+            (false, false) => Self::Good,
+        }
+    }
+}
+
 /// The options, of subcommands with checks.
 #[derive(Args)]
 pub struct Reports {
@@ -151,6 +164,15 @@ pub struct Reports {
 }
 
 impl Reports {
+    /// Refuses reports where there is nothing to report.
+    pub fn refuse(&self, why: &str) -> Result<()> {
+        let given = [("junit", &self.junit), ("markdown", &self.markdown)];
+        match given.into_iter().find(|(_, path)| path.is_some()) {
+            Some((name, _)) => Err(Error::parameter(name, why)),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses files that cannot be written: before the work, not after it.
     pub fn check(&self) -> Result<()> {
         let given = [("junit", &self.junit), ("markdown", &self.markdown)];

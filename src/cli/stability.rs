@@ -76,8 +76,9 @@ impl Stability {
         let start = Instant::now();
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let stem = target.stem("stability", "", &output::STUDY)?;
-        let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
+        let name = output::name_of_run("stability", &self.families);
+        let stem = target.stem(&name, "", &output::STUDY)?;
+        let maps_stem = target.stem(&name, "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;

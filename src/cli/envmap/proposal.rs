@@ -42,6 +42,7 @@ struct Results<'a> {
 impl Proposal {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = self.map.load(console)?;
+        let bar = console.busy("proposal");
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
@@ -55,6 +56,7 @@ impl Proposal {
             files.extend(output::write(&stem, &view::costs(costs), &style, &output::csv(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
+        bar.finish_and_clear();
         console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {
                 format!("{name:<24} chi-square {:.1} with {} degrees of freedom, {}\n", t.statistic, t.dof, p_is(t.p))

@@ -119,7 +119,10 @@ impl Sample {
             let (samples, written) = (samples.rows, target.written(files));
             Ok(Output { n, drawn: samples.len(), flux_estimate, flux_standard_error, samples, written })
         };
-        let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
+        let bar = console.progress(self.n.len() as u64, "sample", "numbers");
+        let outputs = self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples).inspect(|_| bar.inc(1)));
+        let outputs = Outputs::of(&source.name, outputs)?;
+        bar.finish_and_clear();
         console.result(&outputs, || {
             let line = |r: &Output| format!("{}{}\n{}", counted(r.drawn, "sample"), r.flux(), r.written.text());
             outputs.results.iter().map(line).collect()

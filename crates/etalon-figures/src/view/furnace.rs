@@ -1,6 +1,7 @@
 //! A furnace test: the directional albedo over the angle and parameters, and spheres in uniform light.
 
 use super::depth::grid;
+use super::text::{LINE, wrapped};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use etalon_bench::albedo::{Row, Table, is_wrong};
 use etalon_core::math::Rgb;
@@ -96,11 +97,8 @@ pub fn text(table: &Table) -> String {
         false => format!("at {:.2}°, {over} = {:.4}", row.theta_deg, row.parameter),
     };
     let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    let mut text = format!(
-        "{}{}\n",
-        table.family,
-        if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
-    );
+    let fixed = if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) };
+    let mut text = format!("{}{fixed}\n", table.family) + &wrapped(&found(table), "  ", LINE);
     for (name, row) in [("smallest", least), ("largest", most)] {
         text += &format!("  {name} albedo   {:.5} ± {:.1e} {}\n", row.albedo, row.error, at(row));
     }
@@ -138,17 +136,19 @@ pub fn text(table: &Table) -> String {
             if is_wrong(weak) { "D and G1 DO NOT BELONG TOGETHER" } else { "D and G1 belong together at these angles" };
         text += &format!("  weak furnace     1 within {weak:.1e}: {verdict}\n");
     }
-    text += &match table.violations() {
-        0 if table.above_one() > 0 => {
-            format!(
-                "  {} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares",
-                table.above_one()
-            )
+    text + &format!("  {:.1} s\n", table.seconds)
+}
+
+/// Whether the BSDF is what it declares, in a line.
+pub fn found(table: &Table) -> String {
+    match (table.violations(), table.above_one()) {
+        (0, 0) => "no albedo contradicts what the BSDF declares".to_owned(),
+        (0, above) => {
+            format!("{above} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares")
         }
-        0 => "  no albedo contradicts what the BSDF declares".to_owned(),
-        n => format!(
-            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that are not finite"
+        (n, _) => format!(
+            "{n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that \
+             are not finite"
         ),
-    };
-    text + &format!("; {:.1} s\n", table.seconds)
+    }
 }
