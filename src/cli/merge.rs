@@ -26,8 +26,8 @@ use std::time::Instant;
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
                         has the sums and can itself be merged.\n\nOf a sweep, whose parts must all be there, it runs \
                         suspicious tests again, decides on all at one level, and writes merged-survivors.csv. Exit \
-                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon merge shard-1.exr shard-2.exr \
-                        -o image.exr\n  etalon merge parts/*.csv"
+                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon render furnace -s 2 --shard 1/2 -o a.exr && etalon render furnace -s 2 --shard 2/2 -o b.exr \
+                        && etalon merge a.exr b.exr -o image.exr\n  etalon merge parts/*.csv"
 )]
 #[command(next_help_heading = "Parts", args = [out(), threads()])]
 pub struct Merge {

@@ -10,7 +10,7 @@ use etalon_core::error::{Error, Result};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::stability as view;
-use etalon_figures::view::text::rounded;
+use etalon_figures::view::text::{LINE, rounded, wrapped};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -185,25 +185,7 @@ fn replayed(replay: &Replay) -> String {
 
 /// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
 fn human(output: &Output<'_>, names_inputs: bool) -> String {
-    let mut text = Table::of(output.rows)
-        .words("family", |r| &r.family)
-        .words("variant", |r| r.variant)
-        .words("", |r| r.precision.name())
-        .numbers("cases", |r| r.cases)
-        .numbers("relative", |r| rounded(r.max_relative, 2))
-        .numbers("ULP", |r| rounded(r.max_ulp, 2))
-        .numbers("condition", |r| rounded(r.condition_at_worst, 2))
-        .numbers("NaN, ∞", |r| r.non_finite)
-        .numbers("negative", |r| r.negative)
-        .numbers("outside", |r| r.out_of_range)
-        .text();
-    if names_inputs {
-        let worst = Table::of(output.rows).words("", |r| r.variant).words("", |r| r.precision.name());
-        text += &worst.words("", |r| format!("worst at {}", r.worst)).text();
-    }
-    text += "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay).\n\
-             Rounding that input alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds below say\n\
-             what more `stable` may lose.\n\n";
+    let mut text = String::new();
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
         text += &format!("{verdict} {}: {}\n", bound.name, found(bound));
@@ -211,5 +193,25 @@ fn human(output: &Output<'_>, names_inputs: bool) -> String {
     if output.interrupted {
         text += &format!("interrupted: {LEFT_OUT}\n");
     }
-    text
+    text += &Table::of(output.rows)
+        .words("family", |r| &r.family)
+        .words("variant", |r| r.variant)
+        .words("", |r| r.precision.name())
+        .numbers("relative", |r| rounded(r.max_relative, 2))
+        .numbers("ULP", |r| rounded(r.max_ulp, 2))
+        .numbers("condition", |r| rounded(r.condition_at_worst, 2))
+        .numbers("NaN, ∞", |r| r.non_finite)
+        .numbers("< 0", |r| r.negative)
+        .numbers("outside", |r| r.out_of_range)
+        .text();
+    if names_inputs {
+        let worst = Table::of(output.rows).words("", |r| r.variant).words("", |r| r.precision.name());
+        text += &worst.words("", |r| format!("worst at {}", r.worst)).text();
+    }
+    text + &wrapped(
+        "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay). Rounding that input \
+         alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds say what more `stable` may lose.",
+        "",
+        LINE,
+    )
 }

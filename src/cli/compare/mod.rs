@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
                         low-frequency modes and of tiles, at one level. The bias is that of the channel that differs most (`etalon converge`: of the mean of all \
                         channels). Exit code 1: different; 0: no difference found, and a bias of \
                         --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
-                        layers that single images need.\n\nExamples:\n  etalon compare render.exr reference.exr\n  \
+                        layers that single images need.\n\nExamples:\n  etalon render sphere-env -s 1 -o a.exr && etalon render sphere-env -o b.exr && etalon compare a.exr b.exr\n  etalon compare render.exr reference.exr\n  \
                         etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
                         etalon compare --each students/*.png --reference reference.exr --sort flip\n  \
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \

@@ -466,7 +466,7 @@ pub fn text(compared: &Compared) -> String {
         (Some(reason), _) => format!("not tested: {reason}"),
         (None, Some((p, most))) => {
             let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
-            format!("{p:<12} of {tests}; {most}")
+            format!("{p:<12} of {tests}\n{}", wrapped(&most, "  ", LINE).trim_end())
         }
         (None, None) => "nothing that can be tested".into(),
     };
@@ -476,8 +476,9 @@ pub fn text(compared: &Compared) -> String {
             count => format!("{line}  {count} inconclusive: a few samples dominate\n"),
         },
     );
-    let found =
-        |what: &str, bias: f64| format!("{what} {} would have been found with 90 % probability\n", percent(bias));
+    let found = |what: &str, bias: f64| {
+        wrapped(&format!("{what} {} would have been found with 90 % probability", percent(bias)), "", LINE)
+    };
     if let Some(ratio) = compared.noise_of_exact {
         text += &wrapped(
             &format!(

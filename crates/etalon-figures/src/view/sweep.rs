@@ -1,7 +1,7 @@
 //! The results of a sweep in words.
 
 use super::checks::Check;
-use super::text::{counted, p_is, plain_p_value};
+use super::text::{LINE, counted, p_is, plain_p_value, wrapped};
 use etalon_bench::sweep::{Conclusion, Description, Failure, Group};
 use etalon_bench::table::Table;
 use etalon_stats::Verdict;
@@ -45,7 +45,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
     );
     let smallest = found.min_fresh_p.map_or(String::new(), |p| format!(", smallest fresh {}", p_is(p)));
     text += &format!(
-        "\n{} of {} by {}, seed {}: {} checks at level {} together\n{survived}{smallest}\n",
+        "\n{} of {} by {}, seed {}: {} checks at level {} together\n",
         counted(found.configurations as usize, "configuration"),
         if found.families == 1 { "1 family".into() } else { format!("{} families", found.families) },
         sweep.strategy(),
@@ -53,6 +53,7 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         found.checks,
         sweep.level(),
     );
+    text += &wrapped(&format!("{survived}{smallest}"), "", LINE);
     if found.left_out > 0 {
         text += &format!("{} more survived and were not run again\n", counted(found.left_out as usize, "test"));
     }

@@ -233,9 +233,8 @@ fn table(tests: &[&Tested], is_single: bool) -> String {
         .numbers("samples", |test| test.outcome.samples)
         .words("integral of the pdf", |test| {
             let mass = test.outcome.mass.filter(|mass| mass.error.is_finite());
-            mass.map_or("-".into(), |mass| mass.to_string())
+            mass.map_or("-".into(), |mass| mass.to_string().replace(" statistical", ""))
         })
-        .numbers("seconds", |test| format!("{:.2}", test.outcome.seconds))
         .text_with(|test, line| line + &below(&test.outcome))
 }
 
