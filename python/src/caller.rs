@@ -92,14 +92,15 @@ impl Progress<'_> {
         if self.start.elapsed() >= SHORT && self.told.is_none_or(|told| told.elapsed() >= AGAIN) {
             self.told = Some(Instant::now());
             let ([done, of], seconds) = (self.done(), self.start.elapsed().as_secs_f64());
-            let show = |module: Bound<'_, PyModule>| module.call_method1("show", (self.what, done, of, seconds));
-            let _ = py.import("etalon_bench._progress").and_then(show);
+            let module = py.import("etalon_bench._progress");
+            let _ = module.map(|module| module.call_method1("show", (self.what, done, of, seconds)).is_ok());
         }
     }
 
     fn end(&self, py: Python<'_>) {
         if self.told.is_some() {
-            let _ = py.import("etalon_bench._progress").and_then(|module| module.call_method0("clear"));
+            let module = py.import("etalon_bench._progress");
+            let _ = module.map(|module| module.call_method0("clear").is_ok());
         }
     }
 

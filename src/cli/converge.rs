@@ -381,16 +381,11 @@ fn text(output: &Output<'_>) -> String {
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
         let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);
-        text += &format!(
-            "{}:\n  start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s\n",
-            curve.strategy,
-            start[0],
-            start[1],
-            each[0],
-            each[1],
-            fit.startup_wall_seconds.value,
-            fit.wall_seconds_per_spp.value
+        let times = format!(
+            "start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s",
+            start[0], start[1], each[0], each[1], fit.startup_wall_seconds.value, fit.wall_seconds_per_spp.value
         );
+        text += &format!("{}:\n{}", curve.strategy, wrapped(&times, "  ", LINE));
     }
     text +=
         &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);

@@ -42,6 +42,8 @@ pub struct Global {
     pub seed: u64,
     #[arg(skip)]
     pub threads: Option<u32>,
+    #[arg(skip)]
+    pub verbose: bool,
     /// All arguments of the run.
     #[arg(skip)]
     pub arguments: Arguments,
@@ -61,6 +63,12 @@ pub fn out() -> Arg {
         "Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: the folder \
          out]",
     )
+}
+
+/// The option `--verbose`, of subcommands with more to tell than the answer.
+pub fn verbose() -> Arg {
+    let arg = Arg::new("verbose").short('v').long("verbose").action(ArgAction::SetTrue).conflicts_with("json");
+    arg.help_heading(OUTPUT).help("Print the details, too")
 }
 
 /// The option `--seed`, of subcommands that use random numbers.
@@ -83,6 +91,7 @@ impl Global {
         // Not an argument of every subcommand, nor given where it is one.
         self.out = given.try_get_one("out").ok().flatten().cloned();
         self.threads = given.try_get_one("threads").ok().flatten().copied();
+        self.verbose = given.try_get_one("verbose").ok().flatten().copied().unwrap_or(false);
         self.seed = given.try_get_one("seed").ok().flatten().copied().unwrap_or(DEFAULT_SEED);
         self.arguments = Arguments::of(command, matches);
     }

@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::families::{ExternalBsdf, families};
 use super::flags::command_line;
-use super::global::{Global, Reports, Verdict, out, threads};
+use super::global::{Global, Reports, Verdict, out, threads, verbose};
 use super::render::warn_of_lost_light;
 use super::sweep::{checks, concluded, decided};
 use clap::Args;
@@ -29,7 +29,7 @@ use std::time::Instant;
                         codes are those of `etalon sweep`.\n\nExamples:\n  etalon render furnace -s 2 --shard 1/2 -o a.exr && etalon render furnace -s 2 --shard 2/2 -o b.exr \
                         && etalon merge a.exr b.exr -o image.exr\n  etalon merge parts/*.csv"
 )]
-#[command(next_help_heading = "Parts", args = [out(), threads()])]
+#[command(next_help_heading = "Parts", args = [out(), threads(), verbose()])]
 pub struct Merge {
     /// Files with different samples of the same image, or all parts of a sweep
     #[arg(required = true, help_heading = None::<&str>)]
@@ -118,7 +118,7 @@ impl Merge {
         files::write_bytes(&path, &output::csv(&found.rows)?)?;
         let checks = checks(&found, start);
         let written = target.written([vec![path], self.reports.write(&checks)?].concat());
-        Ok(concluded(&self.external, &found, &plan.description, &written, &checks, console))
+        Ok(concluded(&self.external, &found, &plan.description, &written, &checks, (console, global.verbose)))
     }
 }
 

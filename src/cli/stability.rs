@@ -1,7 +1,7 @@
 //! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::global::{Global, Reports, Verdict, out, seed, threads};
+use super::global::{Global, Reports, Verdict, out, seed, threads, verbose};
 use super::style::StyleArgs;
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
@@ -25,7 +25,7 @@ use std::time::Instant;
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
                   fresnel:eta=0.999..1.001,cos=0.1..1"
 )]
-#[command(next_help_heading = "Families", args = [out(), seed(), threads()])]
+#[command(next_help_heading = "Families", args = [out(), seed(), threads(), verbose()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
     #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
@@ -109,7 +109,8 @@ impl Stability {
         let written = target.written(files);
         let effort = self.range.is_none().then_some(effort);
         let output = Output { rows, bounds, effort, interrupted };
-        console.saved(&output, &written, || human(&output, self.range.is_some()));
+        let all = global.verbose || !self.families.is_empty() || self.range.is_some();
+        console.saved(&output, &written, || human(&output, all, self.range.is_some()));
         saved?;
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
@@ -184,14 +185,18 @@ fn replayed(replay: &Replay) -> String {
 }
 
 /// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
-fn human(output: &Output<'_>, names_inputs: bool) -> String {
+/// The bounds, and of `all` rows what was measured.
+fn human(output: &Output<'_>, all: bool, names_inputs: bool) -> String {
     let mut text = String::new();
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
-        text += &format!("{verdict} {}: {}\n", bound.name, found(bound));
+        text += &wrapped(&format!("{verdict} {}: {}", bound.name, found(bound)), "", LINE);
     }
     if output.interrupted {
         text += &format!("interrupted: {LEFT_OUT}\n");
+    }
+    if !all {
+        return text;
     }
     text += &Table::of(output.rows)
         .words("family", |r| &r.family)

@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
-use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads};
+use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads, verbose};
 use super::values::{Shard, choice};
 use clap::Args;
 use etalon_bench::protocol::program;
@@ -39,7 +39,7 @@ Examples:
   etalon merge part-*.csv
   etalon sweep --exec 'python3 examples/bsdf.py'
   etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
-#[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads()])]
+#[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads(), verbose()])]
 pub struct Sweep {
     /// Families of BSDFs [default: all]
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
@@ -94,9 +94,9 @@ pub fn concluded(
     sweep: &Description,
     written: &Written,
     checks: &Checks,
-    console: &Console,
+    (console, verbose): (&Console, bool),
 ) -> Verdict {
-    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect())));
+    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect()), verbose));
     Verdict::from(checks)
 }
 
@@ -207,7 +207,7 @@ impl Sweep {
         let checks = checks(&conclusion, start);
         written.extend(self.reports.write(&checks)?);
         let written = target.written(written);
-        Ok(concluded(&self.external, &conclusion, &plan.description, &written, &checks, console))
+        Ok(concluded(&self.external, &conclusion, &plan.description, &written, &checks, (console, global.verbose)))
     }
 
     fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {

@@ -133,7 +133,7 @@ pub fn name_of_run(command: &str, subjects: &[String]) -> String {
 }
 
 /// What files are called together: one after itself, without folder and extension; several after how their names begin, else after
-/// their folder, else after the first.
+/// their folder, else they are "images".
 pub fn name_of(paths: &[PathBuf]) -> String {
     let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let Some((first, others)) = paths.split_first() else { return String::new() };
@@ -150,7 +150,7 @@ pub fn name_of(paths: &[PathBuf]) -> String {
     // A letter that all begin with says less than their folder
     match (shared.len(), folder) {
         (0 | 1, Some(folder)) => folder,
-        (0, None) => stem(first),
+        (0, None) => "images".into(),
         _ => shared,
     }
 }
@@ -339,7 +339,7 @@ mod tests {
         assert_eq!(name(&["mine-1.exr", "mine-10.exr", "mine-2.exr"]), "mine");
         assert_eq!(name(&["students/anna.png", "students/ben.png"]), "students");
         assert_eq!(name(&["x/s01.png", "x/s02.png"]), "x");
-        assert_eq!([name(&["a1.exr", "a2.exr"]), name(&["anna.png", "ben.png"])], ["a", "anna"]);
+        assert_eq!([name(&["a1.exr", "a2.exr"]), name(&["anna.png", "ben.png"])], ["a", "images"]);
         let pair = |a: &[&str], b: &[&str]| name_of_pair(&paths(a), "vs", &paths(b));
         assert_eq!(pair(&["a.exr"], &["x/b.exr"]), "a-vs-b");
         assert_eq!(pair(&["old/box.exr"], &["new/box.exr"]), "old-box-vs-new-box");

@@ -84,7 +84,8 @@ pub fn measure(
             result.truth = Some(truth);
         }
         Err(seconds) => {
-            result.cut.push("the reference: nothing was measured".into());
+            let what = if seconds.is_some() { "the exact image" } else { "the reference" };
+            result.cut.push(format!("{what}: nothing was measured"));
             // As much again for the curves
             result.sufficient_budget = seconds.map(|seconds| 2.0 * seconds / REFERENCE);
         }

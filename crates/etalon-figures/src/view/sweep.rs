@@ -8,12 +8,14 @@ use etalon_stats::Verdict;
 use etalon_stats::sweep::CONFIRM_LEVEL;
 
 /// The verdict, the table of families and checks, what fails, with the command that runs it again, and a summary. `replay_by` is the command but
-/// for its last argument.
-pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String {
+/// for its last argument. Checks that accept are told if `all` are.
+pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str, all: bool) -> String {
     // In percent of the configurations; shown for checks with p-values
     let powered = |group: &Group| 100.0 * group.powered as f64 / group.configurations.max(1) as f64;
     let mut text = format!("rejected: {}; inconclusive: {}\n", found.rejected, found.inconclusive);
-    text += &Table::of(&found.groups)
+    let is_told = |group: &&Group| all || group.rejected + group.inconclusive > 0;
+    let groups: Vec<&Group> = found.groups.iter().filter(is_told).collect();
+    let table = Table::of(&groups)
         .words("family", |group| &group.family)
         .words("check", |group| &group.check)
         .numbers("runs", |group| group.configurations)
@@ -23,8 +25,8 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str) -> String 
         .numbers("min p", |group| group.min_p.map_or("-".into(), plain_p_value))
         .numbers(format!("finds {} %", 100.0 * sweep.detect()), |group| {
             group.min_p.map_or("-".into(), |_| format!("in {:.1} %", powered(group)))
-        })
-        .text();
+        });
+    text += &if groups.is_empty() { String::new() } else { table.text() };
     for failure in &found.failures {
         let Failure { family, check, configurations, example, shrunk, replay, message, p } = failure;
         let p = p.map_or(String::new(), |p| format!(", {}", p_is(p)));
