@@ -206,7 +206,7 @@ fn renderers_need_no_scene() {
     assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
     let markdown = std::fs::read_to_string(path("m.md")).unwrap();
     assert!(
-        markdown.starts_with("## etalon converge good-bsdf: rejected\n") && markdown.contains("mean +10."),
+        markdown.starts_with("## etalon converge good-bsdf: rejected\n") && markdown.contains("all channels +10."),
         "{markdown}"
     );
     let figure = std::fs::read_to_string(path("out/good-bsdf-converge.svg")).unwrap();
