@@ -113,13 +113,14 @@ impl Compare {
             let verdict =
                 if limit.holds(measured) { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject };
             let found = rounded(limit.metric.of(measured), 4).replace("NaN", "not defined");
-            let lost = left_out(measured).map_or(String::new(), |lost| format!("; {lost}"));
+            let why = [left_out(measured), measured.explanation.as_ref().map(explained)];
+            let why: String = why.into_iter().flatten().map(|why| format!("; {why}")).collect();
             Check {
                 group: group.to_owned(),
                 name: limit.metric.name.into(),
                 verdict: Some(verdict),
-                message: format!("{} is {found}, at most {} allowed{lost}", limit.metric.title, limit.most),
-                details: measured.explanation.as_ref().map(explained).unwrap_or_default(),
+                message: format!("{} is {found}, at most {} allowed{why}", limit.metric.title, limit.most),
+                details: String::new(),
                 seconds: None,
             }
         };

@@ -101,8 +101,10 @@ impl Checks {
         for (heading, verdict) in headings {
             let checks: Vec<&Check> = self.of(verdict).collect();
             if !checks.is_empty() {
-                let found = named(&checks).words("found", |check| markdown(&check.message));
-                text += &format!("\n### {heading}\n\n{}", explained(found, &checks).markdown());
+                text += &format!(
+                    "\n### {heading}\n\n{}",
+                    named(&checks).words("found", |check| markdown(&check.message)).markdown()
+                );
             }
         }
         let list: Vec<&Check> = self.list.iter().collect();
@@ -110,7 +112,6 @@ impl Checks {
             .words("verdict", |check| check.verdict.map_or("skipped".into(), |verdict| verdict.to_string()))
             .words("found", |check| markdown(&check.message))
             .numbers("seconds", |check| check.seconds.map_or(String::new(), |seconds| format!("{seconds:.2}")));
-        let all = explained(all, &list);
         text + &format!("\n<details>\n<summary>{total}</summary>\n\n{}\n</details>\n", all.markdown())
     }
 }
@@ -118,15 +119,6 @@ impl Checks {
 /// A table with the names of checks.
 fn named<'a>(checks: &'a [&'a Check]) -> Table<'a, &'a Check> {
     Table::of(checks).words("check", |check| markdown(&format!("{}/{}", check.group, check.name)))
-}
-
-/// The table with what explains what was found, where that is a line.
-fn explained<'a>(table: Table<'a, &'a Check>, checks: &[&Check]) -> Table<'a, &'a Check> {
-    let is_line = |check: &Check| !check.details.is_empty() && !check.details.contains('\n');
-    if !checks.iter().any(|check| is_line(check)) {
-        return table;
-    }
-    table.words("explanation", |check| if is_line(check) { markdown(&check.details) } else { String::new() })
 }
 
 /// Text for a cell of a table in Markdown: characters that mean something there or in HTML become references, and what would
