@@ -68,10 +68,12 @@ pub struct Bsdfs {
 #[pyfunction]
 pub fn check_bsdf(py: Python<'_>, bsdfs: Bsdfs, plan: Plan) -> PyResult<Found> {
     let (name, protocol) = (bsdfs.name.clone(), plan.protocol());
-    let (validation, raised) = run(py, move |caller| {
-        let family = PythonFamily::new(bsdfs, caller);
+    let (validation, raised) = run(py, &name, move |caller| {
+        let family = PythonFamily::new(bsdfs, caller.clone());
         let calls = Arc::clone(&family.calls);
-        let validation = WholeBsdf::new(family, Vec::new()).run(&protocol, &|| ())?;
+        let whole = WholeBsdf::new(family, Vec::new());
+        let tests = whole.names().len() as u64;
+        let validation = whole.run(&protocol, &|| caller.step(tests))?;
         Ok((validation, calls.iter().find_map(Calls::raised)))
     })?;
     Found::of_run(py, &name, validation).map(|found| found.because(raised))
@@ -93,9 +95,9 @@ pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResu
     let Tabulated { over, set, size, error, seed } = tabulated;
     let request = Request { over, set, cells: size.into(), error, seed };
     let table = match subject {
-        Subject::Python(bsdfs) => run(py, move |caller| {
-            let family = PythonFamily::new(bsdfs, caller);
-            albedo_table(&family, &|_| None, &request)
+        Subject::Python(bsdfs) => run(py, &bsdfs.name.clone(), move |caller| {
+            let family = PythonFamily::new(bsdfs, caller.clone());
+            albedo_table(&family, &|_| None, &request, &|of| caller.step(of))
         }),
         Subject::Program(name) => {
             let all = families::all();
@@ -103,7 +105,9 @@ pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResu
                 let names: Vec<&str> = all.iter().map(|family| family.name()).collect();
                 return Err(PyValueError::new_err(format!("bsdf: there is no \"{name}\", but {}", names.join(", "))));
             };
-            run(py, |_| albedo_table(family, &|values| family.facets(values), &request))
+            run(py, &name, |caller| {
+                albedo_table(family, &|values| family.facets(values), &request, &|of| caller.step(of))
+            })
         }
     }?;
     Ok(Found::of_albedos(table, error))

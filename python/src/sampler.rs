@@ -83,7 +83,8 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: &str, plan: Pla
     let (name, protocol) = (declared.name, plan.protocol());
     let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
     let invert = declared.invert.map(Arc::new);
-    let tested = run(py, move |caller| {
+    let what = name.clone();
+    let tested = run(py, &what, move |caller| {
         let functions = Functions {
             caller,
             space,

@@ -1,18 +1,20 @@
 //! `etalon furnace`: directional albedos over the angle and parameters.
 
-use super::console::{Console, shown};
+use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
-use super::global::{Global, Verdict, out, seed, threads};
+use super::global::{Global, Reports, Verdict, out, seed, threads};
 use super::style::StyleArgs;
 use super::values::setting;
 use clap::{ArgAction, Args};
-use etalon_bench::albedo::{Request, albedo_table};
+use etalon_bench::albedo::{Request, Table, albedo_table};
 use etalon_bench::validation::families;
 use etalon_core::error::{Error, Result};
 use etalon_figures::output;
+use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::furnace as view;
 use etalon_stats::bsdf::Family;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
 #[derive(Args)]
@@ -28,7 +30,7 @@ pub struct Furnace {
     #[arg(value_name = "NAME", help_heading = None::<&str>, required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["junit", "markdown"])]
     list: bool,
     /// The parameter that varies, or several together [default: the first]
     ///
@@ -48,6 +50,8 @@ pub struct Furnace {
     external: ExternalBsdf,
     #[command(flatten)]
     style: StyleArgs,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 impl Furnace {
@@ -56,6 +60,8 @@ impl Furnace {
             list(&families(&self.external, &self.names)?, console);
             return Ok(Verdict::Good);
         }
+        let start = Instant::now();
+        self.reports.check()?;
         let all = families::all();
         let cells = self.cells()?;
         let program = self.external.start(&self.names)?;
@@ -70,34 +76,58 @@ impl Furnace {
             }
         };
         let (target, style) = (global.target(), self.style.style()?);
-        let bar = console.progress(subjects.len() as u64, "furnace", "families");
-        let (mut tables, mut files) = (Vec::new(), Vec::new());
-        for (family, own) in subjects {
+        let (mut tables, mut files, mut left_out) = (Vec::new(), Vec::new(), 0);
+        for (family, own) in &subjects {
             let stem = target.stem("furnace", &format!("-{}", output::file_name(family.name())), &output::STUDY)?;
-            bar.set_message(shown(family.name()));
+            let bar = console.progress(1, &format!("furnace {}", family.name()), "albedos");
             let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
-            let table = albedo_table(family, &facets, &request)?;
-            files.extend(output::write(&stem, &view::drawing(&table), &style, &output::csv(&table.rows)?)?);
-            tables.push(table);
-            bar.inc(1);
+            let done = |of: u64| {
+                bar.set_length(of);
+                bar.inc(1);
+            };
+            match albedo_table(*family, &facets, &request, &done) {
+                // The tables before an interruption are told
+                Err(Error::Interrupted) if !tables.is_empty() => {
+                    left_out = subjects.len() - tables.len();
+                    break;
+                }
+                table => tables.push(table?),
+            }
+            let table = &tables[tables.len() - 1];
+            files.extend(output::write(&stem, &view::drawing(table), &style, &output::csv(&table.rows)?)?);
         }
-        bar.finish_and_clear();
+        let mut checks = Checks {
+            title: "etalon furnace".into(),
+            list: tables.iter().map(|table| check(table, error)).collect(),
+            seconds: start.elapsed().as_secs_f64(),
+        };
+        if left_out > 0 {
+            let left_out = format!("{} of {} BSDFs left out", left_out, subjects.len());
+            console.warn(&format!("interrupted: {left_out}"));
+            checks.interrupted(&left_out);
+        }
+        files.extend(self.reports.write(&checks)?);
         let written = target.written(files);
         console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(view::text).collect());
-        let verdicts: Vec<etalon_stats::Verdict> = tables.iter().map(|table| table.verdict(error)).collect();
-        Ok(if verdicts.contains(&etalon_stats::Verdict::Reject) {
-            Verdict::Rejected
-        } else if verdicts.contains(&etalon_stats::Verdict::Inconclusive) {
-            Verdict::Inconclusive
-        } else {
-            Verdict::Good
-        })
+        Ok(Verdict::from(&checks))
     }
 
     fn cells(&self) -> Result<[usize; 2]> {
         let parsed =
             self.size.split_once(['x', 'X']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
         parsed.ok_or_else(|| Error::parameter("size", format!("\"{}\" is no size", self.size)).with_hint("use 32x32"))
+    }
+}
+
+/// Whether the albedos of a BSDF are what it declares, within errors that are small enough.
+fn check(table: &Table, error: f64) -> Check {
+    Check {
+        group: "furnace".into(),
+        name: table.family.clone(),
+        verdict: Some(table.verdict(error)),
+        message: view::found(table),
+        details: String::new(),
+        seconds: Some(table.seconds),
     }
 }
 

@@ -34,7 +34,8 @@ const GRAZING: f64 = 0.01;
 /// The loss by single scattering has this error: it explains an albedo, it does not judge it.
 const LOSS_ERROR: f64 = 1e-3;
 
-/// Tabulates the albedo of a family. `facets` describes the microfacets of a BSDF with given parameters, where that is known.
+/// Tabulates the albedo of a family. `facets` describes the microfacets of a BSDF with given parameters, where that is known; `done` is
+/// told the number of all cells after each.
 ///
 /// # Errors
 /// [`Error::Parameter`] for unknown parameters and values out of range; [`Error::Interrupted`]; those of the family.
@@ -42,6 +43,7 @@ pub fn albedo_table(
     family: &dyn Family,
     facets: &(dyn Fn(&[f64]) -> Option<Facets> + Sync),
     request: &Request,
+    done: &(dyn Fn(u64) + Sync),
 ) -> Result<Table> {
     let start = Instant::now();
     let parameters = family.parameters();
@@ -83,7 +85,9 @@ pub fn albedo_table(
     let one = |k: usize| -> Result<Vec<Row>> {
         let (i, theta_deg) = (k / angles, thetas_deg[k % angles]);
         let parameter = over.first().map_or(0.0, |&k| configurations[i][k]);
-        cell(&*bsdfs[i], facets(&configurations[i]), request, tests, [theta_deg, parameter])
+        let rows = cell(&*bsdfs[i], facets(&configurations[i]), request, tests, [theta_deg, parameter]);
+        done(tests as u64);
+        rows
     };
     let rows = match family.is_sequential() {
         true => (0..tests).map(one).collect::<Result<Vec<_>>>()?.concat(),
@@ -331,7 +335,7 @@ mod tests {
     fn table(name: &str, request: &Request) -> Result<Table> {
         let all = families::all();
         let family = all.iter().find(|family| Family::name(*family) == name).unwrap();
-        albedo_table(family, &|values| family.facets(values), request)
+        albedo_table(family, &|values| family.facets(values), request, &|_| {})
     }
 
     #[test]

@@ -231,7 +231,7 @@ impl Render {
         let shard = self.shard.map(Shard::suffix);
         let out = self.file.as_deref().or(global.out.as_deref());
         let look = Look { tone: self.tone, exposure: self.exposure, scale: self.scale };
-        Images::new(out, Target::new(out), look, shard)
+        Images::new(out, Target::new(out, &global.arguments.subject), look, shard)
     }
 
     /// The samples to render: all, or a shard's.

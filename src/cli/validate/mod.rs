@@ -81,14 +81,7 @@ impl Validate {
                 list(&faults.iter().map(|fault| fault.name.to_owned()).collect::<Vec<_>>(), console);
                 return Ok(Verdict::Good);
             }
-            return planted::run(
-                faults,
-                !self.names.is_empty(),
-                &self.protocol(global),
-                &self.reports,
-                global,
-                console,
-            );
+            return planted::run(faults, &self.names, &self.protocol(global), &self.reports, global, console);
         }
         let subject = self.subject(console)?;
         if self.list {
@@ -98,7 +91,8 @@ impl Validate {
         let protocol = self.protocol(global);
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let name = subject.name().map_or("validation".into(), |name| format!("validation-{}", output::file_name(name)));
+        let named = subject.name().map(|name| vec![name.to_owned()]);
+        let name = output::name_of_run("validation", named.as_ref().unwrap_or(&self.names));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {

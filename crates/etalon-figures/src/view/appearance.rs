@@ -1,6 +1,6 @@
 //! A BSDF of another program on spheres, beside the closest model and their difference.
 
-use super::text::{rounded, wrapped};
+use super::text::{LINE, rounded, wrapped};
 use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet};
 use etalon_bench::appearance::{Appearance, Model};
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
@@ -51,7 +51,7 @@ pub fn text(found: &Appearance) -> String {
         found.standard_error_percent,
         named(model)
     );
-    let mut text = wrapped(&said, "", 80);
+    let mut text = wrapped(&said, "", LINE);
     text += &format!(
         "pixels differ by {:.1} % in the mean; noise alone makes {:.1} %\n",
         found.pixel_difference_percent, found.pixel_noise_percent
@@ -62,7 +62,7 @@ pub fn text(found: &Appearance) -> String {
     } else {
         ""
     };
-    text += &wrapped(&format!("values differ by {apart:.1} %{far}"), "", 80);
+    text += &wrapped(&format!("values differ by {apart:.1} %{far}"), "", LINE);
     if found.dropped > 0 {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }

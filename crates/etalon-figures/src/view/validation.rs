@@ -1,7 +1,7 @@
 //! A run of tests as a table and as a drawing of its p-values; the table of planted faults; results as text: a line for each test
 //! if they are few, else one for each family and one for each test that needs a look.
 
-use super::text::{counted, p_is, p_value, plain_p_value, rounded, wrapped};
+use super::text::{LINE, counted, p_is, p_value, plain_p_value, rounded, wrapped};
 use super::validation_cells;
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::table::Table;
@@ -192,7 +192,7 @@ pub fn text(validation: &Validation) -> String {
         _ => format!("{}\n{}", families(tests), table(&told, is_single)),
     };
     if tests.len() > 1 {
-        let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", 100));
+        let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", LINE));
         text += &causes.fold(String::new(), |text, cause| text + "\n" + &cause);
     }
     text += &format!(
@@ -222,7 +222,7 @@ fn table(tests: &[&Tested], is_single: bool) -> String {
         let lines = findings.into_iter().map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());
-        let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", 100));
+        let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", LINE));
         lines.chain(remarks).chain(ripples).collect::<String>()
     };
     Table::of(tests)
@@ -233,9 +233,8 @@ fn table(tests: &[&Tested], is_single: bool) -> String {
         .numbers("samples", |test| test.outcome.samples)
         .words("integral of the pdf", |test| {
             let mass = test.outcome.mass.filter(|mass| mass.error.is_finite());
-            mass.map_or("-".into(), |mass| mass.to_string())
+            mass.map_or("-".into(), |mass| mass.to_string().replace(" statistical", ""))
         })
-        .numbers("seconds", |test| format!("{:.2}", test.outcome.seconds))
         .text_with(|test, line| line + &below(&test.outcome))
 }
 
