@@ -91,11 +91,11 @@ pub struct Tabulated {
 #[pyfunction]
 pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResult<Found> {
     let Tabulated { over, set, size, error, seed } = tabulated;
-    let request = Request { over, set, cells: size.into(), error, seed };
+    let request = Request { over, set, cells: size.into(), error, samples: None, seed };
     let table = match subject {
         Subject::Python(bsdfs) => run(py, move |caller| {
             let family = PythonFamily::new(bsdfs, caller);
-            albedo_table(&family, &|_| None, &request)
+            albedo_table(&family, &|_| None, &request, &|_| ())
         }),
         Subject::Program(name) => {
             let all = families::all();
@@ -103,7 +103,7 @@ pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResu
                 let names: Vec<&str> = all.iter().map(|family| family.name()).collect();
                 return Err(PyValueError::new_err(format!("bsdf: there is no \"{name}\", but {}", names.join(", "))));
             };
-            run(py, |_| albedo_table(family, &|values| family.facets(values), &request))
+            run(py, |_| albedo_table(family, &|values| family.facets(values), &request, &|_| ()))
         }
     }?;
     Ok(Found::of_albedos(table, error))
