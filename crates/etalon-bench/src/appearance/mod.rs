@@ -72,10 +72,13 @@ pub struct Difference {
     pub pixel_difference_percent: f64,
     /// What noise alone makes of that.
     pub pixel_noise_percent: f64,
-    /// The difference of each pixel; NaN where the other's pixel is black.
+    /// The difference of each pixel and those around it, [`AROUND`] to each side; NaN where the other is black.
     #[serde(skip)]
     pub percent: Vec<f64>,
 }
+
+/// Pixels to each side over which differences of pixels are averaged: noise would hide them.
+pub const AROUND: usize = 2;
 
 impl Difference {
     /// Whether it is more than noise, in the mean or in the pixels.
@@ -132,7 +135,7 @@ impl Differences {
         self.means.push(differences.iter().sum::<f64>() / shows.len() as f64);
     }
 
-    fn difference(&self, [a, b]: [&Sums; 2], shows: &[usize]) -> Difference {
+    fn difference(&self, [a, b]: [&Sums; 2], shows: &[usize], width: usize) -> Difference {
         let n = self.means.len() as f64;
         let reference = shows.iter().map(|&i| grey(b.sums[i])).sum::<f64>() / (n * shows.len() as f64);
         let percent_of = |x: f64| 100.0 * x / reference;
@@ -142,13 +145,20 @@ impl Differences {
             let of = |i: &usize| (self.halves[0][*i] + sign * self.halves[1][*i]).abs() / n;
             percent_of(shows.iter().map(of).sum::<f64>() / shows.len() as f64)
         };
-        let percent = |(a, b): (&DVec3, &DVec3)| 100.0 * (grey(*a) - grey(*b)) / grey(*b);
+        let height = a.sums.len() / width;
+        let around = |of: &Sums, i: usize| -> f64 {
+            let near = |at: usize, end: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(end);
+            near(i / width, height)
+                .flat_map(|y| near(i % width, width).map(move |x| grey(of.sums[y * width + x])))
+                .sum()
+        };
+        let percent = |i: usize| 100.0 * (around(a, i) - around(b, i)) / around(b, i);
         Difference {
             mean_difference_percent: percent_of(mean),
             standard_error_percent: percent_of((variance / n).sqrt()),
             pixel_difference_percent: over_pixels(1.0),
             pixel_noise_percent: over_pixels(-1.0),
-            percent: a.sums.iter().zip(&b.sums).map(percent).collect(),
+            percent: (0..a.sums.len()).map(percent).collect(),
         }
     }
 }
@@ -195,8 +205,8 @@ pub fn appearance(
         width: request.width,
         height: request.height,
         spp: request.spp,
-        sampling: sampling.difference([with_bsdf, with_values], &shows),
-        of_model: of_model.difference([with_bsdf, with_model], &shows),
+        sampling: sampling.difference([with_bsdf, with_values], &shows, request.width),
+        of_model: of_model.difference([with_bsdf, with_model], &shows, request.width),
         dropped,
         seconds: started.elapsed().as_secs_f64(),
         images: sums.each_ref().map(|sums| sums.rendered(request)),

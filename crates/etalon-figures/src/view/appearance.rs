@@ -2,7 +2,7 @@
 
 use super::text::{rounded, wrapped};
 use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet};
-use etalon_bench::appearance::{Appearance, Difference, Model};
+use etalon_bench::appearance::{AROUND, Appearance, Difference, Model};
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 
 /// Models with a larger difference of their values are not close.
@@ -52,9 +52,11 @@ pub fn drawing(found: &Appearance) -> Drawing {
     let mut sizes: Vec<f64> = percent.filter(|x| x.is_finite()).map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let limit = sizes.get(sizes.len() * 98 / 100).copied().unwrap_or(0.0).max(1.0);
-    let label = "difference in percent of the other's pixel: blue where the BSDF is darker";
+    let side = 2 * AROUND + 1;
+    let label =
+        format!("difference in percent of the other image, over {side} × {side} pixels: blue where the BSDF is darker");
     let map = |difference: &Difference| {
-        Heatmap::new(own.width(), difference.percent.clone(), Shading::Diverging, label).range(-limit, limit)
+        Heatmap::new(own.width(), difference.percent.clone(), Shading::Diverging, label.as_str()).range(-limit, limit)
     };
     let row = |Comparison { caption, image, difference, .. }: &Comparison| {
         let mean = signed(difference.mean_difference_percent);

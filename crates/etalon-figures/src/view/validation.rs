@@ -81,7 +81,7 @@ pub fn drawing(validation: &Validation) -> Drawing {
                 let Outcome { counts, compared, .. } = &test.outcome;
                 test.outcome.is_rejected_by_p() && counts.is_some() || compared.is_some()
             };
-            let first = tests.iter().find(is_shown).map(validation_cells::drawing);
+            let first = tests.iter().find(is_shown).map(validation_cells::pictured);
             let all = checks(validation).unwrap_or_else(|| p_values(validation));
             let rows = validation_cells::reasons(validation).into_iter().chain(first).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)

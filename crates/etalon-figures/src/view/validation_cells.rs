@@ -52,10 +52,12 @@ pub fn drawing(tested: &Tested) -> Drawing {
     let by = by(outcome);
     // The mistake, if there is one, is the headline, and need not be said again.
     match &outcome.mistake {
-        Some(mistake) => described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), by),
-        None => {
+        Some(mistake) if mistake.chars().count() <= WIDEST_TITLE => {
+            described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), by)
+        }
+        mistake => {
             let by = by.map_or(String::new(), |by| format!(", {by}"));
-            described(tested, format!("{name}: {}{by}", outcome.verdict), None)
+            described(tested, format!("{name}: {}{by}", outcome.verdict), mistake.clone())
         }
     }
 }
@@ -81,12 +83,27 @@ fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
     let outcome = &tested.outcome;
     let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
     let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
-    let Some(counts) = outcome.counts.as_ref() else {
-        let below = outcome.compared.as_ref().map_or_else(nothing, |compared| compared_plot(compared).draw());
-        return below.headed(title, first.into_iter().chain(findings).collect());
-    };
-    let (plot, beyond) = plot(counts);
-    plot.draw().headed(title, first.into_iter().chain(beyond).chain(findings).collect())
+    let first = first.iter().flat_map(|text| lines(text));
+    let (below, beyond) = picture(outcome);
+    below.headed(title, first.chain(beyond).chain(findings).collect())
+}
+
+/// What a test looked at, under its name.
+pub fn pictured(Tested { name, outcome }: &Tested) -> Drawing {
+    let (below, beyond) = picture(outcome);
+    below.headed(name, beyond.into_iter().collect())
+}
+
+/// The counts or the numbers of a test, and what has no place there.
+fn picture(outcome: &Outcome) -> (Drawing, Option<String>) {
+    match (&outcome.counts, &outcome.compared) {
+        (Some(counts), _) => {
+            let (plot, beyond) = plot(counts);
+            (plot.draw(), beyond)
+        }
+        (None, Some(compared)) => (compared_plot(compared).draw(), None),
+        (None, None) => (nothing(), None),
+    }
 }
 
 /// The plot of the cells, and what has no place there.
@@ -104,8 +121,9 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
     (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }
 
-/// Most letters of a line above a drawing.
+/// Most letters of a line above a drawing, and of a mistake in its title.
 const WIDEST: usize = 110;
+const WIDEST_TITLE: usize = 80;
 
 /// What stands below lines of text alone.
 fn nothing() -> Drawing {
@@ -220,7 +238,7 @@ fn sky(end: f64, place: fn(f64) -> f64) -> Chart {
         let theta = x.hypot(y) * end;
         (theta < end).then(|| [place(theta), y.atan2(x).to_degrees().rem_euclid(360.0) / 360.0])
     };
-    let axis = |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees)")).range(-end, end).every(end / 2.0);
+    let axis = |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees)")).range(-end, end).every(end / 3.0);
     (Box::new(at), [axis("cos"), axis("sin")])
 }
 
@@ -235,9 +253,19 @@ fn rectangle(axes: [&str; 2]) -> Chart {
 
 /// Three heat maps, each cell at its place.
 fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
-    let (place, [x, y]) = match (axes, reading(axes[0])) {
-        ([_, "φ / 2π"], Reading { end, place, .. }) if end > 1.0 => sky(end, place),
-        _ => rectangle(axes),
+    let is_empty = |row: &Row| row.observed == 0 && row.expected <= EMPTY;
+    let (horizon, (place, [x, y])) = match (axes, reading(axes[0])) {
+        ([_, "φ / 2π"], Reading { end: last, place, .. }) if last > 1.0 => {
+            // As much below the horizon as there are samples
+            let holds =
+                |end: &f64| cells.iter().all(|row| is_empty(row) || row.x_to.is_none_or(|x| x <= place(*end) + 1e-9));
+            let end = [90.0, 120.0].into_iter().find(holds).unwrap_or(last);
+            (Some(90.0).filter(|horizon| *horizon < end), sky(end, place))
+        }
+        _ => (None, rectangle(axes)),
+    };
+    let circle = |radius: f64| {
+        (0..=72).map(|i| f64::from(5 * i).to_radians().sin_cos()).map(move |(y, x)| [radius * x, radius * y])
     };
     let holds =
         |from: Option<f64>, to: Option<f64>, v: f64| from.zip(to).is_some_and(|(from, to)| (from..to).contains(&v));
@@ -245,11 +273,15 @@ fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     let at = |i: usize| {
         let [x, y] = place(i)?;
         let cell = cells.iter().find(|row| holds(row.x_from, row.x_to, x) && holds(row.y_from, row.y_to, y));
-        cell.filter(|row| row.observed > 0 || row.expected > EMPTY)
+        cell.filter(|row| !is_empty(row))
     };
     let places: Vec<Option<&Row>> = (0..POINTS * POINTS).map(at).collect();
     let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
-    let panel = |title: &str, map: Heatmap| Panel::new(x.clone(), y.clone()).title(title).heatmap(map.on_paper());
+    let panel = |title: &str, map: Heatmap| {
+        let panel = Panel::new(x.clone(), y.clone()).title(title).heatmap(map.on_paper());
+        let line = horizon.map(|radius| circle(radius).collect::<Vec<Point>>());
+        line.into_iter().fold(panel, |panel, line| panel.line("", Stroke::solid(theme::EXPECTED, theme::THIN), line))
+    };
     // One scale for both counts, in equal factors where a few cells have most of the samples
     let mut expected: Vec<f64> = cells.iter().map(|row| row.expected).collect();
     expected.sort_by(f64::total_cmp);
