@@ -5,6 +5,7 @@ use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke,
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Cell, Compared, Counts, Outcome, Verdict};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -254,13 +255,14 @@ fn rectangle(axes: [&str; 2]) -> Chart {
 /// Three heat maps, each cell at its place.
 fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     let is_empty = |row: &Row| row.observed == 0 && row.expected <= EMPTY;
-    let (horizon, (place, [x, y])) = match (axes, reading(axes[0])) {
+    let (sphere, (place, [x, y])) = match (axes, reading(axes[0])) {
         ([_, "φ / 2π"], Reading { end: last, place, .. }) if last > 1.0 => {
             // As much below the horizon as there are samples
             let holds =
                 |end: &f64| cells.iter().all(|row| is_empty(row) || row.x_to.is_none_or(|x| x <= place(*end) + 1e-9));
             let end = [90.0, 120.0].into_iter().find(holds).unwrap_or(last);
-            (Some(90.0).filter(|horizon| *horizon < end), sky(end, place))
+            let area = if last > 90.0 { 4.0 * PI } else { 2.0 * PI };
+            (Some((area, end > 90.0)), sky(end, place))
         }
         _ => (None, rectangle(axes)),
     };
@@ -279,21 +281,30 @@ fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
     let panel = |title: &str, map: Heatmap| {
         let panel = Panel::new(x.clone(), y.clone()).title(title).heatmap(map.on_paper());
-        let line = horizon.map(|radius| circle(radius).collect::<Vec<Point>>());
-        line.into_iter().fold(panel, |panel, line| panel.line("", Stroke::solid(theme::EXPECTED, theme::THIN), line))
+        if sphere.is_none_or(|(_, is_horizon_seen)| !is_horizon_seen) {
+            return panel;
+        }
+        panel.line("", Stroke::solid(theme::EXPECTED, theme::THIN), circle(90.0).collect::<Vec<Point>>())
     };
+    // Samples of a cell; of directions by solid angle, as cells that have equally many may be of any size
+    let per = |row: &Row, samples: f64| {
+        let side = |from: Option<f64>, to: Option<f64>| to.zip(from).map_or(1.0, |(to, from)| to - from);
+        let area = side(row.x_from, row.x_to) * side(row.y_from, row.y_to);
+        sphere.map_or(samples, |(all, _)| samples / (area * all))
+    };
+    let unit = if sphere.is_some() { "samples per steradian" } else { "samples" };
     // One scale for both counts, in equal factors where a few cells have most of the samples
-    let mut expected: Vec<f64> = cells.iter().map(|row| row.expected).collect();
+    let mut expected: Vec<f64> = cells.iter().map(|row| per(row, row.expected)).collect();
     expected.sort_by(f64::total_cmp);
-    let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
+    let highest = cells.iter().map(|row| per(row, row.expected.max(row.observed as f64))).fold(0.0, f64::max);
     let is_peaked = highest > PEAKED * expected.get(expected.len() / 2).copied().unwrap_or(highest);
     let counts = |title: &str, value: &dyn Fn(&Row) -> f64| {
         panel(
             title,
             match is_peaked {
-                true => Heatmap::new(POINTS, grid(&|row| value(row).max(1.0)), Shading::Log10, "samples")
-                    .range(1.0, highest),
-                false => Heatmap::new(POINTS, grid(value), Shading::Linear, "samples").range(0.0, highest),
+                true => Heatmap::new(POINTS, grid(&|row| value(row).max(DARKEST * highest)), Shading::Log10, unit)
+                    .range(DARKEST * highest, highest),
+                false => Heatmap::new(POINTS, grid(value), Shading::Linear, unit).range(0.0, highest),
             },
         )
     };
@@ -305,8 +316,8 @@ fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     let label = if most < largest { "standard deviations, ends and beyond" } else { "standard deviations" };
     let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, label).range(-most, most);
     Plot::new([
-        counts("Observed /{O}", &|row| row.observed as f64),
-        counts("Expected /{E}", &|row| row.expected),
+        counts("Observed /{O}", &|row| per(row, row.observed as f64)),
+        counts("Expected /{E}", &|row| per(row, row.expected)),
         panel("Residual (/{O} − /{E})/√/{E}", residual),
     ])
     .frame_size(230.0, 230.0)
@@ -319,6 +330,8 @@ const NOTABLE: f64 = 5.0;
 
 /// Points of a map along each side.
 const POINTS: usize = 180;
+/// The share of the highest count that has the darkest colour where counts are peaked.
+const DARKEST: f64 = 1e-3;
 /// Times the median count that the highest one has where counts are peaked.
 const PEAKED: f64 = 8.0;
 
