@@ -37,6 +37,10 @@ fn a_fault_is_shown_beside_the_closest_model() {
     for file in ["mine.png", "mine.exr", "mine-values.exr", "mine-model.exr"].map(|end| format!("sphere-env-{end}")) {
         assert!(folder.path().join("out").join(&file).is_file(), "{file}");
     }
+    let page = include_str!("../../docs/src/columns.md");
+    for key in right.as_object().unwrap().keys().filter(|key| *key != "files") {
+        assert!([format!("`{key}`"), format!("`{key}.")].iter().any(|name| page.contains(name)), "{key}");
+    }
     // Weights that do not have the factor of the values: BSDF samples bring more light than the values say
     let wrong = mine("0.5");
     let [found, noise] = ["mean_difference_percent", "standard_error_percent"].map(|key| number(&wrong, key));
