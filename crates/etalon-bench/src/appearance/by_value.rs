@@ -58,7 +58,8 @@ impl BatchBsdf for ByValue<'_> {
         let pairs: Vec<Pair> = wos.iter().zip(numbers()).map(direction).collect();
         let rest: Vec<f64> = numbers().flat_map(|u| &u[OF_DIRECTION..]).copied().collect();
         let (values, lobes) = (self.bsdf.eval(&pairs, &rest)?, self.bsdf.delta_lobes(wos)?);
-        let sample = |((([_, wi], f), lobes), u): (((&Pair, Spectrum), &Vec<DeltaLobe>), &[f64])| {
+        let sample = |(i, u): (usize, &[f64])| {
+            let ([_, wi], f, lobes) = (&pairs[i], values[i], &lobes[i]);
             let pdf = self.uniform_pdf();
             if u[2] < self.spread() {
                 return Some(BsdfSample::new(*wi, f.map(|f| f * wi[2].abs() / pdf), Density::Pdf(pdf)));
@@ -68,7 +69,7 @@ impl BatchBsdf for ByValue<'_> {
             let weight = lobe.throughput.map(|throughput| throughput / probability);
             Some(BsdfSample::new(lobe.wi, weight, Density::Delta(probability)))
         };
-        Ok(pairs.iter().zip(values).zip(&lobes).zip(numbers()).map(sample).collect())
+        Ok(numbers().enumerate().map(sample).collect())
     }
 
     fn delta_lobes(&self, wos: &[Direction]) -> Result<Vec<Vec<DeltaLobe>>> {
