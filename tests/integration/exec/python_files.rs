@@ -171,7 +171,7 @@ fn bsdfs_of_files_are_tested() {
     assert!(rejected.stdout.contains("accepted: values 6, ") && !rejected.stdout.contains("mine/values/30"));
     let chosen = |more: &[&str]| validate(&wrong, &[more, &["--samples", "10000", "-v"]].concat()).unwrap();
     let formula = chosen(&["formula", "mine/values/60"]);
-    assert!(formula.code == 1 && formula.stdout.contains("mine/values/60  accept"), "{}", formula.stdout);
+    assert!(formula.code == 1 && formula.stdout.contains("mine/values/60   accept"), "{}", formula.stdout);
     let unknown = chosen(&["formla"]);
     assert!(unknown.code == 2 && unknown.stderr.contains("there is no test \"mine/formla\""), "{}", unknown.stderr);
     assert_eq!(chosen(&["partition"]).code, 2, "no test applies");
