@@ -93,7 +93,7 @@ pub struct Tabulated {
 #[pyfunction]
 pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResult<Found> {
     let Tabulated { over, set, size, error, seed } = tabulated;
-    let request = Request { over, set, cells: size.into(), error, seed };
+    let request = Request { over, set, cells: size.into(), error, samples: None, seed };
     let table = match subject {
         Subject::Python(bsdfs) => run(py, &bsdfs.name.clone(), move |caller| {
             let family = PythonFamily::new(bsdfs, caller.clone());

@@ -4,8 +4,8 @@ use super::super::families::{ProgramSource, REPLY_LIMIT};
 use crate::cli::console::Console;
 use crate::cli::values::setting;
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::protocol::program::External;
 use etalon_bench::protocol::program::bsdf::Program;
+use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
 use etalon_bench::validation::{Case, WholeBsdf, families};
@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Test the sampler or the BSDF of the program that COMMAND starts
     ///
     /// Requests and replies go over its standard input and output.
-    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["envmap", "pdf"])]
     exec: Option<String>,
     #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
@@ -89,7 +89,10 @@ impl Arguments {
         console: &Console,
     ) -> Result<Option<Subject>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
-        let source = ProgramSource::of(self.exec.as_deref(), names)?;
+        // Names beside a program's choose among its tests
+        let (python, patterns): (Vec<String>, Vec<String>) =
+            names.iter().cloned().partition(|name| program::is_python_file(name));
+        let source = ProgramSource::of(self.exec.as_deref(), &python)?;
         if source.is_none() && !self.set.is_empty() {
             return Err(Error::parameter("set", "there is no external BSDF to test")
                 .with_hint("it goes with `exec`, or with a Python file"));
@@ -99,7 +102,7 @@ impl Arguments {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
                     .with_hint("a program generates the samples itself"))
             }
-            (Some(source), ..) => self.program(source, space, console).map(Some),
+            (Some(source), ..) => self.program(source, &patterns, space, console).map(Some),
             (None, Some(SampleSource::File(file)), Some(pdf)) => {
                 files(file, pdf, space, console).map(|case| Some(Subject::Cases(vec![case])))
             }
@@ -117,11 +120,21 @@ impl Arguments {
         }
     }
 
-    fn program(&self, source: ProgramSource, space: Option<Space>, console: &Console) -> Result<Subject> {
+    fn program(
+        &self,
+        source: ProgramSource,
+        patterns: &[String],
+        space: Option<Space>,
+        console: &Console,
+    ) -> Result<Subject> {
         match source.start(space, self.timeout)? {
             External::Bsdf(program) => {
                 let values = families::values(&program, &self.set)?;
-                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
+                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values).only(patterns)?)))
+            }
+            External::Sampler(_) if !patterns.is_empty() => {
+                Err(Error::parameter("names", format!("there is no test \"{}\": a sampler has one test", patterns[0]))
+                    .with_hint("a program is tested alone; names choose among the tests of a BSDF"))
             }
             External::Sampler(_) if !self.set.is_empty() => {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))

@@ -1,7 +1,7 @@
 //! A furnace test: the directional albedo over the angle and parameters, and spheres in uniform light.
 
 use super::depth::grid;
-use super::text::{LINE, wrapped};
+use super::text::{LINE, rounded, wrapped};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use etalon_bench::albedo::{Row, Table, is_wrong};
 use etalon_core::math::Rgb;
@@ -9,6 +9,8 @@ use etalon_core::raster::Image;
 
 /// Pixels across a sphere's image.
 const PIXELS: usize = 160;
+/// Weights are uneven if one has so many times their mean.
+const UNEVEN: f64 = 10.0;
 /// Spheres beside the map.
 const SPHERES: usize = 4;
 
@@ -107,6 +109,24 @@ pub fn text(table: &Table) -> String {
     }
     if let Some(row) = table.with_largest_error() {
         text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
+    }
+    let uncertain = table.uncertain().count();
+    if let Some(row) = table.with_largest_error().filter(|_| uncertain > 0) {
+        text += &format!(
+            "  INCONCLUSIVE     {uncertain} of {} albedos have errors above {}",
+            table.rows.len(),
+            table.wanted_error
+        );
+        // Weights far above their mean are why
+        let weight = row.largest_weight.filter(|weight| *weight > UNEVEN * row.albedo && row.basis != "certified");
+        text += &weight.map_or("\n".into(), |weight| {
+            format!(
+                ": weights are uneven, at {} up to {} where their mean is {}\n",
+                at(row).trim_start_matches("at "),
+                rounded(weight, 3),
+                rounded(row.albedo, 3)
+            )
+        });
     }
     for (basis, count) in table.bases() {
         let of = if count == table.rows.len() { String::new() } else { format!(" of {count} albedos") };
