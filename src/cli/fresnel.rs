@@ -104,12 +104,16 @@ impl<T> Sides<T> {
     }
 }
 
-/// The first columns of a table of both sides.
-#[derive(Default, Serialize)]
-struct Side {
-    eta_i: f64,
-    eta_t: f64,
-}
+/// The curves that --both draws by default.
+const BOTH: [Curve; 7] = [
+    Curve::Parallel,
+    Curve::Perpendicular,
+    Curve::Unpolarized,
+    Curve::Transmittance,
+    Curve::Schlick,
+    Curve::Brewster,
+    Curve::Critical,
+];
 
 /// An entry of `--list`.
 #[derive(Serialize)]
@@ -149,8 +153,9 @@ impl Fresnel {
             return Err(Error::parameter("both", "light enters and leaves one dielectric")
                 .with_hint("give one medium: `etalon fresnel glass --both`"));
         }
+        let has_curves = self.show.is_some() || self.both;
         match &*interfaces {
-            [] if self.show.is_none() => match self.k {
+            [] if !has_curves => match self.k {
                 Some(k) => {
                     let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
                     self.metal(&curves, "-index", global, console)
@@ -164,7 +169,7 @@ impl Fresnel {
                 }
                 self.side_by_side(&[interface], "", global, console)
             }
-            [only] if self.show.is_none() => {
+            [only] if !has_curves => {
                 let name = format!("-{}", only.short);
                 match only.medium {
                     Some(Medium::Metal(metal)) => {
@@ -193,11 +198,12 @@ impl Fresnel {
         let leaving = self.both.then(|| of_leaving(interfaces[0].eta)).transpose()?;
         let curves = Sides { entering: curves(self.eta_i, interfaces)?, leaving };
         let sides: Vec<_> = curves.all().cloned().collect();
-        let drawing = view::of_media(&sides, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
+        let (usual, ending) = if self.both { (&BOTH[..], "-both") } else { (&[Curve::Unpolarized][..], "") };
+        let drawing = view::of_media(&sides, self.show.as_deref().unwrap_or(usual));
         let media = || sides.iter().flat_map(|side| &side.media);
         let rows: Vec<_> = media().flat_map(|medium| medium.rows.iter().cloned()).collect();
         let target = global.target();
-        let stem = target.stem(&format!("fresnel{names}{}", self.ending()), "", &output::STUDY)?;
+        let stem = target.stem(&format!("fresnel{names}{ending}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
@@ -239,29 +245,14 @@ impl Fresnel {
         Ok(Verdict::Good)
     }
 
-    /// What the name of files ends with.
-    fn ending(&self) -> &'static str {
-        if self.both { "-both" } else { "" }
-    }
-
     fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
-        let curves = |eta_i, eta_t| fresnel::curves(eta_i, eta_t, self.points, self.model);
-        let leaving = self.both.then(|| curves(interface.eta, self.eta_i)).transpose()?;
-        let curves = Sides { entering: curves(self.eta_i, interface.eta)?, leaving };
+        let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
         let target = global.target();
-        let stem = target.stem(&format!("fresnel{name}{}", self.ending()), "", &output::STUDY)?;
-        let (drawing, table) = match &curves {
-            Sides { entering, leaving: None } => (view::dielectric(entering), output::csv(&entering.rows)?),
-            Sides { entering, leaving: Some(leaving) } => {
-                let side = |curves: &fresnel::DielectricCurves| {
-                    let [eta_i, eta_t] = [curves.eta_i, curves.eta_t];
-                    curves.rows.iter().map(move |row| (Side { eta_i, eta_t }, *row)).collect::<Vec<_>>()
-                };
-                (view::both_sides([entering, leaving]), output::csv(&curves.all().flat_map(side).collect::<Vec<_>>())?)
-            }
-        };
-        let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &table)?);
-        let text = |curves: &fresnel::DielectricCurves| {
+        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
+        let files =
+            output::write(&stem, &view::dielectric(&curves), &self.style.style()?, &output::csv(&curves.rows)?)?;
+        let written = target.written(files);
+        console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));
             // An index from a dispersion formula has no more digits than its source.
@@ -286,8 +277,7 @@ impl Fresnel {
             ];
             let lines = Table::of(&lines).words("", |line| line.0).words("", |line| &line.1).text();
             format!("eta {eta_i} -> {eta_t}{source}\n{lines}")
-        };
-        console.saved(&curves, &written, || curves.all().map(text).collect());
+        });
         Ok(Verdict::Good)
     }
 

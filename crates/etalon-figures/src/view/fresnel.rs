@@ -16,15 +16,15 @@ fn angle_axis() -> Axis {
     Axis::linear(ANGLE).range(0.0, 90.0).every(15.0)
 }
 
+/// With room above 1 and below 0, where curves run along both.
+fn share_axis() -> Axis {
+    Axis::linear("share of the power").range(-0.04, 1.04).every(0.2)
+}
+
 /// Curves of one interface, and beside them Schlick's error.
 pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
     let [absolute, relative] = schlick_errors(curves);
     Plot::new([shares(curves), absolute, relative]).frame_size(350.0, 290.0).draw()
-}
-
-/// Curves of light that enters a medium, and beside them those of light that leaves it.
-pub fn both_sides(sides: [&fresnel::DielectricCurves; 2]) -> Drawing {
-    Plot::new(sides.map(shares)).frame_size(420.0, 320.0).draw()
 }
 
 /// Curves of one interface with its special angles.
@@ -38,9 +38,7 @@ fn shares(curves: &fresnel::DielectricCurves) -> Panel {
         (Some(_), "exact") => "Schlick, angle of refraction",
         (Some(_), _) => "Schlick, angle of incidence",
     };
-    // Room above 1 and below 0, where curves run along both
-    let share = Axis::linear("share of the power").range(-0.04, 1.04).every(0.2);
-    let mut main = Panel::new(angle_axis(), share)
+    let mut main = Panel::new(angle_axis(), share_axis())
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
@@ -259,7 +257,7 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
         let axis = Axis::linear(axis_name(only)).range(0.0, 1.0);
         panels.push(panel(&shares, axis).title(side.clone()));
     } else if !shares.is_empty() || !show.contains(&Curve::Error) {
-        panels.push(panel(&shares, Axis::linear("share of the power").range(0.0, 1.0)).title(side.clone()));
+        panels.push(panel(&shares, share_axis()).title(side.clone()));
     }
     if show.contains(&Curve::Error) {
         let title = if shares.is_empty() { side } else { "Schlick's error".to_owned() };
@@ -281,7 +279,13 @@ fn with_angles(panel: Panel, curves: &MediaCurves, angles: &[Curve]) -> Panel {
             Some((at, label, Stroke { colour, width: theme::BOLD, dash: curve.dash() }))
         })
     });
-    lines.fold(panel, |panel, (at, label, stroke)| panel.vertical_above(at, label, stroke))
+    let panel = lines.fold(panel, |panel, (at, label, stroke)| panel.vertical_above(at, label, stroke));
+    match &*curves.media {
+        [MediumCurves { critical_deg: Some(critical), .. }] if angles.contains(&Curve::Critical) => {
+            total_reflection(panel, *critical)
+        }
+        _ => panel,
+    }
 }
 
 fn axis_name(only: Curve) -> &'static str {
