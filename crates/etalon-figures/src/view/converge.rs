@@ -309,7 +309,8 @@ pub fn curves(result: &Convergence) -> Drawing {
 
 /// Size of the frames of [`curves`].
 const FRAME: [f64; 2] = [350.0, 250.0];
-const GUIDE: &str = "slope −1/2: independent samples";
+/// The name of the guide.
+pub const GUIDE: &str = "slope −1/2: independent samples";
 
 /// A level at `x`, with the interval of its error.
 pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
