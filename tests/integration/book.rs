@@ -231,7 +231,7 @@ fn quoted_code_is_that_of_the_sources() {
             count += 1;
         }
     }
-    assert!(count >= 6, "{count} quotations");
+    assert!(count >= 11, "{count} quotations");
 }
 
 #[test]
