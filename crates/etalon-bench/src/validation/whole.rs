@@ -1,6 +1,7 @@
 //! Checks of a whole BSDF as one test, and all of them for the BSDF of another program, for directions on both sides of the surface.
 
 use super::run::{Tested, Validation};
+use crate::likeness::Claim;
 use etalon_core::error::Result;
 use etalon_core::interrupt;
 use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties, UNSEEN};
@@ -91,12 +92,19 @@ const WOS: [(f64, [f64; 2]); 6] = [
 pub struct WholeBsdf<F> {
     family: F,
     values: Vec<f64>,
+    claim: Option<Claim>,
 }
 
 impl<F: Family> WholeBsdf<F> {
     /// The BSDF whose parameters have these values.
     pub fn new(family: F, values: Vec<f64>) -> Self {
-        Self { family, values }
+        Self { family, values, claim: None }
+    }
+
+    /// The same, which is tested to be this model, too.
+    #[must_use]
+    pub fn like(self, claim: Option<Claim>) -> Self {
+        Self { claim, ..self }
     }
 
     /// The name of the BSDF.
@@ -106,7 +114,12 @@ impl<F: Family> WholeBsdf<F> {
 
     /// The names of all tests, those included that do not apply to the BSDF.
     pub fn names(&self) -> Vec<String> {
-        tests().map(|(check, (degrees, _))| self.test_name(check, degrees)).collect()
+        let checks = tests().map(|(check, (degrees, _))| self.test_name(check, degrees));
+        checks.chain(self.claim.as_ref().map(|claim| self.claim_name(claim))).collect()
+    }
+
+    fn claim_name(&self, claim: &Claim) -> String {
+        format!("{}/like/{}", self.family.name(), claim.name())
     }
 
     fn test_name(&self, check: &Check, degrees: f64) -> String {
@@ -136,8 +149,14 @@ impl<F: Family> WholeBsdf<F> {
             let (check, wo) = applied[i];
             check.examine(&*bsdf, towards(wo, &properties), &protocol, 1).map(Option::unwrap_or_default)
         })?;
-        let named = applied.into_iter().map(|(check, (degrees, _))| self.test_name(check, degrees));
-        let tests = named.zip(outcomes).map(|(name, outcome)| Tested { name, outcome });
+        let mut named: Vec<String> =
+            applied.into_iter().map(|(check, (degrees, _))| self.test_name(check, degrees)).collect();
+        if let Some(claim) = &self.claim {
+            named.push(self.claim_name(claim));
+            outcomes.push(claim.examine(&self.family, &self.values)?);
+            done();
+        }
+        let tests = named.into_iter().zip(outcomes).map(|(name, outcome)| Tested { name, outcome });
         Ok(Validation { unseen: Some(UNSEEN), ..Validation::new(&protocol, tests.collect(), start) })
     }
 }
