@@ -7,6 +7,7 @@ use crate::found::Found;
 use crate::sampler::Plan;
 use etalon::protocol::program::properties::{declare, has_sound_map};
 use etalon::study::albedo::{Request, albedo_table};
+use etalon::study::likeness::Claim;
 use etalon::study::validation::{WholeBsdf, families};
 use etalon_stats::bsdf::{
     BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Pair, Parameter, PdfKind, Properties, Spectrum,
@@ -66,12 +67,18 @@ pub struct Bsdfs {
 
 /// All checks of one BSDF.
 #[pyfunction]
-pub fn check_bsdf(py: Python<'_>, bsdfs: Bsdfs, plan: Plan) -> PyResult<Found> {
+pub fn check_bsdf(
+    py: Python<'_>,
+    bsdfs: Bsdfs,
+    plan: Plan,
+    like: Option<(String, Vec<(String, f64)>)>,
+) -> PyResult<Found> {
     let (name, protocol) = (bsdfs.name.clone(), plan.protocol());
     let (validation, raised) = run(py, &name, move |caller| {
         let family = PythonFamily::new(bsdfs, caller.clone());
         let calls = Arc::clone(&family.calls);
-        let whole = WholeBsdf::new(family, Vec::new());
+        let claim = like.map(|(model, chosen)| Claim::new(&model, &chosen)).transpose()?;
+        let whole = WholeBsdf::new(family, Vec::new()).like(claim);
         let tests = whole.names().len() as u64;
         let validation = whole.run(&protocol, &|| caller.step(tests))?;
         Ok((validation, calls.iter().find_map(Calls::raised)))

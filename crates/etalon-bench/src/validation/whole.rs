@@ -2,6 +2,7 @@
 
 use super::case::{Named, select};
 use super::run::{Tested, Validation};
+use crate::likeness::Claim;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties, UNSEEN};
@@ -92,11 +93,16 @@ const WOS: [(f64, [f64; 2]); 6] = [
     (150.0, [0.6, -0.8]),
 ];
 
-/// A check for one direction.
 struct Test {
     name: String,
-    check: &'static Check,
-    wo: (f64, [f64; 2]),
+    examined: Examined,
+}
+
+enum Examined {
+    /// A check for one direction.
+    Check(&'static Check, (f64, [f64; 2])),
+    /// The claim to be a model.
+    Claim(Claim),
 }
 
 impl Named for Test {
@@ -117,10 +123,20 @@ impl<F: Family> WholeBsdf<F> {
     pub fn new(family: F, values: Vec<f64>) -> Self {
         let test = |check: &'static Check, wo: (f64, [f64; 2])| {
             let name = format!("{}/{}/{}", family.name(), check.name, wo.0);
-            Test { name, check, wo }
+            Test { name, examined: Examined::Check(check, wo) }
         };
         let tests = ALL.iter().flat_map(|check| WOS.map(|wo| test(check, wo))).collect();
         Self { family, values, tests }
+    }
+
+    /// The same, which is tested to be this model, too.
+    #[must_use]
+    pub fn like(mut self, claim: Option<Claim>) -> Self {
+        self.tests.extend(claim.map(|claim| {
+            let name = format!("{}/like/{}", self.family.name(), claim.name());
+            Test { name, examined: Examined::Claim(claim) }
+        }));
+        self
     }
 
     /// The same with the tests alone that any of `patterns` names, as [`select`] has it; the name of the BSDF may be left out.
@@ -154,10 +170,14 @@ impl<F: Family> WholeBsdf<F> {
         let protocol = Protocol { tests: self.tests.len(), cancelled: interrupt::requested, ..*protocol };
         let bsdf = self.family.with(&self.values)?;
         let properties = bsdf.properties();
+        let examine = |test: &Test, round| match &test.examined {
+            Examined::Check(check, wo) => Ok(check.examine(&*bsdf, towards(*wo, &properties), &protocol, round)?),
+            Examined::Claim(claim) => claim.examine(&self.family, &self.values).map(Some),
+        };
         let mut applied = Vec::new();
         let mut outcomes: Vec<Outcome> = Vec::new();
         for test in &self.tests {
-            if let Some(outcome) = test.check.examine(&*bsdf, towards(test.wo, &properties), &protocol, 0)? {
+            if let Some(outcome) = examine(test, 0)? {
                 applied.push(test);
                 outcomes.push(outcome);
             }
@@ -166,10 +186,7 @@ impl<F: Family> WholeBsdf<F> {
         if applied.is_empty() {
             return Err(Error::parameter("names", "none of these tests applies to the BSDF"));
         }
-        decide(&mut outcomes, protocol.level, |i| {
-            let Test { check, wo, .. } = applied[i];
-            check.examine(&*bsdf, towards(*wo, &properties), &protocol, 1).map(Option::unwrap_or_default)
-        })?;
+        decide(&mut outcomes, protocol.level, |i| examine(applied[i], 1).map(Option::unwrap_or_default))?;
         let both = applied.into_iter().zip(outcomes);
         let tests = both.map(|(test, outcome)| Tested { name: test.name.clone(), outcome });
         Ok(Validation { unseen: Some(UNSEEN), ..Validation::new(&protocol, tests.collect(), start) })
