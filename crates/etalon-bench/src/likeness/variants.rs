@@ -128,7 +128,7 @@ const CORRELATED: Masking = ("masking and shadowing of correlated heights", |nor
 const SEPARABLE: Masking = ("masking and shadowing as if separable, G₁(wo) G₁(wi)", |normals, facet| {
     normals.g1(facet.wo) * normals.g1(facet.wi)
 });
-const OTHER_MASKING: [Masking; 9] = [
+const OTHER_MASKING: [Masking; 10] = [
     ("no masking and shadowing", |_, _| 1.0),
     ("masking of wo alone", |normals, facet| normals.g1(facet.wo)),
     ("shadowing of wi alone", |normals, facet| normals.g1(facet.wi)),
@@ -142,6 +142,11 @@ const OTHER_MASKING: [Masking; 9] = [
     ("the masking of V-shaped grooves", |_, facet| {
         let groove = 2.0 * facet.wm[2] / facet.cos_o;
         (groove * facet.wo[2].abs()).min(groove * facet.wi[2].abs()).min(1.0)
+    }),
+    ("masking of correlated heights without roots", |normals, facet| {
+        let ([o, i], alpha) = ([facet.wo, facet.wi].map(|w| w[2].abs()), normals.width());
+        let visible = |z: f64| z * (1.0 - alpha) + alpha;
+        2.0 * o * i / (i * visible(o) + o * visible(i))
     }),
     ("masking G = cos θo cos θi", |_, facet| (facet.wo[2] * facet.wi[2]).abs()),
     ("masking G = cos θo cos θi/(wo·wm)²", |_, facet| (facet.wo[2] * facet.wi[2]).abs() / facet.cos_o.powi(2)),
@@ -206,12 +211,26 @@ pub struct Candidate {
     pub fitted: Option<f64>,
 }
 
-/// The reflectance at normal incidence with which Schlick's formula, times `rest`, is nearest to `found`: the median over all pairs.
+/// F₀ of Schlick's formula F₀ (1 − g) + g, g = (1 − cos)⁵, for values that are `rest` times F and perhaps a constant: by least squares of
+/// a (1 − g) + c g, F₀ = a/c. Where all cosines are about equal, the constant is 1.
 fn fitted_f0(found: &[f64], rest: &[f64], cosines: &[f64]) -> f64 {
+    let row =
+        |((f, rest), cos): ((&f64, &f64), &f64)| Some([(1.0 - cos).powi(5), f / rest]).filter(|row| row[1].is_finite());
+    let rows: Vec<[f64; 2]> = found.iter().zip(rest).zip(cosines).filter_map(row).collect();
+    let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|[g, f_of_g]| f(*g, *f_of_g)).sum::<f64>();
+    let (hh, hg, gg) = (sum(&|g, _| (1.0 - g) * (1.0 - g)), sum(&|g, _| (1.0 - g) * g), sum(&|g, _| g * g));
+    let (hf, gf) = (sum(&|g, f| (1.0 - g) * f), sum(&|g, f| g * f));
+    let determinant = hh * gg - hg * hg;
+    let is_sloped = gg > 1e-3 * rows.len() as f64 && determinant > 1e-6 * hh * gg;
+    let f0 = if is_sloped { (hf * gg - gf * hg) / (gf * hh - hf * hg) } else { (hf - hg) / hh };
+    f0.clamp(0.0, 1.0)
+}
+
+/// The same without a constant, in the median over all pairs, which is of use also if the rest is wrong.
+fn median_f0(found: &[f64], rest: &[f64], cosines: &[f64]) -> f64 {
     let one = |((f, rest), cos): ((&f64, &f64), &f64)| {
         let grazing = (1.0 - cos).powi(5);
-        let f0 = (f / rest - grazing) / (1.0 - grazing);
-        (grazing < 0.5 && f0.is_finite()).then_some(f0)
+        Some((f / rest - grazing) / (1.0 - grazing)).filter(|f0| grazing < 0.5 && f0.is_finite())
     };
     let mut all: Vec<f64> = found.iter().zip(rest).zip(cosines).filter_map(one).collect();
     all.sort_by(f64::total_cmp);
@@ -243,9 +262,14 @@ impl Surface {
     pub fn candidates(&self, pairs: &[Pair], found: &[f64], most: usize) -> Vec<Candidate> {
         let facets: Vec<Option<Facet>> = pairs.iter().map(|pair| Facet::between(*pair, self.material)).collect();
         let other = match self.distribution {
-            Distribution::Beckmann => ("GGX's distribution of normals", Distribution::Ggx),
-            Distribution::Ggx => ("Beckmann's distribution of normals", Distribution::Beckmann),
+            Distribution::Beckmann => Distribution::Ggx,
+            Distribution::Ggx => Distribution::Beckmann,
         };
+        let (named, of_normals_alone) = match other {
+            Distribution::Ggx => ("GGX's normals", "GGX's normals, masked as if Beckmann's"),
+            Distribution::Beckmann => ("Beckmann's normals", "Beckmann's normals, masked as if GGX's"),
+        };
+        let own = self.distribution;
         let known =
             if let Material::Metal([eta, k]) = self.material { conductor::normal_reflectance(eta, k) } else { 0.0 };
         let fresnel: Vec<Fresnel> = match self.material {
@@ -256,9 +280,10 @@ impl Surface {
             _ => FRESNEL.into(),
         };
         let mut all = Vec::new();
-        for (n, (normals_name, distribution)) in [("", self.distribution), other].into_iter().enumerate() {
+        let distributions = [("", own, own), (named, other, other), (of_normals_alone, other, own)];
+        for (n, (normals_name, distribution, masked)) in distributions.into_iter().enumerate() {
             for (w, (width_name, width)) in WIDTHS.into_iter().enumerate() {
-                let normals = Normals::new(distribution, self.alpha.map(width));
+                let [normals, masked] = [distribution, masked].map(|of| Normals::new(of, self.alpha.map(width)));
                 let d: Vec<f64> = facets.iter().map(|facet| facet.as_ref().map_or(0.0, |f| normals.d(f.wm))).collect();
                 for (m, (masking_name, masking)) in self.maskings().into_iter().enumerate() {
                     let changed = [n, w, m].into_iter().filter(|i| *i > 0).count();
@@ -267,7 +292,7 @@ impl Surface {
                     }
                     let rest = |(facet, d): (&Option<Facet>, &f64)| {
                         let Some(facet) = facet else { return 0.0 };
-                        let common = d * masking(&normals, facet) / (facet.wo[2] * facet.wi[2]).abs();
+                        let common = d * masking(&masked, facet) / (facet.wo[2] * facet.wi[2]).abs();
                         let spread = facet.cos_o * facet.cos_i / (facet.sum * facet.sum);
                         common * if facet.reflects { 0.25 } else { spread }
                     };
@@ -277,8 +302,14 @@ impl Surface {
                             continue;
                         }
                         let cosines: Vec<f64> = facets.iter().map(|facet| facet.as_ref().map_or(1.0, cosine)).collect();
-                        let fitted = (self.material == Material::UnknownMetal && *formula == Formula::Schlick)
-                            .then(|| fitted_f0(found, &rest, &cosines));
+                        let fitted =
+                            (self.material == Material::UnknownMetal && *formula == Formula::Schlick).then(|| {
+                                if most == 0 {
+                                    median_f0(found, &rest, &cosines)
+                                } else {
+                                    fitted_f0(found, &rest, &cosines)
+                                }
+                            });
                         let f0 = fitted.unwrap_or(known);
                         let value = |((facet, rest), cos): ((&Option<Facet>, &f64), &f64)| {
                             let Some(facet) = facet else { return 0.0 };
