@@ -178,6 +178,23 @@ fn bsdfs_of_files_are_tested() {
 }
 
 #[test]
+fn a_file_is_compared_with_the_model_that_it_claims_to_be() {
+    let right = DIFFUSE.replace("WEIGHT", "albedo");
+    let bright = right.replace("return albedo / pi", "return 1.02 * albedo / pi");
+    assert_ne!(right, bright);
+    let like = |file: &str, more: &[&str]| validate(file, &[&["like", "--like"], more].concat());
+    let (Some(same), Some(other)) = (like(&right, &["diffuse"]), like(&bright, &["diffuse"])) else { return };
+    assert!(same.code == 0 && same.stdout.contains("mine/like/diffuse  accept"), "{} {}", same.stdout, same.stderr);
+    assert!(other.code == 1 && other.stdout.contains("2.0 % too bright everywhere"), "{}", other.stdout);
+    for (args, said) in [(&["lambert"][..], "there is no BSDF \"lambert\""), (&["ggx"], "ggx needs alpha_x")] {
+        let refused = like(&right, args).unwrap();
+        assert!(refused.code == 2 && refused.stderr.contains(said), "{}", refused.stderr);
+    }
+    let sampler = run(&PLAIN.replace("PDF", "w[2] / pi"), &["validate", "mine.py", "--like", "ggx"]).unwrap();
+    assert!(sampler.code == 2 && sampler.stderr.contains("a model is a BSDF"), "{}", sampler.stderr);
+}
+
+#[test]
 fn a_furnace_tests_a_file() {
     let (right, wrong) = (DIFFUSE.replace("WEIGHT", "albedo"), DIFFUSE.replace("WEIGHT", "albedo / wi[2]"));
     let furnace = |file: &str| run(file, &["furnace", "mine.py", "--size", "2x2", "--error", "0.05"]);

@@ -193,10 +193,9 @@ impl<F: Family> WholeBsdf<F> {
         decide(&mut outcomes, protocol.level, |i| examine(applied[i], 1).map(Option::unwrap_or_default))?;
         let both = applied.into_iter().zip(outcomes);
         let tests = both.map(|(test, outcome)| Tested { name: test.name.clone(), outcome });
-        // A model would show an error that f, pdf and samples share
         let is_compared = self.tests.iter().any(|test| matches!(test.examined, Examined::Claim(_)));
         Ok(Validation {
-            unseen: (!is_compared).then_some(UNSEEN),
+            unseen: Some(if is_compared { UNSEEN_BESIDE_A_MODEL } else { UNSEEN }),
             ..Validation::new(&protocol, tests.collect(), start)
         })
     }
