@@ -42,7 +42,7 @@ impl Summary for Tested {
 /// A run of tests: a row for each.
 impl Summary for Validation {
     fn text(&self) -> String {
-        view::validation::text(self)
+        view::validation::text(self, false)
     }
 
     fn drawing(&self) -> Drawing {

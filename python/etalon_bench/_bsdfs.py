@@ -107,6 +107,8 @@ class _Bsdfs:
 def check_bsdf(
     bsdf: Bsdf,
     *,
+    like: str | None = None,
+    set: Mapping[str, float] | None = None,
     name: str = "bsdf",
     level: float = 0.01,
     detect: float = 0.02,
@@ -120,6 +122,9 @@ def check_bsdf(
 
     Args:
         bsdf: the functions.
+        like: a BSDF of the program, by its name in `etalon furnace --list`, whose values and delta lobes it must have; what differs is
+            told in words, with the known variant that it is.
+        set: parameters of `like`; `alpha` means both widths. Without eta and k a metal has Schlick's reflectance, which is fitted.
         name: of the test, in messages and figures.
         level: the probability that any check rejects a BSDF that is right.
         detect: the relative error to be detected with a probability of 90 %.
@@ -133,8 +138,11 @@ def check_bsdf(
     """
     if not isinstance(bsdf, Bsdf):
         raise TypeError(f"bsdf: wanted a Bsdf, not {type(bsdf).__name__}")
+    if like is None and set:
+        raise ValueError("set: parameters of a model, and no model is given by like")
     bsdfs = _Bsdfs(name, lambda: bsdf, [])
-    return Result(_native.check_bsdf(bsdfs, plan(level, detect, samples, seed)))
+    model = None if like is None else (like, [(key, float(value)) for key, value in (set or {}).items()])
+    return Result(_native.check_bsdf(bsdfs, plan(level, detect, samples, seed), model))
 
 
 assert_bsdf = asserting(check_bsdf, "assert_bsdf")

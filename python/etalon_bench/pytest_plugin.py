@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from . import _html
+from . import _html, _progress
 from ._bsdfs import check_bsdf, furnace
 from ._images import compare_images
 from ._result import Result
@@ -102,6 +102,21 @@ def pytest_configure(config: pytest.Config) -> None:
     # The workers of pytest-xdist send their results to the process that started them
     if not hasattr(config, "workerinput"):
         config.pluginmanager.register(Gathered(config), "etalon-gathered")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Progress goes to the terminal of pytest, around its capture of output, on a line of its own."""
+    plugins = session.config.pluginmanager
+    terminal, capture = plugins.get_plugin("terminalreporter"), plugins.get_plugin("capturemanager")
+    if terminal is None or capture is None or not terminal.isatty:
+        return
+
+    def write(text: str) -> None:
+        with capture.global_and_fixture_disabled():
+            terminal.ensure_newline()
+            terminal.write(text, flush=True)
+
+    _progress.write = write
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -7,6 +7,7 @@ use crate::found::Found;
 use crate::sampler::Plan;
 use etalon::protocol::program::properties::{declare, has_sound_map};
 use etalon::study::albedo::{Request, albedo_table};
+use etalon::study::likeness::Claim;
 use etalon::study::validation::{WholeBsdf, families};
 use etalon_stats::bsdf::{
     BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Pair, Parameter, PdfKind, Properties, Spectrum,
@@ -66,12 +67,20 @@ pub struct Bsdfs {
 
 /// All checks of one BSDF.
 #[pyfunction]
-pub fn check_bsdf(py: Python<'_>, bsdfs: Bsdfs, plan: Plan) -> PyResult<Found> {
+pub fn check_bsdf(
+    py: Python<'_>,
+    bsdfs: Bsdfs,
+    plan: Plan,
+    like: Option<(String, Vec<(String, f64)>)>,
+) -> PyResult<Found> {
     let (name, protocol) = (bsdfs.name.clone(), plan.protocol());
-    let (validation, raised) = run(py, move |caller| {
-        let family = PythonFamily::new(bsdfs, caller);
+    let (validation, raised) = run(py, &name, move |caller| {
+        let family = PythonFamily::new(bsdfs, caller.clone());
         let calls = Arc::clone(&family.calls);
-        let validation = WholeBsdf::new(family, Vec::new()).run(&protocol, &|| ())?;
+        let claim = like.map(|(model, chosen)| Claim::new(&model, &chosen)).transpose()?;
+        let whole = WholeBsdf::new(family, Vec::new()).like(claim);
+        let tests = whole.names().len() as u64;
+        let validation = whole.run(&protocol, &|| caller.step(tests))?;
         Ok((validation, calls.iter().find_map(Calls::raised)))
     })?;
     Found::of_run(py, &name, validation).map(|found| found.because(raised))
@@ -91,11 +100,11 @@ pub struct Tabulated {
 #[pyfunction]
 pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResult<Found> {
     let Tabulated { over, set, size, error, seed } = tabulated;
-    let request = Request { over, set, cells: size.into(), error, seed };
+    let request = Request { over, set, cells: size.into(), error, samples: None, seed };
     let table = match subject {
-        Subject::Python(bsdfs) => run(py, move |caller| {
-            let family = PythonFamily::new(bsdfs, caller);
-            albedo_table(&family, &|_| None, &request)
+        Subject::Python(bsdfs) => run(py, &bsdfs.name.clone(), move |caller| {
+            let family = PythonFamily::new(bsdfs, caller.clone());
+            albedo_table(&family, &|_| None, &request, &|of| caller.step(of))
         }),
         Subject::Program(name) => {
             let all = families::all();
@@ -103,7 +112,9 @@ pub fn furnace(py: Python<'_>, subject: Subject, tabulated: Tabulated) -> PyResu
                 let names: Vec<&str> = all.iter().map(|family| family.name()).collect();
                 return Err(PyValueError::new_err(format!("bsdf: there is no \"{name}\", but {}", names.join(", "))));
             };
-            run(py, |_| albedo_table(family, &|values| family.facets(values), &request))
+            run(py, &name, |caller| {
+                albedo_table(family, &|values| family.facets(values), &request, &|of| caller.step(of))
+            })
         }
     }?;
     Ok(Found::of_albedos(table, error))

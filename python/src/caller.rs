@@ -5,14 +5,14 @@
 
 use crate::errors;
 use etalon::interrupt;
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Interval at which Ctrl-C is looked for while no callback is asked for.
 const POLL: Duration = Duration::from_millis(50);
@@ -24,6 +24,8 @@ type Job = Box<dyn FnOnce(Python<'_>) -> PyResult<()> + Send>;
 #[derive(Clone)]
 pub struct Caller {
     jobs: Sender<Job>,
+    /// Steps that are done, and all of them; 0 while these are not known.
+    steps: Arc<[AtomicU64; 2]>,
 }
 
 /// The error of a test whose callback has raised an exception, which the calling thread keeps.
@@ -39,6 +41,13 @@ impl std::fmt::Display for Ended {
 impl std::error::Error for Ended {}
 
 impl Caller {
+    /// Another one of so many steps is done.
+    pub fn step(&self, of: u64) {
+        let [done, all] = &*self.steps;
+        all.store(of, Ordering::Relaxed);
+        done.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// Has the calling thread run `job` and waits for its result.
     ///
     /// # Errors
@@ -60,34 +69,85 @@ impl Caller {
     }
 }
 
-/// Runs `work` on a thread pool while this thread runs what it asks for, and looks for Ctrl-C.
+/// What is told of work that takes long: by `etalon_bench._progress`, which knows where.
+struct Progress<'a> {
+    what: &'a str,
+    steps: Arc<[AtomicU64; 2]>,
+    start: Instant,
+    told: Option<Instant>,
+}
+
+/// Work that is done in this time is not told of.
+const SHORT: Duration = Duration::from_secs(2);
+/// Between two tellings.
+const AGAIN: Duration = Duration::from_millis(500);
+
+impl Progress<'_> {
+    fn done(&self) -> [u64; 2] {
+        self.steps.each_ref().map(|steps| steps.load(Ordering::Relaxed))
+    }
+
+    /// Nobody's test fails for a line that cannot be shown.
+    fn tell(&mut self, py: Python<'_>) {
+        if self.start.elapsed() >= SHORT && self.told.is_none_or(|told| told.elapsed() >= AGAIN) {
+            self.told = Some(Instant::now());
+            let ([done, of], seconds) = (self.done(), self.start.elapsed().as_secs_f64());
+            let module = py.import("etalon_bench._progress");
+            let _ = module.map(|module| module.call_method1("show", (self.what, done, of, seconds)).is_ok());
+        }
+    }
+
+    fn end(&self, py: Python<'_>) {
+        if self.told.is_some() {
+            let module = py.import("etalon_bench._progress");
+            let _ = module.map(|module| module.call_method0("clear").is_ok());
+        }
+    }
+
+    /// KeyboardInterrupt, with what was done until then.
+    fn interrupted(&self) -> PyErr {
+        let steps = match self.done() {
+            [_, 0] => String::new(),
+            [done, of] => format!(", {done} of {of} steps done"),
+        };
+        let seconds = self.start.elapsed().as_secs_f64();
+        PyKeyboardInterrupt::new_err(format!("{}: interrupted after {seconds:.1} s{steps}", self.what))
+    }
+}
+
+/// Runs `work`, called `what`, on a thread pool while this thread runs what it asks for, looks for Ctrl-C and tells of its progress.
 ///
 /// # Errors
 /// The exception of a callback, unchanged; KeyboardInterrupt; else the error of `work`.
-pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(Caller) -> etalon::Result<T> + Send) -> PyResult<T> {
+pub fn run<T: Send>(py: Python<'_>, what: &str, work: impl FnOnce(Caller) -> etalon::Result<T> + Send) -> PyResult<T> {
     // A pool for each call: a forked process would wait for threads of an older one for ever
     let pool = rayon::ThreadPoolBuilder::new().build().map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
     let (jobs, asked) = channel::<Job>();
     let (asked, pool) = (Mutex::new(asked), &pool);
+    let steps = Arc::default();
+    let mut progress = Progress { what, steps: Arc::clone(&steps), start: Instant::now(), told: None };
     let (mut failure, mut is_interrupted): (Option<PyErr>, bool) = (None, false);
     let result = thread::scope(|scope| {
-        let caller = Caller { jobs };
+        let caller = Caller { jobs, steps };
         let worker = scope.spawn(move || pool.install(move || work(caller)));
         while let Some(job) = next(py, &asked) {
+            progress.tell(py);
             // After a failure the jobs are dropped, which ends the work
             if failure.is_some() {
                 continue;
             }
             failure = job.and_then(|job| job(py).err());
-            if let Err(interrupted) = py.check_signals() {
+            if let Err(signal) = py.check_signals() {
                 // Work that asks for nothing looks at the flag
                 is_interrupted = true;
                 interrupt::flag().store(true, Ordering::Relaxed);
-                failure.get_or_insert(interrupted);
+                let is_key = signal.is_instance_of::<PyKeyboardInterrupt>(py);
+                failure.get_or_insert(if is_key { progress.interrupted() } else { signal });
             }
         }
         py.detach(|| worker.join()).unwrap_or_else(|panic| resume_unwind(panic))
     });
+    progress.end(py);
     if is_interrupted {
         interrupt::flag().store(false, Ordering::Relaxed);
     }

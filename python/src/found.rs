@@ -191,7 +191,7 @@ impl Found {
             )
         };
         let places: Vec<String> = table.rows.iter().filter(|row| row.is_violation).map(at).collect();
-        let verdict = table.verdict(error);
+        let verdict = table.verdict();
         let reason = match verdict {
             Verdict::Accept => None,
             Verdict::Reject => Some(places.first().map_or("the weak furnace test fails", String::as_str).to_owned()),

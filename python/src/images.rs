@@ -40,7 +40,7 @@ pub fn compare_images(
     }
     let start = Instant::now();
     let (a, b) = (side(&a)?, side(&b)?);
-    let compared = run(py, move |_| compare(a, b, Plan { level, detect }))?;
+    let compared = run(py, name, move |_| compare(a, b, Plan { level, detect }))?;
     Ok(Found::of_comparison(name, compared, start.elapsed().as_secs_f64()))
 }
 

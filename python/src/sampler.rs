@@ -166,7 +166,8 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain,
     let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
     let invert = declared.invert.map(Arc::new);
     let (of_points, dimension) = (declared.atoms, declared.dimension);
-    let tested = run(py, move |caller| {
+    let what = name.clone();
+    let tested = run(py, &what, move |caller| {
         let space = domain.space(&caller)?;
         let atom = |(point, probability): &(Vec<f64>, f64)| {
             let is_right = point.len() == space.width() && (0.0..=1.0).contains(probability);

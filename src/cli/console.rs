@@ -2,11 +2,12 @@
 
 use etalon_core::error::{Error, Result};
 use etalon_figures::output::Written;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::sync::OnceLock;
+use std::time::Duration;
 
 /// Standard output and standard error, and what is printed there.
 pub struct Console {
@@ -100,15 +101,41 @@ impl Console {
         ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
     }
 
-    /// A progress bar of steps that take the same time; `unit` is the plural of a step.
+    /// A progress bar of steps that take the same time; `unit` is the plural of a step. It is gone when it is dropped.
     pub fn progress(&self, steps: u64, what: &str, unit: &'static str) -> ProgressBar {
-        let bar = self.bar(steps);
+        // Nothing is known before the first step has ended. Writing into memory cannot fail.
         let rate = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-            // Writing into memory cannot fail.
-            let _ = write!(out, "{} {unit}/s", short(state.per_sec()));
+            let _ = match state.pos() {
+                0 => write!(out, "{}", seconds(state.elapsed())),
+                _ => write!(out, "{} {unit}/s  {} left", short(state.per_sec()), seconds(state.eta())),
+            };
         };
-        bar.set_style(bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}  {eta} left").with_key("rate", rate));
-        bar.set_message(shown(what));
+        self.ticking(steps, what, bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}").with_key("rate", rate))
+    }
+
+    /// The progress of work that ends after at most so many seconds.
+    pub fn countdown(&self, most: f64, what: &str) -> ProgressBar {
+        let left = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let left = Duration::from_secs_f64(most).saturating_sub(state.elapsed());
+            let _ = write!(out, "{}, at most {} left", seconds(state.elapsed()), seconds(left));
+        };
+        self.ticking(1, what, bar_style("{msg}  {left}").with_key("left", left))
+    }
+
+    /// The time that work takes of which no more is known.
+    pub fn busy(&self, what: &str) -> ProgressBar {
+        let spent = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let _ = write!(out, "{}", seconds(state.elapsed()));
+        };
+        self.ticking(1, what, bar_style("{msg}  {spent}").with_key("spent", spent))
+    }
+
+    /// A bar that is drawn anew while nothing happens, the first time after a moment.
+    fn ticking(&self, steps: u64, what: &str, style: ProgressStyle) -> ProgressBar {
+        let bar = self.bar(steps).with_style(style).with_message(shown(what)).with_finish(ProgressFinish::AndClear);
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(TICK);
+        }
         bar
     }
 }
@@ -139,6 +166,17 @@ pub fn bar_style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
+/// Between two drawings of a bar.
+const TICK: Duration = Duration::from_millis(500);
+
+/// Whole seconds, from two minutes on with minutes: `75 s`, `3 min 5 s`.
+fn seconds(duration: Duration) -> String {
+    match duration.as_secs() {
+        seconds @ 0..120 => format!("{seconds} s"),
+        seconds => format!("{} min {} s", seconds / 60, seconds % 60),
+    }
+}
+
 /// A number of three digits or so: `0.52`, `17.0 k`, `3.25 M`.
 fn short(number: f64) -> String {
     match number {
@@ -151,7 +189,13 @@ fn short(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{short, shown, visible};
+    use super::{seconds, short, shown, visible};
+    use std::time::Duration;
+
+    #[test]
+    fn times_are_whole_seconds() {
+        assert_eq!([0.4, 119.9, 185.0].map(|s| seconds(Duration::from_secs_f64(s))), ["0 s", "119 s", "3 min 5 s"]);
+    }
 
     #[test]
     fn rates_are_short() {

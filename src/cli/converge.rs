@@ -22,7 +22,8 @@ use etalon_figures::output::{self, Saving, file_name};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::compare::left_out;
 use etalon_figures::view::converge as view;
-use etalon_figures::view::text::{duration, rounded, wrapped};
+use etalon_figures::view::text::{LINE, duration, rounded, wrapped};
+use etalon_stats::Extremes;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
@@ -66,7 +67,9 @@ pub struct Converge {
     /// Keep all images and their times in DIR, for --runs
     #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
     keep_runs: Option<PathBuf>,
-    /// Seconds for the whole run [default: 30, and 60 for each renderer]
+    /// Seconds for the run but its figures [default: 30, and 60 for each renderer]
+    ///
+    /// Reading the scene counts. A step that no clock stops may run over: reading a file, preparing one render.
     #[arg(long, help_heading = SAMPLING, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
     /// Samples per pixel at which every curve ends [default: what the budget allows]
@@ -93,13 +96,14 @@ fn after_help() -> String {
     let placeholders: String =
         PLACEHOLDERS.map(|(name, what)| format!("  {{{name}}}{:<1$}{what}\n", "", 9 - name.len())).concat();
     format!(
-        "Strategies:\n{methods}{suffixes}\nErrors are against the exact image (sphere-env; furnace without its metal \
-         sphere), else against two\nlong renders that take half of the budget; images are at most \
-         {LONGEST_SIDE} pixels long unless -r says\nmore, and have the scene's own size if a renderer does not take \
-         {{width}} and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv and \
-         SCENE-converge-pictures.{{svg,png,pdf}}.\n\nA method is \
-         called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a level of \
-         {:.1} %; steeper or flatter if the interval of its slope is\nfurther than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
+        "Strategies:\n{methods}{suffixes}\nErrors are against the exact image where it is known (sphere-env; furnace without its \
+         metal\nsphere), else against two long renders; the output says which. Either may take half of the\nbudget. Images are at \
+         most {LONGEST_SIDE} pixels long unless -r says more, and have the scene's own size if\na renderer does not take {{width}} \
+         and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv \
+         and\nSCENE-converge-pictures.{{svg,png,pdf}}.\n\nThe efficiency is 1/(MSE · processor time); the MSE includes the \
+         bias.\nA method is called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a \
+         level of {:.1} %; its bias is that of the mean of all channels (that of\n`etalon compare --against` is of the channel \
+         that differs most). Steeper or flatter: the\ninterval of its slope is further than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
          nothing is substituted):\n{placeholders}\nWithout SCENE, renderers are compared with each other; --reference is an image file then, or one of them.\n\n\
          Exit codes: 0 good, 1 a renderer is biased against the reference or a run of it failed, 2 usage or bad input, \
          3 the budget was too small \
@@ -116,6 +120,9 @@ const METHODS: &str = "Methods to compare";
 
 /// Longest side of an image whose size is not given.
 const LONGEST_SIDE: usize = 120;
+
+/// The share of the budget from which the time for reading the scene is told of.
+const LONG_READING: f64 = 0.25;
 
 /// Seconds of the default budget, and for each renderer.
 const BUDGET: [f64; 2] = [30.0, 60.0];
@@ -170,13 +177,22 @@ impl Converge {
         contenders.extend(recorded.into_iter().map(Contender::Recorded));
         let (max_spp, replicates_asked) = (self.max_spp, self.replicates);
         let keep = self.keep_runs.clone();
-        let plan = Plan { budget, max_spp, replicates: replicates_asked, seed: global.seed, keep };
+        // What was spent on reading the scene is not left for measurements; a budget that is none is refused as it is
+        let read = start.elapsed().as_secs_f64();
+        let left = if budget > 0.0 { (budget - read).at_least(1e-3) } else { budget };
+        if read > LONG_READING * budget {
+            console.warn(&format!("reading took {} of the budget of {budget} s", duration(read)));
+        }
+        let plan = Plan { budget: left, max_spp, replicates: replicates_asked, seed: global.seed, keep };
         let reference = self.reference(&contenders, &request, console)?;
         let reference = reference.as_ref().map(|reference| match reference {
             Chosen::Image(image) => Asked::Known(image),
             Chosen::By(contender) => Asked::By(contender),
         });
-        let result = measure(&scene, &request, &contenders, &plan, reference)?;
+        let bar = console.countdown(left, "converge");
+        let mut result = measure(&scene, &request, &contenders, &plan, reference)?;
+        bar.finish_and_clear();
+        result.sufficient_budget = result.sufficient_budget.map(|seconds| seconds + read);
         let end = if result.interrupted { "the interruption".into() } else { format!("the budget of {budget} s") };
         for what in &result.cut {
             console.warn(&format!("stopped by {end}: {what}"));
@@ -347,7 +363,7 @@ fn text(output: &Output<'_>) -> String {
         let what = if result.faults.is_empty() { "finished a render" } else { "given images that can be used" };
         return format!("no answer: no method has {what}\n{sufficient}");
     }
-    let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", 100)).collect();
+    let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", LINE)).collect();
     text += &sufficient;
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
@@ -365,16 +381,11 @@ fn text(output: &Output<'_>) -> String {
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
         let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);
-        text += &format!(
-            "{}:\n  start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s\n",
-            curve.strategy,
-            start[0],
-            start[1],
-            each[0],
-            each[1],
-            fit.startup_wall_seconds.value,
-            fit.wall_seconds_per_spp.value
+        let times = format!(
+            "start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s",
+            start[0], start[1], each[0], each[1], fit.startup_wall_seconds.value, fit.wall_seconds_per_spp.value
         );
+        text += &format!("{}:\n{}", curve.strategy, wrapped(&times, "  ", LINE));
     }
     text +=
         &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);

@@ -85,13 +85,18 @@ pub struct Arguments {
     inputs: Vec<PathBuf>,
     /// Paths that are written, by the ids of the arguments that name them.
     outputs: Vec<(String, PathBuf)>,
+    /// The subcommand with what it is about, which tells its results from those of other commands.
+    pub subject: String,
 }
+
+/// Arguments that name other programs.
+const PROGRAMS: [&str; 2] = ["exec", "renderer"];
 
 impl Arguments {
     /// The arguments of the subcommand that was called; `command` must be built.
     pub fn of(command: &Command, matches: &ArgMatches) -> Self {
         let (command, matches) = called(command, matches);
-        let mut found = Self::default();
+        let mut found = Self { subject: command.get_name().into(), ..Self::default() };
         let given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
         for arg in command.get_arguments().filter(given) {
             let id = arg.get_id().as_str();
@@ -100,6 +105,10 @@ impl Arguments {
             if OUTPUTS.contains(&id) {
                 found.outputs.extend(paths.map(|path| (id.to_owned(), path)));
                 continue;
+            }
+            if arg.is_positional() || is_path(arg) || PROGRAMS.contains(&id) {
+                let words = values.iter().map(|value| format!(" {}", value.to_string_lossy()));
+                found.subject.extend(words);
             }
             if is_path(arg) {
                 found.inputs.extend(paths);
@@ -236,7 +245,7 @@ mod tests {
         }
         let mut all = Vec::new();
         ids(&Cli::command(), &mut all);
-        for id in OUTPUTS {
+        for id in OUTPUTS.into_iter().chain(PROGRAMS) {
             assert!(all.iter().any(|known| known == id), "{id}");
         }
     }

@@ -14,6 +14,7 @@ use etalon_core::optics::media::{self, Medium};
 use etalon_core::optics::{D_LINE_NM, metals};
 use etalon_figures::output;
 use etalon_figures::view::fresnel::{self as view, CURVES, Curve};
+use etalon_figures::view::text::rounded;
 use serde::Serialize;
 
 /// Plot the reflectance of dielectrics and metals over the angle of incidence
@@ -21,7 +22,7 @@ use serde::Serialize;
 #[command(
     after_long_help = "Examples:\n  etalon fresnel --eta-i 1.45 --eta-t 1\n  etalon fresnel --metal Au\n  etalon \
                         fresnel water diamond --metal Au\n  etalon fresnel water diamond --show unpolarized,schlick,error\n  \
-                        etalon fresnel --eta-t 0.2 --k 3.9\n  etalon fresnel --angles"
+                        etalon fresnel glass --both\n  etalon fresnel --eta-t 0.2 --k 3.9\n  etalon fresnel --angles"
 )]
 #[command(next_help_heading = "Media", args = [out()])]
 pub struct Fresnel {
@@ -44,7 +45,7 @@ pub struct Fresnel {
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     k: Option<f64>,
     /// List the media known by name, with their sources
-    #[arg(long, conflicts_with_all = ["media", "metal", "k", "eta_i", "eta_t", "show", "points", "model", "angles", "out"])]
+    #[arg(long, conflicts_with_all = ["media", "metal", "k", "eta_i", "eta_t", "show", "both", "points", "model", "angles", "out"])]
     list: bool,
     /// Plot Brewster's angle and the critical angle over the index of refraction
     ///
@@ -57,6 +58,9 @@ pub struct Fresnel {
     #[arg(help_heading = "Curves", long, value_name = "CURVE,...", value_delimiter = ',', action = ArgAction::Set)]
     #[arg(value_parser = choice(CURVES))]
     show: Option<Vec<Curve>>,
+    /// Draw light that enters the medium beside light that leaves it, for one dielectric
+    #[arg(help_heading = "Curves", long, conflicts_with_all = ["metal", "k", "angles"])]
+    both: bool,
     /// Number of angles from 0 to 90 degrees; with --angles of indices
     #[arg(help_heading = "Curves", long, value_name = "N", default_value_t = 901)]
     points: usize,
@@ -85,6 +89,32 @@ fn metal_help() -> String {
     format!("Metals, by symbol or name. One alone is drawn at {r}, {g} and {b} nm. {}", known.join("; "))
 }
 
+/// Curves of light that enters a medium, and with --both of light that leaves it.
+#[derive(Serialize)]
+struct Sides<T> {
+    #[serde(flatten)]
+    entering: T,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leaving: Option<T>,
+}
+
+impl<T> Sides<T> {
+    fn all(&self) -> impl Iterator<Item = &T> {
+        std::iter::once(&self.entering).chain(&self.leaving)
+    }
+}
+
+/// The curves that --both draws by default.
+const BOTH: [Curve; 7] = [
+    Curve::Parallel,
+    Curve::Perpendicular,
+    Curve::Unpolarized,
+    Curve::Transmittance,
+    Curve::Schlick,
+    Curve::Brewster,
+    Curve::Critical,
+];
+
 /// An entry of `--list`.
 #[derive(Serialize)]
 struct Listed {
@@ -112,8 +142,20 @@ impl Fresnel {
             return Err(Error::parameter("model", "the first report plots no metals")
                 .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }
+        let is_equal = |other: &&Interface| other.k == 0.0 && other.eta == self.eta_i;
+        let unnamed = [Interface::dielectric(self.eta_t)];
+        let others = if interfaces.is_empty() && self.k.is_none() { &unnamed[..] } else { &interfaces };
+        if let Some(equal) = others.iter().find(is_equal) {
+            let eta = rounded(self.eta_i, 5);
+            console.warn(&format!("{}: both sides have the index {eta}, so that nothing is reflected", equal.name));
+        }
+        if self.both && (others.len() != 1 || others[0].k > 0.0) {
+            return Err(Error::parameter("both", "light enters and leaves one dielectric")
+                .with_hint("give one medium: `etalon fresnel glass --both`"));
+        }
+        let has_curves = self.show.is_some() || self.both;
         match &*interfaces {
-            [] if self.show.is_none() => match self.k {
+            [] if !has_curves => match self.k {
                 Some(k) => {
                     let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
                     self.metal(&curves, "-index", global, console)
@@ -127,7 +169,7 @@ impl Fresnel {
                 }
                 self.side_by_side(&[interface], "", global, console)
             }
-            [only] if self.show.is_none() => {
+            [only] if !has_curves => {
                 let name = format!("-{}", only.short);
                 match only.medium {
                     Some(Medium::Metal(metal)) => {
@@ -151,15 +193,21 @@ impl Fresnel {
         global: &Global,
         console: &Console,
     ) -> Result<Verdict> {
-        let curves = study::curves(self.eta_i, interfaces, self.points, self.model)?;
-        let drawing = view::of_media(&curves, self.show.as_deref().unwrap_or(&[Curve::Unpolarized]));
-        let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
+        let curves = |eta_i, interfaces: &[_]| study::curves(eta_i, interfaces, self.points, self.model);
+        let of_leaving = |eta_i| curves(eta_i, &[Interface::dielectric(self.eta_i)]);
+        let leaving = self.both.then(|| of_leaving(interfaces[0].eta)).transpose()?;
+        let curves = Sides { entering: curves(self.eta_i, interfaces)?, leaving };
+        let sides: Vec<_> = curves.all().cloned().collect();
+        let (usual, ending) = if self.both { (&BOTH[..], "-both") } else { (&[Curve::Unpolarized][..], "") };
+        let drawing = view::of_media(&sides, self.show.as_deref().unwrap_or(usual));
+        let media = || sides.iter().flat_map(|side| &side.media);
+        let rows: Vec<_> = media().flat_map(|medium| medium.rows.iter().cloned()).collect();
         let target = global.target();
-        let stem = target.stem(&format!("fresnel{names}"), "", &output::STUDY)?;
+        let stem = target.stem(&format!("fresnel{names}{ending}"), "", &output::STUDY)?;
         let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
-            Table::of(&curves.media)
+            Table::of(&media().collect::<Vec<_>>())
                 .words("medium", |c| &c.name)
                 .numbers("eta", |c| format!("{:.4}", c.eta))
                 .numbers("k", |c| format!("{:.4}", c.k))
@@ -208,7 +256,11 @@ impl Fresnel {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));
             // An index from a dispersion formula has no more digits than its source.
-            let eta_t = if source.is_empty() { curves.eta_t.to_string() } else { format!("{:.4}", curves.eta_t) };
+            let index = |eta: f64| {
+                let [exact, short] = [eta.to_string(), format!("{eta:.4}")];
+                if source.is_empty() || exact.len() < short.len() { exact } else { short }
+            };
+            let [eta_i, eta_t] = [curves.eta_i, curves.eta_t].map(index);
             let at = |error: f64, theta: f64| format!("{error:.6} at {theta:.2}°");
             let lines = [
                 ("reflectance at normal incidence", format!("{:.9} (both components)", curves.r_normal)),
@@ -224,7 +276,7 @@ impl Fresnel {
                 ),
             ];
             let lines = Table::of(&lines).words("", |line| line.0).words("", |line| &line.1).text();
-            format!("eta {} -> {eta_t}{source}\n{lines}", curves.eta_i)
+            format!("eta {eta_i} -> {eta_t}{source}\n{lines}")
         });
         Ok(Verdict::Good)
     }

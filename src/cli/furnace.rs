@@ -1,18 +1,20 @@
 //! `etalon furnace`: directional albedos over the angle and parameters.
 
-use super::console::{Console, shown};
+use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
-use super::global::{Global, Verdict, out, seed, threads};
+use super::global::{Global, Reports, Verdict, out, seed, threads};
 use super::style::StyleArgs;
 use super::values::setting;
 use clap::{ArgAction, Args};
-use etalon_bench::albedo::{Request, albedo_table};
+use etalon_bench::albedo::{Request, SAMPLES_OF_PROGRAMS, Table, albedo_table};
 use etalon_bench::validation::families;
 use etalon_core::error::{Error, Result};
 use etalon_figures::output;
+use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::furnace as view;
 use etalon_stats::bsdf::Family;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Tabulate the directional albedo of BSDFs over angle and parameters: the furnace test with numbers
 #[derive(Args)]
@@ -20,7 +22,7 @@ use std::collections::BTreeMap;
     after_long_help = "The directional albedo is the radiance of a surface over that of uniform light from everywhere; above 1 the BSDF \
                   creates energy. Writes furnace-NAME.{csv,svg,png,pdf}. Exit code 1 if a BSDF contradicts what it declares or the weak furnace test fails, 3 if errors \
                   are larger than asked for.\n\nExamples:\n  etalon furnace ggx\n  etalon furnace ggx \
-                  --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace my_bsdf.py\n  etalon furnace --exec 'python3 examples/bsdf.py' --size 16x16"
+                  --over k --set alpha_x=0.5,alpha_y=0.5\n  etalon furnace my_bsdf.py\n  etalon furnace --exec 'python3 examples/bsdf.py'"
 )]
 #[command(next_help_heading = "BSDFs", args = [out(), seed(), threads()])]
 pub struct Furnace {
@@ -28,7 +30,7 @@ pub struct Furnace {
     #[arg(value_name = "NAME", help_heading = None::<&str>, required_unless_present_any = ["list", "exec"])]
     names: Vec<String>,
     /// List the BSDFs with their parameters and stop
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["junit", "markdown"])]
     list: bool,
     /// The parameter that varies, or several together [default: the first]
     ///
@@ -38,16 +40,21 @@ pub struct Furnace {
     /// Values of parameters that do not vary [default: see --list]
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
-    /// Number of angles, and of values of the parameter
-    #[arg(long, value_name = "ANGLESxVALUES", default_value = "32x32")]
-    size: String,
+    /// Number of angles, and of values of the parameter [default: 32x32; of a program 16x16]
+    #[arg(long, value_name = "ANGLESxVALUES")]
+    size: Option<String>,
     /// Largest error of an albedo [default: 0.0001; of a program 0.01]
+    ///
+    /// By default a program is asked for 2 million samples in all (half a minute in plain Python); albedos whose errors are still larger make
+    /// the result inconclusive. With --error, each albedo takes as many samples as it needs, up to 4 million.
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     #[command(flatten)]
     external: ExternalBsdf,
     #[command(flatten)]
     style: StyleArgs,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 impl Furnace {
@@ -56,11 +63,15 @@ impl Furnace {
             list(&families(&self.external, &self.names)?, console);
             return Ok(Verdict::Good);
         }
+        let start = Instant::now();
+        self.reports.check()?;
         let all = families::all();
-        let cells = self.cells()?;
         let program = self.external.start(&self.names)?;
+        let cells = cells(self.size.as_deref().unwrap_or(if program.is_some() { "16x16" } else { "32x32" }))?;
         let error = self.error.unwrap_or(if program.is_some() { 0.01 } else { 1e-4 });
-        let request = Request { over: self.over.clone(), set: self.set.clone(), cells, error, seed: global.seed };
+        let samples = Some(SAMPLES_OF_PROGRAMS).filter(|_| program.is_some() && self.error.is_none());
+        let request =
+            Request { over: self.over.clone(), set: self.set.clone(), cells, error, samples, seed: global.seed };
         // A program's BSDFs, or ours with what is known of their microfacets.
         let subjects: Vec<(&dyn Family, Option<&families::Family>)> = match &program {
             Some(program) => vec![(program, None)],
@@ -70,34 +81,63 @@ impl Furnace {
             }
         };
         let (target, style) = (global.target(), self.style.style()?);
-        let bar = console.progress(subjects.len() as u64, "furnace", "families");
-        let (mut tables, mut files) = (Vec::new(), Vec::new());
-        for (family, own) in subjects {
+        let (mut tables, mut files, mut left_out) = (Vec::new(), Vec::new(), 0);
+        for (family, own) in &subjects {
             let stem = target.stem("furnace", &format!("-{}", output::file_name(family.name())), &output::STUDY)?;
-            bar.set_message(shown(family.name()));
+            let bar = console.progress(1, &format!("furnace {}", family.name()), "albedos");
             let facets = |values: &[f64]| own.and_then(|own| own.facets(values));
-            let table = albedo_table(family, &facets, &request)?;
-            files.extend(output::write(&stem, &view::drawing(&table), &style, &output::csv(&table.rows)?)?);
-            tables.push(table);
-            bar.inc(1);
+            let done = |of: u64| {
+                bar.set_length(of);
+                bar.inc(1);
+            };
+            match albedo_table(*family, &facets, &request, &done) {
+                // The tables before an interruption are told
+                Err(Error::Interrupted) if !tables.is_empty() => {
+                    left_out = subjects.len() - tables.len();
+                    break;
+                }
+                table => tables.push(table?),
+            }
+            let table = &tables[tables.len() - 1];
+            files.extend(output::write(&stem, &view::drawing(table), &style, &output::csv(&table.rows)?)?);
         }
-        bar.finish_and_clear();
+        let mut checks = Checks {
+            title: "etalon furnace".into(),
+            list: tables.iter().map(|table| check(table)).collect(),
+            seconds: start.elapsed().as_secs_f64(),
+        };
+        if left_out > 0 {
+            let left_out = format!("{} of {} BSDFs left out", left_out, subjects.len());
+            console.warn(&format!("interrupted: {left_out}"));
+            checks.interrupted(&left_out);
+        }
+        files.extend(self.reports.write(&checks)?);
         let written = target.written(files);
         console.saved(&BTreeMap::from([("tables", &tables)]), &written, || tables.iter().map(view::text).collect());
-        let verdicts: Vec<etalon_stats::Verdict> = tables.iter().map(|table| table.verdict(error)).collect();
-        Ok(if verdicts.contains(&etalon_stats::Verdict::Reject) {
-            Verdict::Rejected
-        } else if verdicts.contains(&etalon_stats::Verdict::Inconclusive) {
-            Verdict::Inconclusive
-        } else {
-            Verdict::Good
+        Ok(match Verdict::from(&checks) {
+            Verdict::Inconclusive if samples.is_some() => {
+                console.note(&format!("for more samples: --error {error}"));
+                Verdict::Inconclusive
+            }
+            verdict => verdict,
         })
     }
+}
 
-    fn cells(&self) -> Result<[usize; 2]> {
-        let parsed =
-            self.size.split_once(['x', 'X']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
-        parsed.ok_or_else(|| Error::parameter("size", format!("\"{}\" is no size", self.size)).with_hint("use 32x32"))
+fn cells(size: &str) -> Result<[usize; 2]> {
+    let parsed = size.split_once(['x', 'X']).and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    parsed.ok_or_else(|| Error::parameter("size", format!("\"{size}\" is no size")).with_hint("use 32x32"))
+}
+
+/// Whether the albedos of a BSDF are what it declares, within errors that are small enough.
+fn check(table: &Table) -> Check {
+    Check {
+        group: "furnace".into(),
+        name: table.family.clone(),
+        verdict: Some(table.verdict()),
+        message: view::found(table),
+        details: String::new(),
+        seconds: Some(table.seconds),
     }
 }
 

@@ -42,6 +42,8 @@ pub struct Global {
     pub seed: u64,
     #[arg(skip)]
     pub threads: Option<u32>,
+    #[arg(skip)]
+    pub verbose: bool,
     /// All arguments of the run.
     #[arg(skip)]
     pub arguments: Arguments,
@@ -61,6 +63,12 @@ pub fn out() -> Arg {
         "Where results go: a folder, or a file whose name (with .csv, .png, .exr ...) all of them take [default: the folder \
          out]",
     )
+}
+
+/// The option `--verbose`, of subcommands with more to tell than the answer.
+pub fn verbose() -> Arg {
+    let arg = Arg::new("verbose").short('v').long("verbose").action(ArgAction::SetTrue).conflicts_with("json");
+    arg.help_heading(OUTPUT).help("Print the details, too")
 }
 
 /// The option `--seed`, of subcommands that use random numbers.
@@ -83,13 +91,14 @@ impl Global {
         // Not an argument of every subcommand, nor given where it is one.
         self.out = given.try_get_one("out").ok().flatten().cloned();
         self.threads = given.try_get_one("threads").ok().flatten().copied();
+        self.verbose = given.try_get_one("verbose").ok().flatten().copied().unwrap_or(false);
         self.seed = given.try_get_one("seed").ok().flatten().copied().unwrap_or(DEFAULT_SEED);
         self.arguments = Arguments::of(command, matches);
     }
 
     /// Where results go.
     pub fn target(&self) -> Target {
-        Target::new(self.out.as_deref())
+        Target::new(self.out.as_deref(), &self.arguments.subject)
     }
 }
 
@@ -137,6 +146,19 @@ impl Verdict {
     }
 }
 
+impl From<&Checks> for Verdict {
+    /// A rejected check decides, then an inconclusive one.
+    fn from(checks: &Checks) -> Self {
+        use etalon_stats::Verdict::{Inconclusive, Reject};
+        let has = |verdict| checks.list.iter().any(|check| check.verdict == Some(verdict));
+        match (has(Reject), has(Inconclusive)) {
+            (true, _) => Self::Rejected,
+            (false, true) => Self::Inconclusive,
+            (false, false) => Self::Good,
+        }
+    }
+}
+
 /// The options, of subcommands with checks.
 #[derive(Args)]
 pub struct Reports {
@@ -151,6 +173,15 @@ pub struct Reports {
 }
 
 impl Reports {
+    /// Refuses reports where there is nothing to report.
+    pub fn refuse(&self, why: &str) -> Result<()> {
+        let given = [("junit", &self.junit), ("markdown", &self.markdown)];
+        match given.into_iter().find(|(_, path)| path.is_some()) {
+            Some((name, _)) => Err(Error::parameter(name, why)),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses files that cannot be written: before the work, not after it.
     pub fn check(&self) -> Result<()> {
         let given = [("junit", &self.junit), ("markdown", &self.markdown)];

@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::families::{ExternalBsdf, families};
 use super::flags::command_line;
-use super::global::{Global, Verdict, out, threads};
+use super::global::{Global, Reports, Verdict, out, threads, verbose};
 use super::render::warn_of_lost_light;
-use super::sweep::{concluded, decided};
+use super::sweep::{checks, concluded, decided};
 use clap::Args;
 use etalon_bench::sweep::{Description, Part, merge};
 use etalon_core::error::{Error, Result};
@@ -17,6 +17,7 @@ use etalon_render::film::{Dropped, list, merge_files};
 use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Merge parts of a render or of a sweep
 #[derive(Args)]
@@ -25,16 +26,18 @@ use std::path::PathBuf;
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
                         has the sums and can itself be merged.\n\nOf a sweep, whose parts must all be there, it runs \
                         suspicious tests again, decides on all at one level, and writes merged-survivors.csv. Exit \
-                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon merge shard-1.exr shard-2.exr \
-                        -o image.exr\n  etalon merge parts/*.csv"
+                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon render furnace -s 2 --shard 1/2 -o a.exr && etalon render furnace -s 2 --shard 2/2 -o b.exr \
+                        && etalon merge a.exr b.exr -o image.exr\n  etalon merge parts/*.csv"
 )]
-#[command(next_help_heading = "Parts", args = [out(), threads()])]
+#[command(next_help_heading = "Parts", args = [out(), threads(), verbose()])]
 pub struct Merge {
     /// Files with different samples of the same image, or all parts of a sweep
     #[arg(required = true, help_heading = None::<&str>)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
     external: ExternalBsdf,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 #[derive(Serialize)]
@@ -56,13 +59,16 @@ impl Merge {
         if self.parts.iter().any(|path| Part::is_at(path)) {
             return self.merge_sweep(global, console);
         }
+        self.reports.refuse("an image has no checks")?;
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
         }
         let target = global.target();
         let stem = target.stem("merged", "", &FORMATS)?;
+        let bar = console.busy("merge");
         let mut part = merge_files(&self.parts)?;
+        bar.finish_and_clear();
         part.metadata = with_command(&part.metadata);
         let files = FORMATS.map(|format| output::with_extension(&stem, format));
         part.write(&files[0])?;
@@ -98,6 +104,8 @@ impl Merge {
     }
 
     fn merge_sweep(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let start = Instant::now();
+        self.reports.check()?;
         let target = global.target();
         let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
         files::check_writable(&path)?;
@@ -108,7 +116,9 @@ impl Merge {
             merge(&self.parts, plan, each)
         })?;
         files::write_bytes(&path, &output::csv(&found.rows)?)?;
-        Ok(concluded(&self.external, &found, &plan.description, &target.written(vec![path]), console))
+        let checks = checks(&found, start);
+        let written = target.written([vec![path], self.reports.write(&checks)?].concat());
+        Ok(concluded(&self.external, &found, &plan.description, &written, &checks, (console, global.verbose)))
     }
 }
 

@@ -15,7 +15,7 @@ use etalon_core::raster::Image;
 use etalon_core::scene::Environment;
 use etalon_core::scene::builtin::{self, BuiltIn};
 use etalon_figures::output::Written;
-use etalon_figures::view::text::wrapped;
+use etalon_figures::view::text::{LINE, wrapped};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -117,9 +117,12 @@ impl Scenes {
                 .words("size", |scene| format!("{}x{}", scene.width, scene.height))
                 .numbers("-s", |scene| scene.spp)
                 .numbers("-l", |scene| scene.light_samples)
-                .numbers("-m", |scene| scene.max_depth)
-                .words("options", |scene| scene.options.join(" "));
-            scenes.text_with(|scene, line| line + &wrapped(&scene.description, "    ", 100))
+                .numbers("-m", |scene| scene.max_depth);
+            let options = |scene: &Entry| match scene.options.join(" ") {
+                none if none.is_empty() => none,
+                options => wrapped(&format!("options: {options}"), "    ", LINE),
+            };
+            scenes.text_with(|scene, line| line + &wrapped(&scene.description, "    ", LINE) + &options(scene))
                 + "render also takes scene files: pbrt (.pbrt) and COLLADA (.dae)\n"
         });
         Ok(Verdict::Good)

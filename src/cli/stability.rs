@@ -1,7 +1,7 @@
 //! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::global::{Global, Reports, Verdict, out, seed, threads};
+use super::global::{Global, Reports, Verdict, out, seed, threads, verbose};
 use super::style::StyleArgs;
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
@@ -10,7 +10,7 @@ use etalon_core::error::{Error, Result};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::stability as view;
-use etalon_figures::view::text::rounded;
+use etalon_figures::view::text::{LINE, rounded, wrapped};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -25,7 +25,7 @@ use std::time::Instant;
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
                   fresnel:eta=0.999..1.001,cos=0.1..1"
 )]
-#[command(next_help_heading = "Families", args = [out(), seed(), threads()])]
+#[command(next_help_heading = "Families", args = [out(), seed(), threads(), verbose()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
     #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
@@ -76,8 +76,9 @@ impl Stability {
         let start = Instant::now();
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let stem = target.stem("stability", "", &output::STUDY)?;
-        let maps_stem = target.stem("stability", "-maps", &output::DRAWING)?;
+        let name = output::name_of_run("stability", &self.families);
+        let stem = target.stem(&name, "", &output::STUDY)?;
+        let maps_stem = target.stem(&name, "-maps", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;
@@ -108,7 +109,8 @@ impl Stability {
         let written = target.written(files);
         let effort = self.range.is_none().then_some(effort);
         let output = Output { rows, bounds, effort, interrupted };
-        console.saved(&output, &written, || human(&output, self.range.is_some()));
+        let all = global.verbose || !self.families.is_empty() || self.range.is_some();
+        console.saved(&output, &written, || human(&output, all, self.range.is_some()));
         saved?;
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
@@ -183,32 +185,38 @@ fn replayed(replay: &Replay) -> String {
 }
 
 /// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
-fn human(output: &Output<'_>, names_inputs: bool) -> String {
-    let mut text = Table::of(output.rows)
+/// The bounds, and of `all` rows what was measured.
+fn human(output: &Output<'_>, all: bool, names_inputs: bool) -> String {
+    let mut text = String::new();
+    for bound in output.bounds {
+        let verdict = if bound.holds { "ok    " } else { "FAILED" };
+        text += &wrapped(&format!("{verdict} {}: {}", bound.name, found(bound)), "", LINE);
+    }
+    if output.interrupted {
+        text += &format!("interrupted: {LEFT_OUT}\n");
+    }
+    if !all {
+        return text;
+    }
+    text += &Table::of(output.rows)
         .words("family", |r| &r.family)
         .words("variant", |r| r.variant)
         .words("", |r| r.precision.name())
-        .numbers("cases", |r| r.cases)
         .numbers("relative", |r| rounded(r.max_relative, 2))
         .numbers("ULP", |r| rounded(r.max_ulp, 2))
         .numbers("condition", |r| rounded(r.condition_at_worst, 2))
         .numbers("NaN, ∞", |r| r.non_finite)
-        .numbers("negative", |r| r.negative)
+        .numbers("< 0", |r| r.negative)
         .numbers("outside", |r| r.out_of_range)
         .text();
     if names_inputs {
         let worst = Table::of(output.rows).words("", |r| r.variant).words("", |r| r.precision.name());
         text += &worst.words("", |r| format!("worst at {}", r.worst)).text();
     }
-    text += "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay).\n\
-             Rounding that input alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds below say\n\
-             what more `stable` may lose.\n\n";
-    for bound in output.bounds {
-        let verdict = if bound.holds { "ok    " } else { "FAILED" };
-        text += &format!("{verdict} {}: {}\n", bound.name, found(bound));
-    }
-    if output.interrupted {
-        text += &format!("interrupted: {LEFT_OUT}\n");
-    }
-    text
+    text + &wrapped(
+        "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay). Rounding that input \
+         alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds say what more `stable` may lose.",
+        "",
+        LINE,
+    )
 }

@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
-use super::global::{Global, OUTPUT, Verdict, out, seed, threads};
+use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads, verbose};
 use super::values::{Shard, choice};
 use clap::Args;
 use etalon_bench::protocol::program;
@@ -10,12 +10,14 @@ use etalon_bench::sweep::{self, Conclusion, Description, Part, Plan, conclude, r
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::output::{self, Written};
+use etalon_figures::view::checks::Checks;
 use etalon_figures::view::sweep as view;
 use etalon_figures::view::text::p_is;
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Finding, State, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// The default error that a sweep looks for.
 const DETECT: f64 = 0.05;
@@ -37,13 +39,13 @@ Examples:
   etalon merge part-*.csv
   etalon sweep --exec 'python3 examples/bsdf.py'
   etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
-#[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads()])]
+#[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads(), verbose()])]
 pub struct Sweep {
     /// Families of BSDFs [default: all]
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the families with their parameters and stop
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["junit", "markdown"])]
     list: bool,
     /// How configurations are chosen
     #[arg(long, default_value = "random", value_parser = choice([
@@ -62,7 +64,7 @@ pub struct Sweep {
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Compute the I-th of N equal shares of the configurations, for `etalon merge`
-    #[arg(long, help_heading = OUTPUT, value_name = "I/N")]
+    #[arg(long, help_heading = OUTPUT, value_name = "I/N", conflicts_with_all = ["junit", "markdown"])]
     shard: Option<Shard>,
     /// Continue from FILE if it exists, and save the state in it
     #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
@@ -70,10 +72,12 @@ pub struct Sweep {
     /// Run one configuration again
     ///
     /// TEXT: a family, then parameters, wo=THETA,PHI in degrees, seed, check.
-    #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume"])]
+    #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume", "junit", "markdown"])]
     replay: Option<String>,
     #[command(flatten)]
     external: ExternalBsdf,
+    #[command(flatten)]
+    reports: Reports,
 }
 
 /// The command that runs a configuration again, except for its last argument.
@@ -89,14 +93,16 @@ pub fn concluded(
     found: &Conclusion,
     sweep: &Description,
     written: &Written,
-    console: &Console,
+    checks: &Checks,
+    (console, verbose): (&Console, bool),
 ) -> Verdict {
-    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect())));
-    match found {
-        Conclusion { rejected: 1.., .. } => Verdict::Rejected,
-        Conclusion { inconclusive: 1.., .. } | Conclusion { left_out: 1.., .. } => Verdict::Inconclusive,
-        _ => Verdict::Good,
-    }
+    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect()), verbose));
+    Verdict::from(checks)
+}
+
+/// The checks of a sweep, as reports have them.
+pub fn checks(found: &Conclusion, start: Instant) -> Checks {
+    Checks { title: "etalon sweep".into(), list: view::checks(found), seconds: start.elapsed().as_secs_f64() }
 }
 
 /// A part that waits for the others.
@@ -128,6 +134,8 @@ impl Sweep {
         if let Some(text) = &self.replay {
             return self.replay(text, console);
         }
+        let start = Instant::now();
+        self.reports.check()?;
         if let Some(file) = self.names.iter().find(|name| program::is_python_file(name)) {
             return Err(Error::parameter("names", format!("{file}: a sweep takes no Python file"))
                 .with_hint("`exec` starts a program with BSDFs"));
@@ -138,9 +146,9 @@ impl Sweep {
             return Ok(Verdict::Good);
         }
         // Results are called after the program's BSDF, or the families that were named.
-        let subject = match self.external.command() {
-            Some(_) => families[0].name().to_owned(),
-            None => self.names.join("+"),
+        let subjects = match self.external.command() {
+            Some(_) => vec![families[0].name().to_owned()],
+            None => self.names.clone(),
         };
         let numbers = [self.detect, self.level];
         let description = Description::new(&families, self.strategy, self.configurations, global.seed, numbers)?;
@@ -156,7 +164,7 @@ impl Sweep {
         // Where the part goes, checked before it is computed.
         let target = global.target();
         let suffix = self.shard.filter(|_| !target.is_named()).map_or_else(String::new, Shard::suffix);
-        let name = output::file_name(["sweep", &subject].join("-").trim_end_matches('-'));
+        let name = output::name_of_run("sweep", &subjects);
         let path = output::with_extension(&target.stem(&name, &suffix, &["csv"])?, "csv");
         files::check_writable(&path)?;
         let mut part = Part::new(&plan, shard);
@@ -180,6 +188,10 @@ impl Sweep {
                 format!("{count} configurations\n")
             });
             if interrupted {
+                let mut checks =
+                    Checks { title: "etalon sweep".into(), list: Vec::new(), seconds: start.elapsed().as_secs_f64() };
+                checks.interrupted("nothing is decided yet");
+                self.reports.write(&checks)?;
                 console.warn(&format!("interrupted; to continue: the same command with --resume {}", path.display()));
             }
             return Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good });
@@ -192,7 +204,10 @@ impl Sweep {
         let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
         files::write_bytes(&survivors, &output::csv(&conclusion.rows)?)?;
         written.push(survivors);
-        Ok(concluded(&self.external, &conclusion, &plan.description, &target.written(written), console))
+        let checks = checks(&conclusion, start);
+        written.extend(self.reports.write(&checks)?);
+        let written = target.written(written);
+        Ok(concluded(&self.external, &conclusion, &plan.description, &written, &checks, (console, global.verbose)))
     }
 
     fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {

@@ -31,15 +31,36 @@ fn a_fault_is_shown_beside_the_closest_model() {
     assert!(right["model"]["name"] == "diffuse" && number(&right["model"], "difference") < 0.01, "{right}");
     let noise = number(&right, "standard_error_percent");
     assert!(noise < 2.0 && number(&right, "mean_difference_percent").abs() < 4.0 * noise + 0.1, "{right}");
-    for file in ["sphere-env-mine.png", "sphere-env-mine.exr", "sphere-env-mine-model.exr"] {
-        assert!(folder.path().join("out").join(file).is_file(), "{file}");
+    let [sampling, noise] =
+        ["mean_difference_percent", "standard_error_percent"].map(|key| number(&right["sampling"], key));
+    assert!(sampling.abs() < 4.0 * noise + 0.1 && noise < 5.0, "{right}");
+    for file in ["mine.png", "mine.exr", "mine-values.exr", "mine-model.exr"].map(|end| format!("sphere-env-{end}")) {
+        assert!(folder.path().join("out").join(&file).is_file(), "{file}");
+    }
+    let page = include_str!("../../docs/src/columns.md");
+    for key in right.as_object().unwrap().keys().filter(|key| *key != "files") {
+        assert!([format!("`{key}`"), format!("`{key}.")].iter().any(|name| page.contains(name)), "{key}");
     }
     // Weights that do not have the factor of the values: BSDF samples bring more light than the values say
     let wrong = mine("0.5");
     let [found, noise] = ["mean_difference_percent", "standard_error_percent"].map(|key| number(&wrong, key));
     assert!(found > 5.0 * noise && found > 10.0, "{wrong}");
+    // By its values alone it is half as bright
+    let [found, noise] =
+        ["mean_difference_percent", "standard_error_percent"].map(|key| number(&wrong["sampling"], key));
+    assert!(found > 5.0 * noise && found > 10.0, "{wrong}");
+    let look = ["--style", "column", "--title", "Mine", "-r", "24", "24", "-s", "4"];
+    let text =
+        etalon(folder.path(), &[&["render", "sphere-env", "--bsdf", "mine.py", "-o", "look"], &look[..]].concat())
+            .stdout;
+    assert!(text.starts_with("mine: samples, pdf or weights change the image\n"), "{text}");
+    // The errors of pixels are there to compare by
+    let [own, values] = ["look/sphere-env-mine.exr", "look/sphere-env-mine-values.exr"];
+    let compared = etalon(folder.path(), &["compare", own, "--against", values]);
+    assert!([0, 1, 3].contains(&compared.code), "{} {}", compared.stdout, compared.stderr);
     for (args, said) in [
-        (&["render", "cornell-statue-au", "--bsdf", "mine.py"][..], "no sphere"),
+        (&["render", "sphere-env", "-r", "8", "8", "--title", "a"][..], "--title"),
+        (&["render", "cornell-statue-au", "--bsdf", "mine.py"], "no sphere"),
         (&["render", "sphere-env", "--bsdf", "mine.py", "--kernel", "lanes"], "cannot be used"),
         (&["render", "sphere-env", "--bsdf", "mine.py", "-s", "1"], "at least 2"),
         (&["render", "sphere-env", "--bsdf", "nothing.py"], "no such file"),

@@ -236,8 +236,9 @@ fn real_scenes_agree_with_the_pictures_of_another_renderer() {
     }
 }
 
-/// A cheap part of the run of `.ci/run`: nothing is skipped, and both reports' claims are judged.
+/// Nothing is skipped, and both reports' claims are judged.
 #[test]
+#[ignore = "takes a minute: cargo test -- --ignored"]
 fn the_reports_own_files_allow_every_check() {
     let (Some(maps), Some(scenes)) = (assets("envmaps"), assets("scenes")) else { return };
     let dir = tempfile::tempdir().unwrap();

@@ -113,6 +113,8 @@ fn fresnel_of_a_dielectric_both_ways() {
             assert!(critical.is_none_or(|angle| r[0] <= angle || r[3] == 1.0), "not total: {r:?}");
         }
     }
+    let told = etalon(dir.path(), &["fresnel", "1.3", "--eta-i", "1.3", "-o", "a"]);
+    assert!(told.code == 0 && told.stderr.contains("both sides have the index 1.3"), "{}", told.stderr);
     let equal = json(dir.path(), &["fresnel", "--eta-i", "1.3", "--eta-t", "1.3", "--points", "91", "-o", "a"]);
     assert!(equal["brewster_deg"].is_null() && number(&equal, "r_normal") == 0.0);
     assert!(first_table(dir.path(), &equal).1.iter().all(|r| r[3] == 0.0));
@@ -120,6 +122,27 @@ fn fresnel_of_a_dielectric_both_ways() {
     let args = ["fresnel", "--eta-i", "1.45", "--eta-t", "1", "--model", "report", "--points", "9001", "-o", "b"];
     let last = first_table(dir.path(), &json(dir.path(), &args)).1.last().unwrap()[0];
     assert!(last <= critical && last > critical - 0.0101, "the report's curve ends at {last}");
+}
+
+#[test]
+fn fresnel_of_both_sides_and_lines_at_angles() {
+    let dir = folder();
+    let args = ["fresnel", "glass", "--both", "--points", "91", "--style", "slide", "-o", "a"];
+    let value = json(dir.path(), &args);
+    assert_keys(&value, "eta_i, wavelength_nm, media, leaving, files");
+    assert_files(dir.path(), &value);
+    assert!(value["media"][0]["critical_deg"].is_null());
+    let [brewster, leaving] =
+        [&value["media"][0], &value["leaving"]["media"][0]].map(|side| number(side, "brewster_deg"));
+    assert!((brewster + leaving - 90.0).abs() < 1e-9);
+    let svg = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+    let both = svg("a/fresnel-glass-both.svg");
+    assert!(both.contains("into glass") && both.contains("total internal reflection"), "both on one slide");
+    json(dir.path(), &["fresnel", "glass", "--show", "parallel,brewster", "--points", "91", "-o", "b"]);
+    let lines = svg("b/fresnel-glass.svg");
+    assert!(lines.contains("Brewster") && !lines.contains("Schlick"));
+    let several = etalon(dir.path(), &["fresnel", "water", "glass", "--both"]);
+    assert!(several.code == 2 && several.stderr.contains("--both: "), "{}", several.stderr);
 }
 
 #[test]

@@ -180,6 +180,8 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
         "mse",
         "--junit",
         "j.xml",
+        "--markdown",
+        "m.md",
         "--each",
     ];
     let good = [&all[..], &["double.exr", "other.exr", "same.pfm"]].concat();
@@ -197,6 +199,8 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
     assert!(images[0]["identical"] == true && images[1]["explanation"].is_null());
     assert!(images[2]["explanation"]["change"].as_str().unwrap().starts_with("multiply A by 0.50"), "{}", images[2]);
     let junit = std::fs::read_to_string(path("j.xml")).unwrap();
+    let markdown = std::fs::read_to_string(path("m.md")).unwrap();
+    assert!(markdown.contains("allowed; multiply A by 0.50"), "{markdown}");
     assert!(
         junit.contains("tests=\"6\" failures=\"2\" errors=\"0\"") && junit.contains("double.exr against ref.exr"),
         "{junit}"
@@ -209,7 +213,7 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
         ran.stdout,
         ran.stderr
     );
-    let rows = std::fs::read_to_string(path("out/each-vs-ref.csv")).unwrap();
+    let rows = std::fs::read_to_string(path("out/images-vs-ref.csv")).unwrap();
     assert!(rows.starts_with("file,mse,rel_mse,hdr_flip,ssim,psnr,") && rows.lines().count() == 4, "{rows}");
     assert!(std::fs::read_to_string(path("j.xml")).unwrap().contains("errors=\"2\""));
 }
@@ -225,6 +229,14 @@ fn two_images_may_be_limited() {
         std::fs::read_to_string(dir.path().join("j.xml")).unwrap().contains("a0.exr against b0.exr\" name=\"rel_mse\"")
     );
     assert_eq!(run("compare a0.exr b0.exr --at-most flip=.9").code, 0);
+    // A pixel that is not finite fails a limit that all others keep
+    let holed = noisy(1, 1.0).map(|p| if p.x > 0.9 { Vec3::NAN } else { p });
+    etalon::raster::write(&dir.path().join("holed.pfm"), &holed, &Metadata::default()).unwrap();
+    for line in ["compare holed.pfm b0.exr", "compare --each a0.exr holed.pfm --reference b0.exr"] {
+        let ran = run(&format!("{line} --at-most flip=.9 --junit n.xml --markdown n.md"));
+        assert!(ran.code == 1 && ran.stdout.contains("rejected: "), "{}{}", ran.stdout, ran.stderr);
+        assert!(std::fs::read_to_string(dir.path().join("n.xml")).unwrap().contains("failures=\"1\" errors=\"0\""));
+    }
     let same = run("compare a0.exr a0.exr --at-most mse=0");
     assert!(same.code == 0 && same.stdout.contains("A and B are the same values"), "{}", same.stdout);
     for (line, says) in [

@@ -172,7 +172,7 @@ fn renderers_need_no_scene() {
             )
             .unwrap();
             write(
-                &path(&format!("bright-{spp}-{seed}.pfm")),
+                &path(&format!("bsdf-{spp}-{seed}.pfm")),
                 &image(seed + 101 * u64::from(spp), spp, 1.1),
                 &Metadata::default(),
             )
@@ -181,7 +181,7 @@ fn renderers_need_no_scene() {
     }
     write(&path("ref.exr"), &image(1, u32::MAX, 1.0), &Metadata::default()).unwrap();
     let renderer = |name: &str| format!("{name}=sh -c \"cp {name}-$0-$1.pfm $2\" {{spp}} {{seed}} {{out}}");
-    let (good, bright) = (renderer("good"), renderer("bright"));
+    let (good, bright) = (renderer("good"), renderer("bsdf"));
     let args = [
         "converge",
         "--renderer",
@@ -206,9 +206,11 @@ fn renderers_need_no_scene() {
     assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
     let markdown = std::fs::read_to_string(path("m.md")).unwrap();
     assert!(
-        markdown.starts_with("## etalon converge good-bright: rejected\n") && markdown.contains("mean +10."),
+        markdown.starts_with("## etalon converge good-bsdf: rejected\n") && markdown.contains("all channels +10."),
         "{markdown}"
     );
+    let figure = std::fs::read_to_string(path("out/good-bsdf-converge.svg")).unwrap();
+    assert!(figure.contains(">bsdf: biased<") && !figure.contains("BSDF"), "a renderer keeps its name");
     for (args, says) in [
         (&["converge"][..], "required"),
         (&["converge", "--renderer", &good], "--reference: without a scene"),

@@ -23,12 +23,17 @@ fn a_table_has_its_columns_and_files() {
     }
     let files = folder.path().join("out").read_dir().unwrap();
     let mut names: Vec<String> = files.map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    names.retain(|name| name != ".etalon");
     names.sort();
     let expected = ["diffuse", "ggx"].map(|name| ["csv", "pdf", "png", "svg"].map(|end| format!("-{name}.{end}")));
     for (name, end) in names.iter().zip(expected.as_flattened()) {
         assert!(name.starts_with("furnace") && name.ends_with(end), "{name}, {end}");
     }
     assert_eq!(names.len(), 8);
+    let checked =
+        etalon(folder.path(), &["furnace", "diffuse", "--size", "2x2", "--junit", "j.xml", "--error", "1e-9"]);
+    let junit = std::fs::read_to_string(folder.path().join("j.xml")).unwrap();
+    assert!(checked.code == 3 && junit.contains("tests=\"1\" failures=\"0\" errors=\"1\""), "{} {junit}", checked.code);
     let listed = json(folder.path(), &["furnace", "--list"]);
     assert!(listed["families"].as_array().unwrap().len() >= 14);
     assert_eq!(listed, json(folder.path(), &["sweep", "--list"]));
@@ -58,7 +63,11 @@ fn what_is_too_coarse_or_makes_no_sense_has_its_exit_code() {
     }
     let left = folder.path().join("out");
     assert!(
-        !left.exists() || left.read_dir().unwrap().all(|e| e.unwrap().path().to_string_lossy().contains("diffuse"))
+        !left.exists()
+            || left.read_dir().unwrap().all(|e| {
+                let name = e.unwrap().file_name();
+                name == ".etalon" || name.to_string_lossy().contains("diffuse")
+            })
     );
 }
 

@@ -297,6 +297,6 @@ fn an_interrupted_validation_is_never_accepted() {
     let words = "interrupted before the test was finished";
     let junit = std::fs::read_to_string(dir.path().join("j.xml")).unwrap();
     assert_eq!(junit.matches(&format!("<error message=\"{words}\"")).count(), unfinished, "{junit}");
-    let table = std::fs::read_to_string(dir.path().join("o/validation.csv")).unwrap();
+    let table = std::fs::read_to_string(dir.path().join("o/validation-warp.csv")).unwrap();
     assert_eq!(table.matches(words).count(), unfinished, "{table}");
 }

@@ -44,6 +44,24 @@ fn a_result_under_a_default_name_is_not_replaced_in_silence() {
     }
 }
 
+#[test]
+fn results_of_another_command_are_not_replaced() {
+    let dir = folder();
+    let first_file = |args: &[&str]| {
+        let value = json(dir.path(), args);
+        let files = value.get("files").unwrap_or(&value["results"][0]["files"]);
+        strings(files)[0].to_owned()
+    };
+    json(dir.path(), &["envmap", "make", "onehot", "-o", "onehot.exr"]);
+    let [own, file] = ["onehot", "onehot.exr"].map(|map| ["envmap", "cut", map, "-n", "1", "--no-flip"]);
+    assert_eq!(first_file(&own[..5]), "out/onehot-cut-1.csv");
+    assert_eq!([first_file(&file), first_file(&file)], ["out/onehot-cut-1.2.csv"; 2]);
+    assert_eq!(first_file(&[&own[..5], &["--theme", "dark"]].concat()), "out/onehot-cut-1.csv", "another option");
+    std::fs::write(dir.path().join("out/fresnel-water.png"), b"a photograph").unwrap();
+    assert_eq!(first_file(&["fresnel", "water", "--points", "9"]), "out/fresnel-water.2.csv");
+    assert_eq!(std::fs::read(dir.path().join("out/fresnel-water.png")).unwrap(), b"a photograph");
+}
+
 /// The attribute of an SVG file's first tag.
 fn attribute(svg: &str, name: &str) -> String {
     svg.split_once(&format!(" {name}=\"")).unwrap().1.split_once('"').unwrap().0.to_owned()

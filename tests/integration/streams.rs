@@ -103,6 +103,23 @@ fn names_that_are_taken_are_refused_before_the_work() {
     }
 }
 
+/// What a command says that lacks an argument can be pasted.
+#[test]
+fn examples_of_missing_arguments_run() {
+    for command in ["compare", "merge", "envmap info", "envmap make", "completions"] {
+        let dir = tempfile::tempdir().unwrap();
+        let ran = etalon(dir.path(), &command.split(' ').collect::<Vec<_>>());
+        assert_eq!(ran.code, 2, "{command}");
+        let (_, example) = ran.stderr.split_once("Example:\n").unwrap_or_else(|| panic!("{command}: {}", ran.stderr));
+        let line = example
+            .replace("etalon ", "\"$E\" ")
+            .replace("~/", "./")
+            .replace("> ./.local/share/bash-completion/completions/", "> ");
+        let ran = shell(dir.path(), &line);
+        assert_eq!(ran.code, 0, "{command}: {example}{}", ran.stderr);
+    }
+}
+
 #[test]
 fn of_two_runs_at_once_each_file_is_of_one() {
     let dir = tempfile::tempdir().unwrap();

@@ -12,6 +12,7 @@ pub mod converge;
 pub mod depth;
 pub mod fit;
 pub mod fresnel;
+pub mod likeness;
 pub mod map_samples;
 pub mod media;
 pub mod median_cut;

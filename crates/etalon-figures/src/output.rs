@@ -6,19 +6,28 @@ pub use etalon_bench::table::{csv, file_name};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use serde::{Serialize, Serializer};
-use std::ffi::{OsStr, OsString};
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-/// Where results go, by `-o`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Where results go, by `-o`, and under which names.
+#[derive(Debug)]
 #[must_use]
 pub struct Target {
     folder: PathBuf,
     /// The file name without its extension, if a file was named.
     name: Option<OsString>,
+    /// What the command is about: its results may replace those of another run about the same.
+    subject: String,
     /// Files in the folder before the command, unless a file was named.
     before: Vec<OsString>,
+    /// The names that this run has taken, by what they stand for.
+    taken: Mutex<BTreeMap<String, String>>,
 }
+
+/// Where a folder of results notes which command made which: a file for each name, so that processes do not disturb each other.
+const OWNERS: &str = ".etalon";
 
 /// Extensions of results: a path with one of them names a file, not a folder.
 const RESULTS: [&str; 10] = ["csv", "svg", "png", "pdf", "exr", "pfm", "ppm", "hdr", "html", "json"];
@@ -34,17 +43,17 @@ const DEFAULT_FOLDER: &str = "out";
 
 impl Target {
     /// A path with one of the known extensions names the files (all get its stem); any other path is a folder, made
-    /// if it is missing. Without a path, the folder `out`.
-    pub fn new(out: Option<&Path>) -> Self {
+    /// if it is missing. Without a path, the folder `out`. `subject` is the command with what it is about.
+    pub fn new(out: Option<&Path>, subject: &str) -> Self {
         let path = out.unwrap_or(Path::new(DEFAULT_FOLDER));
         let (folder, name) = match result_extension(path) {
             Some(_) => (path.parent().unwrap_or(Path::new("")), path.file_stem().map(OsString::from)),
             None => (path, None),
         };
-        // Remember the folder's files, to report which are replaced
+        // Remember the folder's files, to spare those of other commands and to report which are replaced
         let there = std::fs::read_dir(folder).ok().filter(|_| name.is_none());
         let before = there.into_iter().flatten().flatten().map(|entry| entry.file_name()).collect();
-        Self { folder: folder.into(), name, before }
+        Self { folder: folder.into(), name, subject: subject.into(), before, taken: Mutex::default() }
     }
 
     /// Whether a file was named, not a folder.
@@ -52,20 +61,47 @@ impl Target {
         self.name.is_some()
     }
 
-    /// The path of the result called `name`, without extension; `suffix` distinguishes several results of one command. A
-    /// default name that is too long is cut and ends with a checksum of the whole.
+    /// The path of the result called `name`, without extension; `suffix` distinguishes several results of one command.
+    ///
+    /// A name that was asked for is taken as it is. A default name is cut if it is too long, and ends with `.2`, `.3`, … where the
+    /// files of that name are not those of an earlier run of this command.
     ///
     /// # Errors
     /// [`Error::Parameter`] if the path with one of the `extensions` is that of an input.
     pub fn stem(&self, name: &str, suffix: &str, extensions: &[&str]) -> Result<PathBuf> {
-        let mut file = self.name.clone().unwrap_or_else(|| {
-            let limit = LONGEST_NAME.saturating_sub(suffix.len() + LONGEST_EXTENSION);
-            shortened(name.to_owned(), limit).into()
-        });
-        file.push(suffix);
+        let file = match &self.name {
+            Some(named) => [named.as_os_str(), suffix.as_ref()].into_iter().collect(),
+            None => OsString::from(self.free(name, suffix, extensions)),
+        };
         let stem = self.folder.join(file);
         extensions.iter().try_for_each(|extension| files::check_no_input(&with_extension(&stem, extension)))?;
         Ok(stem)
+    }
+
+    /// The first name for a result that neither another command nor another result of this one has.
+    fn free(&self, name: &str, suffix: &str, extensions: &[&str]) -> String {
+        let whole = format!("{name}{suffix}");
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(own) = taken.get(&whole) {
+            return own.clone();
+        }
+        let is_there = |stem: &str, extension: &&str| {
+            let file = with_extension(Path::new(stem), extension);
+            self.before.iter().any(|there| there.as_os_str() == file.as_os_str())
+        };
+        let is_free = |stem: &String| {
+            let is_own = || std::fs::read_to_string(self.note_of(stem)).is_ok_and(|subject| subject == self.subject);
+            let is_used = || extensions.iter().any(|extension| is_there(stem, extension));
+            !taken.values().any(|other| other == stem) && (!is_used() || is_own())
+        };
+        let numbered = |number: u32| {
+            let end = if number == 1 { suffix.to_owned() } else { format!("{suffix}.{number}") };
+            let limit = LONGEST_NAME.saturating_sub(end.len() + LONGEST_EXTENSION);
+            format!("{}{end}", &name[..name.floor_char_boundary(limit)])
+        };
+        let free = (1..).map(numbered).find(is_free).unwrap_or_else(|| whole.clone());
+        taken.insert(whole, free.clone());
+        free
     }
 
     /// The files that were written, and which of them replaced older ones under default names.
@@ -74,8 +110,66 @@ impl Target {
             path.parent() == Some(&self.folder) && self.before.iter().any(|name| path.file_name() == Some(name))
         };
         let replaced = files.iter().filter(was_there).cloned().collect();
+        self.own();
         Written { files, replaced }
     }
+
+    /// Notes whose the results are. Where that fails, a later run takes other names and loses nothing.
+    fn own(&self) {
+        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        for name in taken.values() {
+            let _ = files::write_bytes(&self.note_of(name), self.subject.as_bytes());
+        }
+    }
+
+    fn note_of(&self, name: &str) -> PathBuf {
+        self.folder.join(OWNERS).join(name)
+    }
+}
+
+/// The name of the results of a command on all that it knows, or on these subjects: `sweep`, `sweep-ggx+glass`.
+pub fn name_of_run(command: &str, subjects: &[String]) -> String {
+    file_name([command, &subjects.join("+")].join("-").trim_end_matches('-'))
+}
+
+/// What files are called together: one after itself, without folder and extension; several after how their names begin, else after
+/// their folder, else they are "images".
+pub fn name_of(paths: &[PathBuf]) -> String {
+    let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let Some((first, others)) = paths.split_first() else { return String::new() };
+    if others.is_empty() {
+        return stem(first);
+    }
+    let shared = others.iter().fold(stem(first), |shared, other| {
+        let other = stem(other);
+        shared.chars().zip(other.chars()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
+    });
+    let shared = shared.trim_end_matches(|c: char| c.is_ascii_digit() || "-_. ".contains(c)).to_owned();
+    let folder = first.parent().filter(|folder| others.iter().all(|other| other.parent() == Some(folder)));
+    let folder = folder.and_then(Path::file_name).map(|folder| folder.to_string_lossy().into_owned());
+    // A letter that all begin with says less than their folder
+    match (shared.len(), folder) {
+        (0 | 1, Some(folder)) => folder,
+        (0, None) => "images".into(),
+        _ => shared,
+    }
+}
+
+/// What a comparison of files is called: `a-vs-b`; with their folders where only these differ.
+pub fn name_of_pair(a: &[PathBuf], word: &str, b: &[PathBuf]) -> String {
+    let mut names = [a, b].map(name_of);
+    if names[0] == names[1] {
+        let folder = |paths: &[PathBuf]| {
+            let folder = paths.first()?.parent()?.file_name()?;
+            Some(folder.to_string_lossy().into_owned())
+        };
+        if let [Some(a), Some(b)] = [a, b].map(folder)
+            && a != b
+        {
+            names = [format!("{a}-{}", names[0]), format!("{b}-{}", names[1])];
+        }
+    }
+    format!("{}-{word}-{}", names[0], names[1])
 }
 
 /// The files that a command has written.
@@ -154,22 +248,6 @@ const LONGEST_NAME: usize = 120;
 /// A dot and three letters.
 const LONGEST_EXTENSION: usize = 4;
 
-/// `name`, cut to `limit` bytes if it is longer, with a checksum of the whole at its end.
-fn shortened(name: String, limit: usize) -> String {
-    if name.len() <= limit {
-        return name;
-    }
-    let checksum = checksum(OsStr::new(&name));
-    format!("{}-{checksum}", &name[..name.floor_char_boundary(limit.saturating_sub(checksum.len() + 1))])
-}
-
-/// Eight hexadecimal digits that differ where texts do, as far as eight digits can.
-fn checksum(text: &OsStr) -> String {
-    let mut crc = flate2::Crc::new();
-    crc.update(text.as_encoded_bytes());
-    format!("{:08x}", crc.sum())
-}
-
 /// The image format that a path names, if it names a file.
 pub fn image_format(out: Option<&Path>) -> Result<Option<&'static str>> {
     let Some(known) = out.and_then(result_extension) else { return Ok(None) };
@@ -203,29 +281,71 @@ pub fn write_table(stem: &Path, table: &[u8]) -> Result<PathBuf> {
 mod tests {
     use super::*;
 
+    fn target(out: Option<&Path>) -> Target {
+        Target::new(out, "fresnel glass")
+    }
+
     #[test]
     fn a_path_names_a_folder_or_files() {
-        let stem = |out: Option<&str>| Target::new(out.map(Path::new)).stem("fresnel", "", &[]).unwrap();
+        let stem = |out: Option<&str>| target(out.map(Path::new)).stem("fresnel", "", &[]).unwrap();
         assert_eq!(stem(None), Path::new("out/fresnel"));
         assert_eq!(stem(Some("results")), Path::new("results/fresnel"));
         assert_eq!(stem(Some("results.v2")), Path::new("results.v2/fresnel"));
         assert_eq!(stem(Some("a/glass.png")), Path::new("a/glass"));
-        let named = Target::new(Some(Path::new("m.PNG")));
+        let named = target(Some(Path::new("m.PNG")));
         assert_eq!(named.stem("x", "-64", &[]).unwrap(), Path::new("m-64"));
-        assert_eq!(Target::new(None).stem("x", "-64", &[]).unwrap(), Path::new("out/x-64"));
+        assert_eq!(target(None).stem("x", "-64", &[]).unwrap(), Path::new("out/x-64"));
         assert_eq!(with_extension(Path::new("roughness-0.5"), "csv"), Path::new("roughness-0.5.csv"));
     }
 
     #[test]
     fn long_names_are_cut_and_remain_distinct() {
+        let target = target(None);
         let stem = |last: char| {
             let name = format!("validation-{}{last}", "é".repeat(200));
-            let stem = Target::new(None).stem(&name, "-suffix", &[]).unwrap();
+            let stem = target.stem(&name, "-suffix", &["csv"]).unwrap();
             stem.file_name().unwrap().to_str().unwrap().to_owned()
         };
-        let [a, b] = ['a', 'b'].map(stem);
-        assert!(a != b && a.starts_with("validation-é") && a.ends_with("-suffix"), "{a}");
-        assert!((110..=116).contains(&a.len()), "{} bytes", a.len());
+        let [a, b, again] = ['a', 'b', 'a'].map(stem);
+        assert!(a.starts_with("validation-é") && a.ends_with("é-suffix") && b.ends_with("é-suffix.2"), "{a} {b}");
+        assert!(again == a && (110..=116).contains(&a.len()), "{} bytes", a.len());
+    }
+
+    #[test]
+    fn a_command_replaces_its_own_results_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        let run = |subject: &str| {
+            let target = Target::new(Some(dir.path()), subject);
+            let path = with_extension(&target.stem("a", "-64", &["csv", "png"]).unwrap(), "csv");
+            files::write_bytes(&path, subject.as_bytes()).unwrap();
+            target.written(vec![path]).files[0].file_name().unwrap().to_str().unwrap().to_owned()
+        };
+        assert_eq!(
+            [run("one"), run("one"), run("two"), run("one")],
+            ["a-64.csv", "a-64.csv", "a-64.2.csv", "a-64.csv"]
+        );
+        // What no command has made is not replaced
+        files::write_bytes(&dir.path().join("a-64.3.png"), b"a photograph").unwrap();
+        assert_eq!([run("three"), run("two")], ["a-64.4.csv", "a-64.2.csv"]);
+        std::fs::remove_dir_all(dir.path().join(OWNERS)).unwrap();
+        assert_eq!(run("two"), "a-64.5.csv");
+    }
+
+    #[test]
+    fn files_have_the_names_that_people_would_choose() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let name = |names: &[&str]| name_of(&paths(names));
+        assert_eq!(name(&["x/mine-1.v2.exr"]), "mine-1.v2");
+        assert_eq!(name(&["mine-1.exr", "mine-10.exr", "mine-2.exr"]), "mine");
+        assert_eq!(name(&["students/anna.png", "students/ben.png"]), "students");
+        assert_eq!(name(&["x/s01.png", "x/s02.png"]), "x");
+        assert_eq!([name(&["a1.exr", "a2.exr"]), name(&["anna.png", "ben.png"])], ["a", "images"]);
+        let pair = |a: &[&str], b: &[&str]| name_of_pair(&paths(a), "vs", &paths(b));
+        assert_eq!(pair(&["a.exr"], &["x/b.exr"]), "a-vs-b");
+        assert_eq!(pair(&["old/box.exr"], &["new/box.exr"]), "old-box-vs-new-box");
+        assert_eq!(pair(&["box.exr"], &["box.exr"]), "box-vs-box");
+        assert_eq!(name_of_run("validation", &["map/*".into(), "warp".into()]), "validation-map--+warp");
+        assert_eq!(name_of_run("stability", &[]), "stability");
     }
 
     #[test]
@@ -234,13 +354,13 @@ mod tests {
         let at = |name: &str| dir.path().join(name);
         files::write_bytes(&at("a.csv"), b"input").unwrap();
         let files = vec![at("a.csv"), at("b.csv"), at("c/a.csv")];
-        let written = Target::new(Some(dir.path())).written(files.clone());
+        let written = target(Some(dir.path())).written(files.clone());
         assert_eq!(written.replaced, [at("a.csv")]);
         assert!(written.text().ends_with(&format!("replaced {}\n", at("a.csv").display())));
         assert_eq!(written.text().matches("wrote ").count(), 2);
         let drawing = DRAWING.map(|extension| at(&format!("v1.5.{extension}"))).to_vec();
-        let written = Target::new(Some(dir.path())).written(drawing);
+        let written = target(Some(dir.path())).written(drawing);
         assert_eq!(written.text(), format!("wrote {}.{{svg,png,pdf}}\n", at("v1.5").display()));
-        assert!(Target::new(Some(&at("a.csv"))).written(files).replaced.is_empty(), "this name was asked for");
+        assert!(target(Some(&at("a.csv"))).written(files).replaced.is_empty(), "this name was asked for");
     }
 }

@@ -39,6 +39,19 @@ pub fn relative_difference(a: f64, b: f64) -> f64 {
     if relative.is_nan() { f64::INFINITY } else { relative }
 }
 
+/// The ordinary one of cases in which two numbers have these ratios: the one that is nearest to the median, the first where several are about as near.
+pub fn ordinary(ratios: impl Iterator<Item = f64>) -> Option<usize> {
+    /// Ratios that differ by less are about the same.
+    const ABOUT: f64 = 0.01;
+    let all: Vec<f64> = ratios.collect();
+    let mut sorted = all.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let median = *sorted.get(all.len() / 2)?;
+    let distance = |ratio: f64| if ratio == median { 0.0 } else { ((ratio / median).ln().abs() / ABOUT).floor() };
+    let far = |ratio: f64| if distance(ratio).is_nan() { f64::INFINITY } else { distance(ratio) };
+    (0..all.len()).min_by(|&a, &b| far(all[a]).total_cmp(&far(all[b])))
+}
+
 /// The sentence on a sample that carries another pdf than the density's.
 pub fn carries_another(sample: &Sample, pdf: f64) -> String {
     let [carried, asked] = different(sample.pdf.unwrap_or(f64::NAN), pdf);
@@ -59,6 +72,8 @@ pub const AS_SINGLE: &str = ": as near as roundings in single precision (declare
 
 /// Samples whose pdfs are kept, of which the median difference and the mistake are known.
 const PAIRS: usize = 1 << 10;
+/// Sentences of a batch that are kept, of which an ordinary one is told.
+const SENTENCES: usize = 1 << 5;
 
 /// The pdfs that samples carry, compared with the density.
 #[derive(Debug, Clone, Default)]
@@ -67,8 +82,10 @@ pub struct Carried {
     compared: u64,
     /// Those of them that carry another one than the density has.
     different: u64,
-    /// The largest relative difference, and the sentence on it.
-    largest: Option<(f64, String)>,
+    /// The largest relative difference.
+    largest: f64,
+    /// Ratios of some of the pdfs that differ to those of the density, and the sentences on them.
+    told: Vec<(f64, String)>,
     /// Some of the samples that carry a pdf.
     pub pairs: Vec<Pair>,
 }
@@ -84,8 +101,9 @@ impl Carried {
         }
         if difference > 0.0 {
             self.different += 1;
-            if self.largest.as_ref().is_none_or(|(largest, _)| difference > *largest) {
-                self.largest = Some((difference, words()));
+            self.largest = self.largest.at_least(difference);
+            if self.told.len() < SENTENCES {
+                self.told.push((carried / pdf, words()));
             }
         }
     }
@@ -95,15 +113,14 @@ impl Carried {
         self.different += other.different;
         self.pairs.extend(other.pairs);
         self.pairs.truncate(PAIRS);
-        self.largest = match (self.largest.take(), other.largest) {
-            (Some(a), Some(b)) => Some(if b.0 > a.0 { b } else { a }),
-            (a, b) => a.or(b),
-        };
+        self.largest = self.largest.at_least(other.largest);
+        self.told.extend(other.told);
+        self.told.truncate(PAIRS);
     }
 
     /// Whether all differences are those of roundings in single precision.
     pub fn is_rounding(&self) -> bool {
-        self.largest.as_ref().is_some_and(|(largest, _)| *largest <= SINGLE_PRECISION)
+        self.different > 0 && self.largest <= SINGLE_PRECISION
     }
 
     /// Samples that carry a pdf, and those of them that carry another one than the density has.
@@ -111,9 +128,9 @@ impl Carried {
         [self.compared, self.different]
     }
 
-    /// What is wrong: the largest difference, the share of samples that differ, and the median difference.
+    /// What is wrong at an ordinary sample; the share of samples that differ, the largest difference, and the median.
     pub fn violation(&self) -> Option<String> {
-        let (largest, sentence) = self.largest.as_ref()?;
+        let (_, sentence) = &self.told[ordinary(self.told.iter().map(|(ratio, _)| *ratio))?];
         let mut all: Vec<f64> =
             self.pairs.iter().map(|(_, [carried, pdf])| relative_difference(*carried, *pdf)).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -122,8 +139,8 @@ impl Carried {
         let median = all[all.len() / 2];
         let hint = if self.is_rounding() { AS_SINGLE } else { "" };
         Some(format!(
-            "{sentence}: the largest difference, {}; {share} % of samples differ, and the median of all is {}{hint}",
-            percent(*largest),
+            "{sentence}; {share} % of samples differ, the largest difference is {}, and the median of all is {}{hint}",
+            percent(self.largest),
             percent(median)
         ))
     }

@@ -45,6 +45,15 @@ pub struct Counts {
     pub atoms: Vec<String>,
 }
 
+/// Numbers of an exact check of a BSDF that should be equal, and are not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// What they should obey.
+    pub law: String,
+    /// The direction `wi` of each two, what was found and what is expected.
+    pub places: Vec<([f64; 3], [f64; 2])>,
+}
+
 /// The findings of one test.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -94,6 +103,9 @@ pub struct Outcome {
     /// The counts behind it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub counts: Option<Counts>,
+    /// The numbers behind a violation, if it is of numbers.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub compared: Option<Compared>,
 }
 
 impl Outcome {

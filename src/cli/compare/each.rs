@@ -1,18 +1,18 @@
 //! `etalon compare --each IMAGE… --reference B`: many images against one.
 
-use super::{Compare, Input, measure, read};
+use super::{Compare, Input, left_out, measure, read};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
-use etalon_bench::compare::{METRICS, Measured, Metric};
+use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::raster::{Comparison, DisplayMetrics};
-use etalon_figures::output::{self, Saving};
+use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::{Check, Checks};
-use etalon_figures::view::compare::{self as view, Thumbnail};
-use etalon_figures::view::text::{counted, rounded};
+use etalon_figures::view::compare::{self as view, Shown, Thumbnail};
+use etalon_figures::view::text::{LINE, counted, rounded, wrapped};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -39,6 +39,7 @@ struct Output<'a> {
     images: Vec<Record<'a>>,
     rejected: usize,
     unreadable: usize,
+    interrupted: bool,
 }
 
 #[derive(Serialize)]
@@ -77,13 +78,18 @@ impl Compare {
         let start = Instant::now();
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let stem = target.stem(&format!("each-vs-{}", short_name(reference.as_os_str())), "", &output::STUDY)?;
+        let stem = target.stem(&name_of_pair(&self.each, "vs", &[reference.into()]), "", &output::STUDY)?;
         let b = read(reference)?;
         b.notes.iter().for_each(|note| console.warn(note));
         let bar = console.progress(self.each.len() as u64, "compare", "images");
         let mut entries: Vec<Entry> = self.each.par_iter().map(|path| self.entry(path, reference, &b, &bar)).collect();
         bar.finish_and_clear();
-        interrupt::check()?;
+        // What was compared before an interruption is told
+        entries.retain(|entry| !matches!(entry.result, Err(Error::Interrupted)));
+        let missing = self.each.len() - entries.len();
+        if entries.is_empty() {
+            return Err(Error::Interrupted);
+        }
         if let Some(metric) = self.sort {
             sort(&mut entries, metric);
         }
@@ -91,25 +97,32 @@ impl Compare {
             console.warn(note);
         }
         let mut saving = Saving::default();
-        let cells: Vec<(String, Option<&Thumbnail>)> = entries.iter().map(cell).collect();
+        let cells: Vec<Shown> = entries.iter().map(shown).collect();
         let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
         let rows: Vec<Row> = entries.iter().map(row).collect();
         saving.add(output::write(&stem, &sheet, &style, &output::csv(&rows)?));
         let list = entries.iter().flat_map(|entry| self.checks_of(entry, reference)).collect();
         let title = format!("etalon compare --each against {}", reference.display());
-        saving.add(self.reports.write(&Checks { title, list, seconds: start.elapsed().as_secs_f64() }));
+        let mut checks = Checks { title, list, seconds: start.elapsed().as_secs_f64() };
+        if missing > 0 {
+            let left_out = format!("{} not compared", counted(missing, "image"));
+            console.warn(&format!("interrupted: {left_out}"));
+            checks.interrupted(&left_out);
+        }
+        saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
         let count = |is: fn(&Entry) -> bool| entries.iter().filter(|entry| is(entry)).count();
         let rejected = count(|entry| entry.result.as_ref().is_ok_and(|done| done.is_rejected));
         let unreadable = count(|entry| entry.result.is_err());
         let images = entries.iter().map(record).collect();
-        let output = Output { reference: reference.display().to_string(), images, rejected, unreadable };
+        let interrupted = missing > 0;
+        let output = Output { reference: reference.display().to_string(), images, rejected, unreadable, interrupted };
         console.saved(&output, &target.written(files), || self.text(&entries, [rejected, unreadable]));
         saved?;
         // What could not be compared is told after the results of all others
         match entries.into_iter().find_map(|entry| entry.result.err()) {
             Some(error) => Err(error),
-            None => Ok(Verdict::of(rejected == 0, false)),
+            None => Ok(Verdict::of(rejected == 0, interrupted)),
         }
     }
 
@@ -164,21 +177,27 @@ impl Compare {
             }
             Err(error) => vec![error.to_string()],
         };
-        let mut text = table.text_with(|entry, line| {
-            line + &about(entry).into_iter().map(|about| format!("  {about}\n")).collect::<String>()
-        });
+        let mut text = String::new();
         if !self.at_most.is_empty() {
             text += &format!("rejected: {rejected} of {}", counted(entries.len(), "image"));
             text += &if unreadable > 0 { format!("; {unreadable} not compared\n") } else { "\n".to_owned() };
         }
-        text
+        text + &table.text_with(|entry, line| {
+            line + &about(entry).iter().map(|about| wrapped(about, "  ", LINE)).collect::<String>()
+        })
     }
 
     /// The limits that an image exceeds.
     fn exceeded(&self, measured: &Measured) -> String {
-        let above = self.at_most.iter().filter(|limit| !limit.holds(measured));
-        let one = |limit: &etalon_bench::compare::Limit| format!("{} above {}", limit.metric.title, limit.most);
-        format!("rejected: {}", above.map(one).collect::<Vec<_>>().join(", "))
+        // A metric that is not defined is above every limit
+        let is_above = |limit: &&Limit| {
+            let value = limit.metric.of(measured);
+            value.is_nan() || value > limit.most
+        };
+        let above = self.at_most.iter().filter(is_above);
+        let above = above.map(|limit| format!("{} above {}", limit.metric.title, limit.most));
+        let holes = (measured.numbers.non_finite > 0).then(|| "pixels that are not finite".to_owned());
+        format!("rejected: {}", above.chain(holes).collect::<Vec<_>>().join(", "))
     }
 }
 
@@ -200,18 +219,18 @@ fn sort(entries: &mut [Entry], metric: &Metric) {
 
 /// What is to be said of an image beside its metrics.
 fn remark(measured: &Measured) -> Option<String> {
-    let Measured { numbers, explanation, identical, .. } = measured;
-    let lost = (numbers.non_finite > 0).then(|| view::left_out(numbers.non_finite));
+    let Measured { explanation, identical, .. } = measured;
     let same = identical.then(|| "the same values as the reference".to_owned());
-    let parts: Vec<String> = [same, explanation.as_ref().map(view::explained), lost].into_iter().flatten().collect();
+    let parts = [same, explanation.as_ref().map(view::explained), left_out(measured)];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
-fn cell(entry: &Entry) -> (String, Option<&Thumbnail>) {
+fn shown(entry: &Entry) -> Shown<'_> {
     let name = short_name(entry.file.as_ref());
     match &entry.result {
-        Err(_) => (format!("{name}: not compared"), None),
-        Ok(Done { measured, thumbnail, .. }) => {
+        Err(_) => Shown { caption: format!("{name}: not compared"), thumbnail: None, is_rejected: false },
+        Ok(Done { measured, thumbnail, is_rejected, .. }) => {
             let metric = |name: &str| Metric::named(name).map_or(f64::NAN, |metric| metric.of(measured));
             let parts = [("FLIP", "flip"), ("relative MSE", "rel_mse"), ("SSIM", "ssim"), ("PSNR", "psnr")];
             let numbers =
@@ -222,7 +241,9 @@ fn cell(entry: &Entry) -> (String, Option<&Thumbnail>) {
                 None if measured.identical => "; the same values as the reference".into(),
                 None => String::new(),
             };
-            (format!("{name}: {}{change}", numbers.join(", ")), Some(thumbnail))
+            let rejected = if *is_rejected { ", rejected" } else { "" };
+            let caption = format!("{name}{rejected}: {}{change}", numbers.join(", "));
+            Shown { caption, thumbnail: Some(thumbnail), is_rejected: *is_rejected }
         }
     }
 }

@@ -3,10 +3,9 @@
 use super::Compare;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use crate::cli::map_file::short_name;
 use etalon_bench::compare::{Answer, Compared, Explanation, FamilyResult, Needed, Plan, Side, compare};
 use etalon_core::error::{Error, Result};
-use etalon_figures::output::{self, Saving};
+use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::compare as view;
 use etalon_figures::view::compare::{sentence, text};
@@ -65,9 +64,10 @@ impl Compare {
     pub(super) fn test(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let start = Instant::now();
         self.reports.check()?;
-        let name = format!("{}-against-{}", short_name(self.a[0].as_os_str()), short_name(self.against[0].as_os_str()));
+        let name = name_of_pair(&self.a, "against", &self.against);
         let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem(&name, "", &output::STUDY)?;
+        let bar = console.busy("compare");
         let a = Side::read(&self.a, self.spp)?;
         let b = match self.against.as_slice() {
             [path] if self.exact => Side::read_exact(path)?,
@@ -82,6 +82,7 @@ impl Compare {
             );
         }
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
+        bar.finish_and_clear();
         let mut saving = Saving::default();
         saving.add(output::write(&stem, &view::drawing(&compared), &style, &output::csv(&view::rows(&compared))?));
         let of_side = |paths: &[PathBuf]| match paths {

@@ -12,7 +12,7 @@ use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Image, ReadOptions};
 use etalon_figures::view::checks::Check;
-use etalon_figures::view::compare::explained;
+use etalon_figures::view::compare::{self as view, explained};
 use etalon_figures::view::text::{counted, rounded};
 use std::path::{Path, PathBuf};
 
@@ -23,13 +23,15 @@ use std::path::{Path, PathBuf};
                         smape = mean(|a-b| / ((|a|+|b|)/2 + 0.01)), over all channel values, each also without the worst 0.1 % of \
                         them; HDR-FLIP, PSNR and SSIM of the images as shown. B is the reference. Cube maps are compared as they are stored.\n\n\
                         Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
-                        With --each: a row for each image, as text and as each-vs-REF.csv, and each-vs-REF.{png,svg,pdf}: every image beside its \
-                        difference, all on one scale, with the place that differs most. An image that cannot be compared does not stop \
+                        With --each: a row for each image, as text and as IMAGES-vs-REF.csv, and IMAGES-vs-REF.{png,svg,pdf}: every image beside its \
+                        difference, all on one scale, with the place that differs most; rejected ones in a red frame. IMAGES is how their names \
+                        begin, or their folder. An image that cannot be compared does not stop \
                         the others; the exit code is 2 then.\n\n\
-                        With --at-most: exit code 1 if a metric of an image is larger.\n\nWith --against: Welch's t-tests of the image mean, of \
-                        low-frequency modes and of tiles, at one level. Exit code 1: different; 0: no difference found, and a bias of \
+                        With --at-most: exit code 1 if a metric of an image is larger, or a pixel is not finite.\n\nWith --against: Welch's t-tests of the image mean, of \
+                        low-frequency modes and of tiles, at one level. The bias is that of the channel that differs most (`etalon converge`: of the mean of all \
+                        channels). Exit code 1: different; 0: no difference found, and a bias of \
                         --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
-                        layers that single images need.\n\nExamples:\n  etalon compare render.exr reference.exr\n  \
+                        layers that single images need.\n\nExamples:\n  etalon render sphere-env -s 1 -o a.exr && etalon render sphere-env -o b.exr && etalon compare a.exr b.exr\n  etalon compare render.exr reference.exr\n  \
                         etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
                         etalon compare --each students/*.png --reference reference.exr --sort flip\n  \
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
@@ -111,13 +113,14 @@ impl Compare {
             let verdict =
                 if limit.holds(measured) { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject };
             let found = rounded(limit.metric.of(measured), 4).replace("NaN", "not defined");
-            let details = measured.explanation.as_ref().map(explained);
+            let why = [left_out(measured), measured.explanation.as_ref().map(explained)];
+            let why: String = why.into_iter().flatten().map(|why| format!("; {why}")).collect();
             Check {
                 group: group.to_owned(),
                 name: limit.metric.name.into(),
                 verdict: Some(verdict),
-                message: format!("{} is {found}, at most {} allowed", limit.metric.title, limit.most),
-                details: details.filter(|_| verdict == etalon_stats::Verdict::Reject).unwrap_or_default(),
+                message: format!("{} is {found}, at most {} allowed{why}", limit.metric.title, limit.most),
+                details: String::new(),
                 seconds: None,
             }
         };
@@ -128,6 +131,12 @@ impl Compare {
     fn is_within(&self, measured: &Measured) -> bool {
         self.at_most.iter().all(|limit| limit.holds(measured))
     }
+}
+
+/// What is said of pixels that are not finite, if there are any.
+fn left_out(measured: &Measured) -> Option<String> {
+    let count = measured.numbers.non_finite;
+    (count > 0).then(|| view::left_out(count))
 }
 
 /// An image of any kind, 8-bit ones too.

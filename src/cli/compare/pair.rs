@@ -1,17 +1,16 @@
 //! `etalon compare A B`: how far two images are apart.
 
-use super::{Compare, measure, read};
+use super::{Compare, left_out, measure, read};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use crate::cli::map_file::short_name;
 use etalon_bench::compare::Measured;
 use etalon_bench::table::Table;
 use etalon_core::error::Result;
 use etalon_core::interrupt;
-use etalon_figures::output::{self, Saving};
+use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::Checks;
 use etalon_figures::view::compare as view;
-use etalon_figures::view::text::{rounded, wrapped};
+use etalon_figures::view::text::{LINE, rounded, wrapped};
 use std::path::Path;
 use std::time::Instant;
 
@@ -19,13 +18,15 @@ impl Compare {
     pub(super) fn measure(&self, a_path: &Path, b_path: &Path, global: &Global, console: &Console) -> Result<Verdict> {
         let start = Instant::now();
         self.reports.check()?;
-        let name = format!("{}-vs-{}", short_name(a_path.as_os_str()), short_name(b_path.as_os_str()));
+        let name = name_of_pair(&[a_path.into()], "vs", &[b_path.into()]);
         let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem(&name, "", &output::DRAWING)?;
+        let bar = console.busy("compare");
         let (a, b) = (read(a_path)?, read(b_path)?);
         a.notes.iter().chain(&b.notes).for_each(|note| console.warn(note));
         let measured = measure(a_path, &a.image, b_path, &b.image)?;
         interrupt::check()?;
+        bar.finish_and_clear();
         let mut saving = Saving::default();
         let shown = [a_path, b_path].map(|path| path.display().to_string());
         let drawing = view::pair([&a.image, &b.image], &shown, &measured, self.relative);
@@ -35,9 +36,7 @@ impl Compare {
         let checks = Checks { title: format!("etalon compare {title}"), list, seconds: start.elapsed().as_secs_f64() };
         saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
-        if measured.numbers.non_finite > 0 {
-            console.warn(&view::left_out(measured.numbers.non_finite));
-        }
+        left_out(&measured).iter().for_each(|lost| console.warn(lost));
         let clipped = match [a.is_clipped, b.is_clipped] {
             [false, false] => None,
             [true, true] => Some("both images have integer values (rounded, clipped at 1, decoded by the sRGB curve)"),
@@ -49,10 +48,10 @@ impl Compare {
         let rejected: String = checks
             .list
             .iter()
-            .filter(|_| !self.is_within(&measured))
-            .map(|check| format!("{}\n", check.message))
+            .filter(|check| check.verdict == Some(etalon_stats::Verdict::Reject))
+            .map(|check| wrapped(&format!("rejected: {}", check.message), "", LINE))
             .collect();
-        console.saved(&measured, &target.written(files), || text(&measured) + &rejected);
+        console.saved(&measured, &target.written(files), || rejected + &text(&measured));
         saved?;
         Ok(Verdict::of(self.is_within(&measured), false))
     }
@@ -86,5 +85,5 @@ fn text(measured: &Measured) -> String {
         .words("", |(name, ..)| name)
         .numbers("", |(_, value, _)| rounded(*value, 4))
         .words("", |(.., more)| more);
-    metrics.text() + &in_words(measured).map_or(String::new(), |words| wrapped(&words, "", 100))
+    in_words(measured).map_or(String::new(), |words| wrapped(&words, "", LINE)) + &metrics.text()
 }

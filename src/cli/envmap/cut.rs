@@ -83,7 +83,10 @@ impl Cut {
             let (flux_error, imbalance) = (median_cut::flux_error(&rows, flux), median_cut::imbalance(&rows));
             Ok(Output { n, flux_error, imbalance, lights: rows, written: target.written(files) })
         };
-        let outputs = Outputs::of(&source.name, self.n.iter().zip(cuts).map(one))?;
+        let bar = console.progress(self.n.len() as u64, "cut", "numbers");
+        let outputs = self.n.iter().zip(cuts).map(|cut| one(cut).inspect(|_| bar.inc(1)));
+        let outputs = Outputs::of(&source.name, outputs)?;
+        bar.finish_and_clear();
         console.result(&outputs, || {
             let line = |r: &Output| {
                 format!(

@@ -11,6 +11,7 @@ use etalon_figures::view::text::rounded;
 
 /// Print a map's size, range, flux and contrast
 #[derive(Args)]
+#[command(after_long_help = "Example:\n  etalon envmap info nave")]
 pub struct Info {
     #[command(flatten)]
     map: MapArgs,

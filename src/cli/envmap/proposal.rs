@@ -10,7 +10,7 @@ use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_figures::output;
 use etalon_figures::view::proposal as view;
-use etalon_figures::view::text::{p_is, rounded};
+use etalon_figures::view::text::{LINE, p_is, rounded, wrapped};
 use etalon_stats::power::ChiSquare;
 use serde::Serialize;
 
@@ -42,6 +42,7 @@ struct Results<'a> {
 impl Proposal {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let source = self.map.load(console)?;
+        let bar = console.busy("proposal");
         let Some(result) = proposal::compare(&source.map, self.n, global.seed)? else {
             return Err(Error::parameter("map", format!("{} has light in too few rows for this test", source.name)));
         };
@@ -55,9 +56,10 @@ impl Proposal {
             files.extend(output::write(&stem, &view::costs(costs), &style, &output::csv(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
+        bar.finish_and_clear();
         console.saved(&Results { inversion: &result, costs: &costs }, &target.written(files), || {
             let line = |name: &str, t: &ChiSquare| {
-                format!("{name:<24} chi-square {:.1} with {} degrees of freedom, {}\n", t.statistic, t.dof, p_is(t.p))
+                format!("{name:<24} chi-square {:.1}, {} degrees of freedom, {}\n", t.statistic, t.dof, p_is(t.p))
             };
             line("uniform random numbers:", &result.uniform)
                 + &line("Gaussian random numbers:", &result.gaussian)
@@ -79,6 +81,10 @@ fn samples(costs: &[Cost]) -> String {
     let needed = |along: usize| move |costs: &&[Cost]| rounded(view::samples(costs[along].irradiance_variance), 3);
     let table = Table::of(&rows).words("proposal", |costs| &costs[0].proposal);
     let table = table.numbers("rows alone", needed(0)).numbers("columns alone", needed(1)).numbers("both", needed(2));
-    let title = "samples until the irradiance of a floor has a relative standard error of 1 %, with weights:";
-    format!("\n{title}\n{}", table.text())
+    let title = wrapped(
+        "samples until the irradiance of a floor has a relative standard error of 1 %, with weights:",
+        "",
+        LINE,
+    );
+    format!("\n{title}{}", table.text())
 }

@@ -14,7 +14,7 @@ use etalon_core::error::Result;
 use etalon_core::interrupt;
 use etalon_figures::output::{self, Written};
 use etalon_figures::view::map::Display;
-use etalon_figures::view::text::{counted, rounded};
+use etalon_figures::view::text::{LINE, counted, rounded, wrapped};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 #[derive(Args)]
 #[command(after_long_help = "Writes MAP-samples-N.{csv,svg,png,pdf} (the map with a blue marker at each sample) and \
                         MAP-samples-only-N.{svg,png,pdf} (the samples alone, in their own colours).\n\nExample:\n  \
-                        etalon envmap sample grace.exr --flip -n 64,256,1024")]
+                        etalon envmap sample nave -n 64,256,1024")]
 #[command(next_help_heading = SAMPLING, args = [out(), seed(), threads()])]
 pub struct Sample {
     /// Numbers of samples
@@ -119,9 +119,13 @@ impl Sample {
             let (samples, written) = (samples.rows, target.written(files));
             Ok(Output { n, drawn: samples.len(), flux_estimate, flux_standard_error, samples, written })
         };
-        let outputs = Outputs::of(&source.name, self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples)))?;
+        let bar = console.progress(self.n.len() as u64, "sample", "numbers");
+        let outputs = self.n.iter().zip(sampled).map(|(&n, samples)| one(n, samples).inspect(|_| bar.inc(1)));
+        let outputs = Outputs::of(&source.name, outputs)?;
+        bar.finish_and_clear();
         console.result(&outputs, || {
-            let line = |r: &Output| format!("{}{}\n{}", counted(r.drawn, "sample"), r.flux(), r.written.text());
+            let about = |r: &Output| wrapped(&format!("{}{}", counted(r.drawn, "sample"), r.flux()), "", LINE);
+            let line = |r: &Output| about(r) + &r.written.text();
             outputs.results.iter().map(line).collect()
         });
         Ok(outputs.verdict())

@@ -1,4 +1,5 @@
-//! `etalon render SCENE --bsdf FILE.py` and `--exec COMMAND`: spheres with the BSDF of another program, beside the closest model.
+//! `etalon render SCENE --bsdf FILE.py` and `--exec COMMAND`: spheres with the BSDF of another program, by its values alone, and with the
+//! closest model.
 
 use super::Render;
 use crate::cli::console::Console;
@@ -8,14 +9,14 @@ use crate::cli::global::{Global, SCENE, Verdict};
 use crate::cli::scene_file::Loaded;
 use crate::cli::values::setting;
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::appearance::appearance;
+use etalon_bench::appearance::{Rendered, appearance};
 use etalon_bench::validation::families;
 use etalon_core::error::{Error, Result};
-use etalon_core::raster::{self, Metadata};
+use etalon_core::raster::{Layer, Metadata, Precision, write_exr};
 use etalon_core::scene::Request;
-use etalon_figures::figure::Style;
 use etalon_figures::output;
 use etalon_figures::view::appearance as view;
+use etalon_render::film::ERRORS_OF_SUMS;
 use etalon_stats::bsdf::Family;
 
 /// The longer side of the images, and samples per pixel, unless they are given: a program in plain Python takes seconds.
@@ -51,8 +52,9 @@ const OF_RENDERER: [&str; 18] = [
 pub struct ExternalArgs {
     /// Give the spheres the BSDF of a Python file
     ///
-    /// Functions sample(wo, u), pdf(wo, wi) and value(wo, wi), as for `etalon validate FILE.py`. They are rendered beside the closest
-    /// BSDF of this program, by default 128 pixels wide with 16 samples.
+    /// Functions sample(wo, u), pdf(wo, wi) and value(wo, wi), as for `etalon validate FILE.py`. They are rendered beside the same
+    /// BSDF by `value` alone, which shows what a fault of sample or pdf does, and beside the closest BSDF of this program, by default 128 pixels
+    /// wide with 16 samples.
     #[arg(long, value_name = "FILE.py")]
     bsdf: Option<String>,
     /// Give the spheres the BSDF of the program that COMMAND starts
@@ -75,7 +77,7 @@ impl ExternalArgs {
 }
 
 impl Render {
-    /// Renders the spheres of the scene with a program's BSDF, and with the closest model.
+    /// Renders the spheres of the scene with a program's BSDF, by its values alone, and with the closest model.
     pub fn appearance(&self, source: ProgramSource<'_>, global: &Global, console: &Console) -> Result<Verdict> {
         let program = source.bsdf(self.external.timeout)?;
         let values = families::values(&program, &self.external.set)?;
@@ -96,14 +98,21 @@ impl Render {
         let target = global.target();
         let name = output::file_name(&format!("{}-{}", scene.name, program.name()));
         let stem = target.stem(&name, "", &["svg", "png", "pdf", "exr"])?;
-        let of_model = output::with_extension(&target.stem(&name, "-model", &["exr"])?, "exr");
-        let bar = console.progress(2 * u64::from(request.spp), "render", "samples");
+        let other =
+            |suffix: &str| Ok::<_, Error>(output::with_extension(&target.stem(&name, suffix, &["exr"])?, "exr"));
+        let [of_values, of_model] = [other("-values")?, other("-model")?];
+        let style = self.style.style()?;
+        let bar = console.progress(3 * u64::from(request.spp), "render", "samples");
         let found = appearance((program.name(), &*bsdf), &scene, &request, global.seed, &|| bar.inc(1))?;
         bar.finish_and_clear();
-        let mut files = view::drawing(&found).write(&stem, &Style::default())?;
+        let mut files = view::drawing(&found).write(&stem, &style)?;
         let metadata = Metadata::default().with("command", command_line()).with("seed", global.seed);
-        for (image, path) in found.images.iter().zip([output::with_extension(&stem, "exr"), of_model]) {
-            raster::write(&path, image, &metadata)?;
+        let metadata = metadata.with("spp", request.spp).with(ERRORS_OF_SUMS[0], ERRORS_OF_SUMS[1]);
+        for (Rendered { image, error }, path) in
+            found.images.iter().zip([output::with_extension(&stem, "exr"), of_values, of_model])
+        {
+            let layers = [Layer { name: "", image }, Layer { name: "error", image: error }];
+            write_exr(&path, &layers, Precision::Float, &metadata)?;
             files.push(path);
         }
         console.saved(&found, &target.written(files), || view::text(&found));

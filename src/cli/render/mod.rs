@@ -9,6 +9,7 @@ use super::console::Console;
 use super::flags::command_line;
 use super::global::{Global, OUTPUT, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs, has_material, is_glass, is_metal};
+use super::style::StyleArgs;
 use super::values::{Shard, choice, map_samplers, map_sampling, stops};
 use appearance::ExternalArgs;
 use clap::Args;
@@ -37,6 +38,8 @@ pub struct Render {
     scene: SceneArgs,
     #[command(flatten)]
     external: ExternalArgs,
+    #[command(flatten)]
+    style: StyleArgs,
     /// Camera samples per pixel [default: the scene's]
     #[arg(help_heading = SAMPLING, short, long, value_name = "SPP")]
     spp: Option<u32>,
@@ -144,6 +147,10 @@ impl Render {
         if let Some(source) = self.external.source() {
             return self.appearance(source, global, console);
         }
+        if let Some((flag, _)) = self.style.flags().first() {
+            return Err(Error::parameter("style", format!("{flag} is of figures, and the renderer writes images"))
+                .with_hint("it goes with `bsdf` FILE.py or `exec`"));
+        }
         let model = self.model.model()?;
         if self.scene.has_multiple_scattering() && model.metal != MetalErrors::NONE {
             return Err(Error::parameter("multiple_scattering", "the report's metal has single scattering alone"));
@@ -231,7 +238,7 @@ impl Render {
         let shard = self.shard.map(Shard::suffix);
         let out = self.file.as_deref().or(global.out.as_deref());
         let look = Look { tone: self.tone, exposure: self.exposure, scale: self.scale };
-        Images::new(out, Target::new(out), look, shard)
+        Images::new(out, Target::new(out, &global.arguments.subject), look, shard)
     }
 
     /// The samples to render: all, or a shard's.

@@ -7,7 +7,7 @@ use etalon_core::memory;
 use etalon_core::raster::{self, Image, Metadata, ToneMap, WriteOptions};
 use etalon_core::scene::Request;
 use etalon_figures::output::{self, Target, Written};
-use etalon_figures::view::text::counted;
+use etalon_figures::view::text::{LINE, counted, wrapped};
 use etalon_render::Dropped;
 use etalon_render::film::Part;
 use glam::DVec3;
@@ -191,8 +191,8 @@ impl<'a> Summary<'a> {
             None | Some(1.0) => String::new(),
             Some(mean) => format!(" ({mean:.2} camera paths each)"),
         };
-        let mut text = format!(
-            "{} {}x{}, {samples}{} per pixel{paths}, {}, depth {}: {:.2} s, {:.2} million samples/s\n",
+        let told = format!(
+            "{} {}x{}, {samples}{} per pixel{paths}, {}, depth {}: {:.2} s, {:.2} million samples/s",
             self.scene,
             self.width,
             self.height,
@@ -202,10 +202,12 @@ impl<'a> Summary<'a> {
             self.seconds,
             self.samples_per_second * 1e-6
         );
+        let mut text = wrapped(&told, "", LINE);
         let [of_mean, of_pixel] = [self.standard_error_mean_rgb, self.standard_error_pixel_rgb].map(rgb);
-        text += &format!("mean {}, standard error {of_mean} (of a pixel {of_pixel})\n", rgb(self.mean_rgb));
+        text += &format!("mean {}, standard error {of_mean}\n", rgb(self.mean_rgb));
+        text += &format!("standard error of a pixel {of_pixel}\n");
         if !self.left_out.is_empty() {
-            text += &format!("left out for this scene: {}\n", self.left_out.join(", "));
+            text += &wrapped(&format!("left out for this scene: {}", self.left_out.join(", ")), "", LINE);
         }
         for path in self.paths.iter().filter(|path| path.share > 0.0) {
             text += &format!("{:<7} {:>5.1} %  mean {}\n", path.class, 100.0 * path.share, rgb(path.mean_rgb));

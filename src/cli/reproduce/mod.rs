@@ -3,7 +3,7 @@
 mod progress;
 
 use super::console::Console;
-use super::global::{DEFAULT_SEED, Global, OUTPUT, Reports, Verdict, out, seed, threads};
+use super::global::{DEFAULT_SEED, Global, Reports, Verdict, out, seed, threads, verbose};
 use super::map_file::{self, MapOptions};
 use crate::cli::style::StyleArgs;
 use clap::{ArgAction, Args};
@@ -28,7 +28,7 @@ use std::time::Instant;
                         etalon reproduce --only sphere-8,sphere-error --envmap grace_latlong.exr\n  \
                         etalon reproduce --only depth-differences,iron --scenes dae/sky"
 )]
-#[command(next_help_heading = "Figures", args = [out(), seed(), threads()])]
+#[command(next_help_heading = "Figures", args = [out(), seed(), threads(), verbose()])]
 pub struct Reproduce {
     /// Smaller images and fewer samples: a quick check of everything
     #[arg(long)]
@@ -52,9 +52,6 @@ pub struct Reproduce {
     /// List the figures and stop
     #[arg(long, conflicts_with_all = ["junit", "markdown", "verbose"])]
     list: bool,
-    /// Print all checks, not only failed ones
-    #[arg(short, long, help_heading = OUTPUT, conflicts_with = "json")]
-    verbose: bool,
     #[command(flatten)]
     reports: Reports,
     #[command(flatten)]
@@ -100,7 +97,7 @@ impl Reproduce {
         let records = gallery::page::read_records(folder, gallery::registry())?;
         let seconds = |id: &str| records.get(id).filter(|r| r.setup.options == options).map(|record| record.seconds);
         let ids: Vec<&'static str> = gallery::selected(&self.only)?.iter().map(|figure| figure.id.as_str()).collect();
-        let lines = Lines { id: ids.iter().map(|id| id.len()).max().unwrap_or(0), verbose: self.verbose };
+        let lines = Lines { id: ids.iter().map(|id| id.len()).max().unwrap_or(0), verbose: global.verbose };
         let progress = Progress::new(console, ids, &seconds);
         let made = gallery::reproduce(&inputs, &self.only, folder, &options, &mut |step| match step {
             Step::Begin(figure) => progress.begin(&figure.id),

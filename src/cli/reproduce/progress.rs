@@ -202,8 +202,8 @@ mod tests {
 
     fn figure(id: &'static str, extensions: &[&str], checks: Vec<Check>) -> Reproduced {
         let files = extensions.iter().map(|extension| PathBuf::from(format!("a/b/{id}.{extension}"))).collect();
-        let (errata, claims, printed) = Default::default();
-        Reproduced { id, files, seconds: 1234.56, checks, errata, claims, printed }
+        let (errata, claims, printed, numbers) = Default::default();
+        Reproduced { id, files, seconds: 1234.56, checks, errata, claims, printed, numbers }
     }
 
     fn checks() -> Vec<Check> {

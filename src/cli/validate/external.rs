@@ -4,12 +4,14 @@ use super::super::families::{ProgramSource, REPLY_LIMIT};
 use crate::cli::console::Console;
 use crate::cli::values::setting;
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::protocol::program::External;
+use etalon_bench::likeness::Claim;
 use etalon_bench::protocol::program::bsdf::Program;
+use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
 use etalon_bench::validation::{Case, WholeBsdf, families};
 use etalon_core::error::{Error, Result};
+use etalon_stats::bsdf::Family as _;
 use etalon_stats::examine;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -25,14 +27,22 @@ pub struct Arguments {
     /// Test the sampler or the BSDF of the program that COMMAND starts
     ///
     /// Requests and replies go over its standard input and output.
-    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["names", "envmap", "pdf"])]
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["envmap", "pdf"])]
     exec: Option<String>,
     #[arg(long, value_name = "DOMAIN", help = DOMAIN, long_help = format!("{DOMAIN}\n\n{}", Space::known()))]
     domain: Option<String>,
     /// Time limit for each reply of the program
     #[arg(long, value_name = "SECONDS", default_value_t = REPLY_LIMIT, requires = "program")]
     timeout: f64,
-    /// Parameters of the program's BSDF [default: the values that it declares]
+    /// Compare the program's BSDF with this one of `etalon furnace --list`, too
+    ///
+    /// Its values and delta lobes must be those of the model, at all angles and over the range of the parameters that both have.
+    /// Parameters of the model that the program does not declare are given by --set; alpha means both widths. Without eta and k,
+    /// a metal has Schlick's Fresnel reflectance, whose value at normal incidence is fitted. If values differ, known variants are
+    /// tried: other masking, Fresnel formulas and widths. Another pdf is only remarked on.
+    #[arg(long, value_name = "MODEL", requires = "program")]
+    like: Option<String>,
+    /// Parameters of the program's BSDF [default: the values that it declares], and of --like
     #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
@@ -89,7 +99,10 @@ impl Arguments {
         console: &Console,
     ) -> Result<Option<Subject>> {
         let space = self.domain.as_deref().map(str::parse).transpose()?;
-        let source = ProgramSource::of(self.exec.as_deref(), names)?;
+        // Names beside a program's choose among its tests
+        let (python, patterns): (Vec<String>, Vec<String>) =
+            names.iter().cloned().partition(|name| program::is_python_file(name));
+        let source = ProgramSource::of(self.exec.as_deref(), &python)?;
         if source.is_none() && !self.set.is_empty() {
             return Err(Error::parameter("set", "there is no external BSDF to test")
                 .with_hint("it goes with `exec`, or with a Python file"));
@@ -99,7 +112,7 @@ impl Arguments {
                 Err(Error::parameter("samples", format!("\"{}\" is not a number", file.display()))
                     .with_hint("a program generates the samples itself"))
             }
-            (Some(source), ..) => self.program(source, space, console).map(Some),
+            (Some(source), ..) => self.program(source, &patterns, space, console).map(Some),
             (None, Some(SampleSource::File(file)), Some(pdf)) => {
                 files(file, pdf, space, console).map(|case| Some(Subject::Cases(vec![case])))
             }
@@ -117,11 +130,30 @@ impl Arguments {
         }
     }
 
-    fn program(&self, source: ProgramSource, space: Option<Space>, console: &Console) -> Result<Subject> {
+    fn program(
+        &self,
+        source: ProgramSource,
+        patterns: &[String],
+        space: Option<Space>,
+        console: &Console,
+    ) -> Result<Subject> {
         match source.start(space.clone(), self.timeout)? {
             External::Bsdf(program) => {
-                let values = families::values(&program, &self.set)?;
-                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values))))
+                let claim = self.like.as_deref().map(|name| Claim::new(name, &self.set)).transpose()?;
+                // What the program does not declare is a parameter of the model
+                let declared = program.parameters();
+                let is_own = |name: &String| declared.iter().any(|parameter| parameter.name == *name);
+                let is_of_model = |name: &String| !is_own(name) && claim.as_ref().is_some_and(|claim| claim.has(name));
+                let own: Vec<_> = self.set.iter().filter(|(name, _)| !is_of_model(name)).cloned().collect();
+                let values = families::values(&program, &own)?;
+                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values).like(claim).only(patterns)?)))
+            }
+            External::Sampler(_) if self.like.is_some() => {
+                Err(Error::parameter("like", "the program has a sampler, and a model is a BSDF"))
+            }
+            External::Sampler(_) if !patterns.is_empty() => {
+                Err(Error::parameter("names", format!("there is no test \"{}\": a sampler has one test", patterns[0]))
+                    .with_hint("a program is tested alone; names choose among the tests of a BSDF"))
             }
             External::Sampler(_) if !self.set.is_empty() => {
                 Err(Error::parameter("set", "the program has a sampler, which has no parameters"))

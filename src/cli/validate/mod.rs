@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
     after_long_help = "Writes validation.{csv,svg,png,pdf}, for rejected tests (with --figures: for all) also validation-TEST.{csv,svg,png,pdf}; for a single test, validation-TEST with its figure, and validation-TEST-counts.csv. Exit code 1 if any test is rejected, 3 if none is but some are \
                         inconclusive, or if interrupted.\n\nExamples:\n  etalon validate\n  etalon validate bsdf/ggx 'normals/*/all'\n  \
                         etalon validate map --envmap my.exr --detect 0.01\n  etalon validate warp --figures --junit warp.xml\n  \
-                        etalon validate my_sampler.py\n  etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
+                        etalon validate my_sampler.py\n  etalon validate my_bsdf.py formula weights/60\n  etalon validate --exec 'python3 examples/sampler.py' --domain hemisphere\n  \
                         etalon validate --exec 'python3 examples/bsdf.py' --set exponent=100\n  \
                         etalon validate --samples samples.csv --pdf density.exr"
 )]
@@ -35,7 +35,8 @@ use std::path::{Path, PathBuf};
 pub struct Validate {
     /// Tests, families, patterns with * and ?, or a Python file [default: all]
     ///
-    /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi).
+    /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi). Names after it, or with
+    /// --exec, choose tests of the BSDF: formula, albedo/60.
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop
@@ -60,6 +61,9 @@ pub struct Validate {
     /// Observed counts, expected counts, and residuals.
     #[arg(long, help_heading = OUTPUT)]
     figures: bool,
+    /// Print accepted tests, too, a line for each
+    #[arg(short, long, help_heading = OUTPUT)]
+    verbose: bool,
     /// Add a map of your own to the tests, as map/NAME
     #[arg(long, value_name = "MAP")]
     envmap: Option<OsString>,
@@ -81,14 +85,7 @@ impl Validate {
                 list(&faults.iter().map(|fault| fault.name.to_owned()).collect::<Vec<_>>(), console);
                 return Ok(Verdict::Good);
             }
-            return planted::run(
-                faults,
-                !self.names.is_empty(),
-                &self.protocol(global),
-                &self.reports,
-                global,
-                console,
-            );
+            return planted::run(faults, &self.names, &self.protocol(global), &self.reports, global, console);
         }
         let subject = self.subject(console)?;
         if self.list {
@@ -98,7 +95,8 @@ impl Validate {
         let protocol = self.protocol(global);
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let name = subject.name().map_or("validation".into(), |name| format!("validation-{}", output::file_name(name)));
+        let named = subject.name().map(|name| vec![name.to_owned()]);
+        let name = output::name_of_run("validation", named.as_ref().unwrap_or(&self.names));
         let stem = target.stem(&name, "", &output::STUDY)?;
         let bar = console.progress(subject.names().len() as u64, "validate", "tests");
         let validation = match &subject {
@@ -120,7 +118,7 @@ impl Validate {
         }
         saving.add(self.reports.write(&checks(&validation)));
         let (files, saved) = saving.end();
-        console.saved(&validation, &target.written(files), || view::text(&validation));
+        console.saved(&validation, &target.written(files), || view::text(&validation, self.verbose));
         saved?;
         Ok(match validation {
             Validation { interrupted: true, .. } => Verdict::Inconclusive,
@@ -164,11 +162,15 @@ impl Validate {
     }
 }
 
-/// Writes the counts of one test, if it has any, and their drawing.
+/// Writes the counts of one test, or the numbers that differ, if it has any, and their drawing.
 fn draw_counts(tested: &Tested, style: &Style, target: &output::Target) -> Result<Vec<PathBuf>> {
-    let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
+    let table = match (&tested.outcome.counts, &tested.outcome.compared) {
+        (Some(counts), _) => output::csv(&cells::rows(counts))?,
+        (None, Some(compared)) => output::csv(&cells::compared_rows(compared))?,
+        (None, None) => return Ok(Vec::new()),
+    };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
-    output::write(&stem, &cells::drawing(tested), style, &output::csv(&cells::rows(counts))?)
+    output::write(&stem, &cells::drawing(tested), style, &table)
 }
 
 /// Writes the counts of the only test, if it has any.

@@ -8,17 +8,17 @@ use etalon_core::error::Result;
 use etalon_core::files;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
-use etalon_figures::view::text::{counted, wrapped};
+use etalon_figures::view::text::{LINE, counted, wrapped};
 use etalon_figures::view::validation::{self as view, found, p_text};
 use etalon_stats::Protocol;
 
 pub use planted::all;
 
 /// Runs planted faults; writes and prints the findings, and of each fault what the mistake is and what the test says if
-/// `explain`.
+/// `names` were given.
 pub fn run(
     faults: Vec<PlantedFault>,
-    explain: bool,
+    names: &[String],
     protocol: &Protocol,
     reports: &Reports,
     global: &Global,
@@ -26,7 +26,7 @@ pub fn run(
 ) -> Result<Verdict> {
     reports.check()?;
     let target = global.target();
-    let path = output::with_extension(&target.stem("planted", "", &["csv"])?, "csv");
+    let path = output::with_extension(&target.stem(&output::name_of_run("planted", names), "", &["csv"])?, "csv");
     let bar = console.progress(2 * faults.len() as u64, "planted faults", "runs");
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
@@ -34,7 +34,7 @@ pub fn run(
     saving.add(files::write_bytes(&path, &output::csv(&view::planted_rows(&findings))?).map(|()| vec![path]));
     saving.add(reports.write(&checks(&findings)));
     let (files, saved) = saving.end();
-    console.saved(&findings, &target.written(files), || text(&findings, explain));
+    console.saved(&findings, &target.written(files), || text(&findings, !names.is_empty()));
     saved?;
     Ok(Verdict::of(findings.is_good(), findings.interrupted))
 }
@@ -74,9 +74,9 @@ fn text(findings: &Findings, explain: bool) -> String {
         let outcome = &test.outcome;
         let mut text = String::new();
         if explain {
-            text += &wrapped(&format!("mistake: {}", test.mistake), "  ", 100);
+            text += &wrapped(&format!("mistake: {}", test.mistake), "  ", LINE);
             let found = outcome.findings();
-            found.iter().for_each(|found| text += &wrapped(&format!("found: {found}"), "  ", 100));
+            found.iter().for_each(|found| text += &wrapped(&format!("found: {found}"), "  ", LINE));
         }
         if outcome.verdict != etalon_stats::Verdict::Reject {
             text += &format!("  {}\n", outcome.reason().unwrap_or_else(|| test.mistake.to_owned()));

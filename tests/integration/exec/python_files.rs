@@ -122,6 +122,15 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
         (arrays(&STACK.replace("np.stack([", "").replace("], axis=1)", ""), pdf), "a tuple of 3 arrays"),
         (arrays(STACK, "w[:, 2:] / np.pi"), "pdf returned an array of shape (7, 1) for 7 samples; wanted (7,): take"),
         (arrays(STACK, "w[:, 2].mean()"), "pdf returned one number for 7 samples"),
+        (
+            PLAIN.replace(", sqrt(1 - u0)", "").replace("PDF", "w[2] / pi"),
+            "and pdf takes 3; sample should return 3 coordinates, the x, y and z of a unit vector",
+        ),
+        (arrays(&STACK.replace(", np.sqrt(1 - u[:, 0])", ""), pdf), "sample returns 2 coordinates, such as (0."),
+        (
+            PLAIN.replace("pdf(w)", "pdf(x, y)").replace("PDF", "1 / pi"),
+            "pdf takes 2 coordinates, and sample returns 3, such as (0.",
+        ),
         (PLAIN.replace("pdf(w)", "pdf(w, q)"), "pdf takes 2 arguments; wanted 1, or one for each of 3 coordinates"),
         (PLAIN.replace("sample(u0, u1)", "sample()"), "sample takes no argument; wanted sample(u)"),
         (PLAIN.replace("    return PDF", "    pass"), "pdf returned None for one sample; wanted a number"),
@@ -141,8 +150,9 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
     for (words, said) in [
         (&["validate", "nothing.py"][..], "nothing.py: there is no such file"),
         (&["furnace", "nothing.py"], "nothing.py: there is no such file"),
-        (&["validate", "a.py", "warp"], "a.py is not the only one"),
-        (&["validate", "a.py", "--exec", "true"], "cannot be used"),
+        (&["validate", "a.py", "b.py"], "a.py is not the only one"),
+        (&["furnace", "a.py", "ggx"], "a.py is not the only one"),
+        (&["validate", "a.py", "--exec", "true"], "is given, too"),
         (&["validate", "warp", "--set", "alpha=1"], "--set"),
     ] {
         let ran = etalon(folder.path(), words);
@@ -176,7 +186,35 @@ fn bsdfs_of_files_are_tested() {
     let Some(ran) = validate(&right, &["--detect", "0.2", "--set", "albedo=0.9"]) else { return };
     assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
     let rejected = validate(&wrong, &["--samples", "10000"]).unwrap();
-    assert!(rejected.code == 1 && rejected.stdout.contains("mine/formula/30"), "{}", rejected.stdout);
+    // The verdict and why come first, and accepted tests are folded.
+    let lines: Vec<&str> = rejected.stdout.lines().collect();
+    let first =
+        lines[0].contains(" accepted, ") && lines[2].trim_start().starts_with("mine/formula/30: reject: weight · pdf");
+    assert!(rejected.code == 1 && first, "{}", rejected.stdout);
+    assert!(rejected.stdout.contains("accepted: values 6, ") && !rejected.stdout.contains("mine/values/30"));
+    let chosen = |more: &[&str]| validate(&wrong, &[more, &["--samples", "10000", "-v"]].concat()).unwrap();
+    let formula = chosen(&["formula", "mine/values/60"]);
+    assert!(formula.code == 1 && formula.stdout.contains("mine/values/60   accept"), "{}", formula.stdout);
+    let unknown = chosen(&["formla"]);
+    assert!(unknown.code == 2 && unknown.stderr.contains("there is no test \"mine/formla\""), "{}", unknown.stderr);
+    assert_eq!(chosen(&["partition"]).code, 2, "no test applies");
+}
+
+#[test]
+fn a_file_is_compared_with_the_model_that_it_claims_to_be() {
+    let right = DIFFUSE.replace("WEIGHT", "albedo");
+    let bright = right.replace("return albedo / pi", "return 1.02 * albedo / pi");
+    assert_ne!(right, bright);
+    let like = |file: &str, more: &[&str]| validate(file, &[&["like", "--like"], more].concat());
+    let (Some(same), Some(other)) = (like(&right, &["diffuse"]), like(&bright, &["diffuse"])) else { return };
+    assert!(same.code == 0 && same.stdout.contains("mine/like/diffuse  accept"), "{} {}", same.stdout, same.stderr);
+    assert!(other.code == 1 && other.stdout.contains("2.0 % too bright everywhere"), "{}", other.stdout);
+    for (args, said) in [(&["lambert"][..], "there is no BSDF \"lambert\""), (&["ggx"], "ggx needs alpha_x")] {
+        let refused = like(&right, args).unwrap();
+        assert!(refused.code == 2 && refused.stderr.contains(said), "{}", refused.stderr);
+    }
+    let sampler = run(&PLAIN.replace("PDF", "w[2] / pi"), &["validate", "mine.py", "--like", "ggx"]).unwrap();
+    assert!(sampler.code == 2 && sampler.stderr.contains("a model is a BSDF"), "{}", sampler.stderr);
 }
 
 #[test]

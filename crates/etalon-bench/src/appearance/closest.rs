@@ -66,13 +66,13 @@ fn squares(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|x| x * x).sum()
 }
 
-/// The BSDF of this program whose values are closest to those of `bsdf`: the parameters of each family are fitted one after the other,
+/// The BSDF of this program whose values are closest to those of `bsdf`, and its family: the parameters of each family are fitted one after the other,
 /// by ever smaller steps. Left out are the errors of the reports, BSDFs of multiple scattering, whose tables take long to compute for
 /// each width, and those that transmit where `bsdf` does not, or the reverse.
 ///
 /// # Errors
 /// [`Error::Input`] for a BSDF without positive values, such as one of delta lobes alone; those of its program.
-pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
+pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<(Model, Family)> {
     let transmits = bsdf.properties().transmission;
     let pairs = pairs(transmits);
     let wanted = values(bsdf, &pairs)?;
@@ -85,10 +85,10 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
         let found = values(&*family.with(&at(family, shares))?, &pairs)?;
         Ok((squares(found.iter().zip(&wanted).map(|(a, b)| a - b)) / norm).sqrt())
     };
-    let fitted = |family: &Family| -> Result<Option<Model>> {
+    let fitted = |family: Family| -> Result<Option<(Model, Family)>> {
         let parameters = family.parameters();
         let mut shares: Vec<f64> = parameters.iter().map(share).collect();
-        let usual = at(family, &shares);
+        let usual = at(&family, &shares);
         let is_left_out = matches!(
             family.bsdf(&usual),
             Bsdf::CompensatedBeckmann(_) | Bsdf::CompensatedGgx(_) | Bsdf::ErrataConductor(_)
@@ -96,7 +96,7 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
         if is_left_out || family.with(&usual)?.properties().transmission != transmits {
             return Ok(None);
         }
-        let mut least = difference(family, &shares)?;
+        let mut least = difference(&family, &shares)?;
         for width in WIDTHS {
             for round in 0..ROUNDS {
                 let before = least;
@@ -110,7 +110,7 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
                         let mut tried = shares.clone();
                         let share = middle + width * (step as f64 / STEPS as f64 - 0.5);
                         [Some(i), across].into_iter().flatten().for_each(|k| tried[k] = share);
-                        let found = difference(family, &tried)?;
+                        let found = difference(&family, &tried)?;
                         if found < least {
                             (shares, least) = (tried, found);
                         }
@@ -122,15 +122,15 @@ pub fn closest(name: &str, bsdf: &dyn BatchBsdf) -> Result<Model> {
             }
         }
         let names = parameters.into_iter().map(|parameter| parameter.name);
-        let parameters = names.zip(at(family, &shares)).collect();
-        Ok(Some(Model { name: family.name().to_owned(), parameters, difference: least }))
+        let parameters = names.zip(at(&family, &shares)).collect();
+        let model = Model { name: family.name().to_owned(), parameters, difference: least };
+        Ok(Some((model, family)))
     };
-    let families = families::all();
-    let models = families.par_iter().map(fitted).collect::<Result<Vec<_>>>()?;
-    let models: Vec<Model> = models.into_iter().flatten().collect();
-    let least = models.iter().map(|model| model.difference).fold(f64::INFINITY, f64::min);
-    let as_close = models.into_iter().filter(|model| model.difference <= least + AS_CLOSE);
-    let best = as_close.min_by(|a, b| {
+    let models = families::all().into_par_iter().map(fitted).collect::<Result<Vec<_>>>()?;
+    let models: Vec<(Model, Family)> = models.into_iter().flatten().collect();
+    let least = models.iter().map(|(model, _)| model.difference).fold(f64::INFINITY, f64::min);
+    let as_close = models.into_iter().filter(|(model, _)| model.difference <= least + AS_CLOSE);
+    let best = as_close.min_by(|(a, _), (b, _)| {
         let parameters = a.parameters.len().cmp(&b.parameters.len());
         parameters.then(a.difference.total_cmp(&b.difference))
     });
@@ -165,7 +165,8 @@ mod tests {
         ] {
             let family = all.iter().find(|family| family.name() == name).unwrap();
             let chosen: Vec<(String, f64)> = chosen.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-            let found = closest(name, &*family.with(&families::values(family, &chosen).unwrap()).unwrap()).unwrap();
+            let (found, _) =
+                closest(name, &*family.with(&families::values(family, &chosen).unwrap()).unwrap()).unwrap();
             assert!(found.name == name && found.difference < 0.03, "{found:?}");
         }
     }

@@ -1,16 +1,19 @@
-//! What a BSDF of another program looks like: the spheres of a scene with it, and with the model of this program that is closest to it.
+//! What a BSDF of another program looks like: the spheres of a scene with it; with its values alone, for directions that are uniform on the
+//! hemisphere or the sphere, which shows what a fault of its samples, pdf or weights does to the image; and with the model of this program
+//! that is closest to it, which shows what a fault of its values does.
 //!
-//! A path tracer of its own renders both, by light sampling and BSDF sampling combined by multiple importance sampling. It follows one
+//! A path tracer of its own renders all, by light sampling and BSDF sampling combined by multiple importance sampling. It follows one
 //! path of every pixel at a time, so that a program gets its requests by the thousand. It shares BSDFs, shapes and the sampler of the
 //! map with the renderer, and no more: foreign code has no place in its lanes.
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
 
+mod by_value;
 mod closest;
 
 pub use closest::{Model, closest};
 
-use crate::validation::families;
+use by_value::ByValue;
 use etalon_core::envmap::samplers::{MapSampling, SurfaceSampler};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
@@ -19,7 +22,7 @@ use etalon_core::raster::Image;
 use etalon_core::sampling::stream::CounterRng;
 use etalon_core::sampling::warp;
 use etalon_core::scene::{Emission, Environment, Material, Object, Ray, Rectangle, Request, Scene, Shape};
-use etalon_stats::bsdf::{BatchBsdf, Density, Direction, Family, Pair, Properties, Spectrum};
+use etalon_stats::bsdf::{BatchBsdf, Density, Direction, Family as _, Pair, Properties, Spectrum};
 use glam::{DVec3, Vec3};
 use rand::RngExt;
 use serde::Serialize;
@@ -40,26 +43,128 @@ pub struct Appearance {
     pub width: usize,
     pub height: usize,
     pub spp: u32,
-    /// Mean difference over the pixels that show the BSDF, in percent of the model's mean there.
-    pub mean_difference_percent: f64,
-    /// Its standard error.
-    pub standard_error_percent: f64,
-    /// Mean absolute difference of these pixels, in percent.
-    pub pixel_difference_percent: f64,
-    /// What noise alone makes of that.
-    pub pixel_noise_percent: f64,
+    /// From the image of the closest model.
+    #[serde(flatten)]
+    pub of_model: Difference,
+    /// From the image by values alone.
+    pub sampling: Difference,
     /// Paths whose light was not finite or negative, which count as black.
     pub dropped: u64,
     pub seconds: f64,
-    /// With the BSDF, and with the model.
+    /// With the BSDF, by its values alone, and with the model.
     #[serde(skip)]
-    pub images: [Image; 2],
-    /// The difference of each pixel in percent; NaN where the model's pixel is black.
+    pub images: [Rendered; 3],
+}
+
+/// An image and the standard errors of its pixels.
+pub struct Rendered {
+    pub image: Image,
+    pub error: Image,
+}
+
+/// How the image with the BSDF differs from another over the pixels that show it, in percent of the other's mean there. Field names are JSON keys.
+#[derive(Serialize)]
+pub struct Difference {
+    pub mean_difference_percent: f64,
+    /// Its standard error.
+    pub standard_error_percent: f64,
+    /// Mean absolute difference of the pixels.
+    pub pixel_difference_percent: f64,
+    /// What noise alone makes of that.
+    pub pixel_noise_percent: f64,
+    /// The difference of each pixel and those around it, [`AROUND`] to each side; NaN where the other is black.
     #[serde(skip)]
     pub percent: Vec<f64>,
 }
 
-/// Renders the spheres of a scene with `bsdf` and with the model closest to it; `step` is called after each sample of all pixels.
+/// Pixels to each side over which differences of pixels are averaged: noise would hide them.
+pub const AROUND: usize = 2;
+
+impl Difference {
+    /// Whether it is more than noise, in the mean or in the pixels.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        const ERRORS: f64 = 4.0;
+        const OVER_NOISE: f64 = 1.5;
+        self.mean_difference_percent.abs() > ERRORS * self.standard_error_percent
+            || self.pixel_difference_percent > OVER_NOISE * self.pixel_noise_percent
+    }
+}
+
+/// The samples of the pixels of an image.
+struct Sums {
+    sums: Vec<DVec3>,
+    squares: Vec<DVec3>,
+}
+
+impl Sums {
+    fn add(&mut self, light: &[DVec3]) {
+        for ((sum, square), light) in self.sums.iter_mut().zip(&mut self.squares).zip(light) {
+            *sum += light;
+            *square += light * light;
+        }
+    }
+
+    fn rendered(&self, request: &Request) -> Rendered {
+        let n = f64::from(request.spp);
+        let image = |pixels: Vec<Vec3>| Image::from_pixels(request.width, request.height, pixels);
+        let error = |(sum, square): (&DVec3, &DVec3)| {
+            let variance = (square - sum * sum / n).max(DVec3::ZERO) / (n * (n - 1.0));
+            variance.map(f64::sqrt).as_vec3()
+        };
+        Rendered {
+            image: image(self.sums.iter().map(|sum| (sum / n).as_vec3()).collect()),
+            error: image(self.sums.iter().zip(&self.squares).map(error).collect()),
+        }
+    }
+}
+
+/// The differences of samples between two images, in grey.
+struct Differences {
+    /// Of each pixel, over even and over odd samples.
+    halves: [Vec<f64>; 2],
+    /// The mean over the pixels that show the BSDF, of each sample.
+    means: Vec<f64>,
+}
+
+impl Differences {
+    fn add(&mut self, [a, b]: [&[DVec3]; 2], shows: &[usize]) {
+        let half = &mut self.halves[self.means.len() % 2];
+        let differences: Vec<f64> = shows.iter().map(|&i| grey(a[i]) - grey(b[i])).collect();
+        shows.iter().zip(&differences).for_each(|(&i, difference)| half[i] += difference);
+        self.means.push(differences.iter().sum::<f64>() / shows.len() as f64);
+    }
+
+    fn difference(&self, [a, b]: [&Sums; 2], shows: &[usize], width: usize) -> Difference {
+        let n = self.means.len() as f64;
+        let reference = shows.iter().map(|&i| grey(b.sums[i])).sum::<f64>() / (n * shows.len() as f64);
+        let percent_of = |x: f64| 100.0 * x / reference;
+        let mean = self.means.iter().sum::<f64>() / n;
+        let variance = self.means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let over_pixels = |sign: f64| {
+            let of = |i: &usize| (self.halves[0][*i] + sign * self.halves[1][*i]).abs() / n;
+            percent_of(shows.iter().map(of).sum::<f64>() / shows.len() as f64)
+        };
+        let height = a.sums.len() / width;
+        let around = |of: &Sums, i: usize| -> f64 {
+            let near = |at: usize, end: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(end);
+            near(i / width, height)
+                .flat_map(|y| near(i % width, width).map(move |x| grey(of.sums[y * width + x])))
+                .sum()
+        };
+        let percent = |i: usize| 100.0 * (around(a, i) - around(b, i)) / around(b, i);
+        Difference {
+            mean_difference_percent: percent_of(mean),
+            standard_error_percent: percent_of((variance / n).sqrt()),
+            pixel_difference_percent: over_pixels(1.0),
+            pixel_noise_percent: over_pixels(-1.0),
+            percent: (0..a.sums.len()).map(percent).collect(),
+        }
+    }
+}
+
+/// Renders the spheres of a scene with `bsdf`, by its values alone, and with the model closest to it; `step` is called after each sample of all
+/// pixels of an image.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a scene that has more than spheres, diffuse rectangles and a map; those of [`closest`]; those of the program.
@@ -72,57 +177,39 @@ pub fn appearance(
 ) -> Result<Appearance> {
     let started = std::time::Instant::now();
     let tracer = Tracer::new(scene, request, bsdf.properties().transmission, seed)?;
-    let model = closest(name, bsdf)?;
-    let family = families::all().into_iter().find(|family| family.name() == model.name);
-    let family = family.ok_or_else(|| Error::parameter("names", format!("there is no BSDF {}", model.name)))?;
+    let (model, family) = closest(name, bsdf)?;
     let values: Vec<f64> = model.parameters.iter().map(|(_, value)| *value).collect();
     let own = family.with(&values)?;
-    // Samples of the differences, all pixels of one after those of another
-    let pixels = request.width * request.height;
-    let (mut sums, mut dropped) = ([vec![DVec3::ZERO; pixels], vec![DVec3::ZERO; pixels]], 0);
-    let shows = tracer.shows();
-    let mut halves = [vec![0.0; pixels], vec![0.0; pixels]];
-    let mut means = Vec::new();
+    let by_value = ByValue::new(bsdf);
+    let (pixels, shows) = (request.width * request.height, tracer.shows());
+    let zeros = || vec![DVec3::ZERO; pixels];
+    let mut sums = [(); 3].map(|()| Sums { sums: zeros(), squares: zeros() });
+    let none = || Differences { halves: [vec![0.0; pixels], vec![0.0; pixels]], means: Vec::new() };
+    let ([mut sampling, mut of_model], mut dropped) = ([none(), none()], 0);
     for sample in 0..request.spp {
         let mut light = Vec::new();
-        for (bsdf, sum) in [bsdf, &*own].into_iter().zip(&mut sums) {
+        for (bsdf, sums) in [bsdf, &by_value, &*own].into_iter().zip(&mut sums) {
             let (found, lost) = tracer.sample(bsdf, sample)?;
-            sum.iter_mut().zip(&found).for_each(|(sum, found)| *sum += found);
+            sums.add(&found);
             dropped += lost;
             light.push(found);
             step();
         }
-        let difference = |i: &usize| grey(light[0][*i]) - grey(light[1][*i]);
-        shows.iter().for_each(|i| halves[(sample % 2) as usize][*i] += difference(i));
-        means.push(shows.iter().map(difference).sum::<f64>() / shows.len() as f64);
+        sampling.add([&light[0], &light[1]], &shows);
+        of_model.add([&light[0], &light[2]], &shows);
     }
-    let n = f64::from(request.spp);
-    let reference = shows.iter().map(|&i| grey(sums[1][i])).sum::<f64>() / (n * shows.len() as f64);
-    let percent_of = |x: f64| 100.0 * x / reference;
-    let mean = means.iter().sum::<f64>() / n;
-    let variance = means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let over_pixels = |sign: f64| {
-        let of = |i: &usize| (halves[0][*i] + sign * halves[1][*i]).abs() / n;
-        percent_of(shows.iter().map(of).sum::<f64>() / shows.len() as f64)
-    };
-    let percent = |(a, b): (&DVec3, &DVec3)| 100.0 * (grey(*a) - grey(*b)) / grey(*b);
-    let image = |sum: &Vec<DVec3>| {
-        Image::from_pixels(request.width, request.height, sum.iter().map(|p| (p / n).as_vec3()).collect())
-    };
+    let [with_bsdf, with_values, with_model] = &sums;
     Ok(Appearance {
         scene: scene.name.clone(),
         bsdf: name.to_owned(),
         width: request.width,
         height: request.height,
         spp: request.spp,
-        mean_difference_percent: percent_of(mean),
-        standard_error_percent: percent_of((variance / n).sqrt()),
-        pixel_difference_percent: over_pixels(1.0),
-        pixel_noise_percent: over_pixels(-1.0),
+        sampling: sampling.difference([with_bsdf, with_values], &shows, request.width),
+        of_model: of_model.difference([with_bsdf, with_model], &shows, request.width),
         dropped,
         seconds: started.elapsed().as_secs_f64(),
-        percent: sums[0].iter().zip(&sums[1]).map(percent).collect(),
-        images: [image(&sums[0]), image(&sums[1])],
+        images: sums.each_ref().map(|sums| sums.rendered(request)),
         model,
     })
 }
@@ -439,8 +526,10 @@ fn area_pdf(rectangle: &Rectangle, wi: Vec3, distance: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::validation::families;
     use etalon_core::scene::builtin;
     use etalon_render::{Settings, Silent, render};
+    use etalon_stats::bsdf::Parameter;
 
     fn mean(light: &[DVec3]) -> f64 {
         light.iter().copied().map(grey).sum::<f64>() / light.len() as f64
@@ -471,6 +560,31 @@ mod tests {
         for (scene, albedo) in [(builtin::cornell_lambert(), 0.6), (builtin::sphere_env(environment), 1.0)] {
             let [found, error, expected] = means(scene, albedo);
             assert!(error < 0.01 * expected && (found - expected).abs() < 5.0 * error, "{found} ± {error}, {expected}");
+        }
+    }
+
+    /// A BSDF of the program looks the same by its values alone: with a diffuse and a glossy lobe, with glass and its delta lobes.
+    #[test]
+    fn values_alone_make_the_same_image() {
+        let map = etalon_core::envmap::EnvMap::new(Image::from_fn(8, 4, |x, _| Vec3::splat(1.0 + x as f32)));
+        let environment = Environment::upright(map.into(), "smooth", 1.0);
+        let (scene, request) = builtin::sphere_env(environment);
+        let (scene, request) = scene.resized(request, [24, 18]);
+        let request = Request { spp: 256, max_depth: 3, ..request };
+        for name in ["ggx", "ggx-dielectric", "dielectric"] {
+            let all = families::all();
+            let family = all.iter().find(|family| family.name() == name).unwrap();
+            // Wide lobes, which uniform directions meet
+            let wide = |parameter: &Parameter| if parameter.name.starts_with("alpha") { 0.7 } else { parameter.value };
+            let bsdf = family.with(&family.parameters().iter().map(wide).collect::<Vec<f64>>()).unwrap();
+            let tracer = Tracer::new(&scene, &request, bsdf.properties().transmission, 1).unwrap();
+            let of = |bsdf: &dyn BatchBsdf, i: u32| mean(&tracer.sample(bsdf, i).unwrap().0);
+            let by_value = ByValue::new(&*bsdf);
+            let differences: Vec<f64> = (0..request.spp).map(|i| of(&*bsdf, i) - of(&by_value, i)).collect();
+            let n = differences.len() as f64;
+            let found = differences.iter().sum::<f64>() / n;
+            let error = (differences.iter().map(|x| (x - found).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+            assert!(found.abs() < 4.0 * error && error < 0.2, "{name}: {found} ± {error}");
         }
     }
 

@@ -88,10 +88,10 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Whether an image keeps it; a metric that is not defined does not.
+    /// Whether an image keeps it. It does not where the metric is not defined, or has left out pixels that are not finite.
     #[must_use]
     pub fn holds(&self, measured: &Measured) -> bool {
-        self.metric.of(measured) <= self.most
+        measured.numbers.non_finite == 0 && self.metric.of(measured) <= self.most
     }
 }
 
@@ -108,6 +108,9 @@ mod tests {
         assert!(limit("mse", 0.0625) && !limit("mse", 0.0624) && limit("max_abs", 0.25) && !limit("flip", 1e-3));
         let black = Measured::of(&grey(0.75), &grey(0.0)).unwrap();
         assert!(!Limit { metric: Metric::named("hdr_flip").unwrap(), most: 1.0 }.holds(&black), "FLIP is not defined");
+        let holed = Image::from_fn(16, 12, |x, y| Rgb::splat(if x + y == 0 { f32::NAN } else { 0.5 }));
+        let holed = Measured::of(&holed, &grey(0.5)).unwrap();
+        assert!(!Limit { metric: Metric::named("mse").unwrap(), most: 1.0 }.holds(&holed), "a pixel is left out");
         assert!(!measured.identical && Measured::of(&grey(0.5), &grey(0.5)).unwrap().identical);
         assert!(Metric::named("fllip").is_none() && METRICS.iter().all(|m| Metric::named(m.name).is_some()));
     }

@@ -6,7 +6,6 @@ use super::reference::Reference;
 use crate::fit;
 use etalon_core::error::Result;
 use etalon_core::raster::{Comparison, DisplayMetrics, Image};
-use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;
@@ -44,7 +43,7 @@ pub struct Level {
     pub psnr: f64,
     /// SSIM of the first replicate.
     pub ssim: Option<f64>,
-    /// 1 / (MSE · processor time).
+    /// 1 / (MSE · processor time); the MSE includes the bias.
     pub efficiency: f64,
 }
 
@@ -242,14 +241,6 @@ impl Curve {
             };
             -(mse * time).ln()
         })
-    }
-
-    /// 1/(variance · processor time) at the last level, the variance being what is left of the MSE without the squared bias;
-    /// `None` where that is within two standard errors of nothing.
-    pub fn variance_efficiency(&self) -> Option<f64> {
-        let level = self.levels.last()?;
-        let variance = level.mse.value - self.bias2.value.at_least(0.0);
-        (variance > 2.0 * self.bias2.standard_error).then(|| 1.0 / (variance * level.cpu_seconds))
     }
 
     /// The level whose processor time is nearest to `seconds`, by their ratio.

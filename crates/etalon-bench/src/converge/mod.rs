@@ -42,9 +42,13 @@ pub enum Asked<'a> {
     By(&'a Contender),
 }
 
+/// The most of the budget that the reference may take.
+const REFERENCE: f64 = 0.5;
+
 /// Measures the contenders on a scene.
 ///
-/// Without a reference that is `asked` for, one is made here, within half of the budget.
+/// Without a reference that is `asked` for, it is the exact image where one is known, whatever that takes, else a long render; both
+/// within half of the budget.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a plan that cannot be carried out, two contenders of one name, or a strategy that the scene has no
@@ -73,12 +77,18 @@ pub fn measure(
         height: request.height,
         ..Convergence::default()
     };
-    if let Some(truth) = make_reference(scene, request, plan, asked, &all.share(0.5))? {
-        result.reference = Some(truth.facts.clone());
-        schedule::run(scene, request, contenders, plan, &truth, &all, &mut result)?;
-        result.truth = Some(truth);
-    } else {
-        result.cut.push("the reference: nothing was measured".into());
+    match make_reference(scene, request, plan, asked, &all.share(REFERENCE))? {
+        Ok(truth) => {
+            result.reference = Some(truth.facts.clone());
+            schedule::run(scene, request, contenders, plan, &truth, &all, &mut result)?;
+            result.truth = Some(truth);
+        }
+        Err(seconds) => {
+            let what = if seconds.is_some() { "the exact image" } else { "the reference" };
+            result.cut.push(format!("{what}: nothing was measured"));
+            // As much again for the curves
+            result.sufficient_budget = seconds.map(|seconds| 2.0 * seconds / REFERENCE);
+        }
     }
     result.interrupted = interrupt::requested();
     result.seconds = start.elapsed().as_secs_f64();
@@ -106,24 +116,25 @@ pub fn cuts(
     measure(scene, request, &Contender::of(&strategies), &plan, known.map(Asked::Known))
 }
 
+/// The reference; without one, the seconds that it takes, where these are known.
 fn make_reference(
     scene: &Scene,
     request: &Request,
     plan: &Plan,
     asked: Option<Asked<'_>>,
     deadline: &Deadline,
-) -> Result<Option<Reference>> {
+) -> Result<std::result::Result<Reference, Option<f64>>> {
     let max_spp = plan.last_spp().saturating_mul(FURTHER).min(1 << 24);
     match asked {
-        Some(Asked::Known(known)) => return Ok(Some(known.clone())),
-        Some(Asked::By(contender)) => return Reference::by(contender, scene, request, plan.seed, max_spp, deadline),
-        None => {}
+        Some(Asked::Known(known)) => Ok(Ok(known.clone())),
+        Some(Asked::By(contender)) => {
+            Ok(Reference::by(contender, scene, request, plan.seed, max_spp, deadline)?.ok_or(None))
+        }
+        None => match Reference::exact(scene, request, deadline) {
+            Some(exact) => Ok(exact.map_err(Some)),
+            None => Ok(Reference::rendered(scene, request, plan.seed, max_spp, deadline)?.ok_or(None)),
+        },
     }
-    // An exact image that takes more than half of the time leaves the rest to a rendered one.
-    if let Some(exact) = Reference::exact(scene, request, &deadline.share(0.5)) {
-        return Ok(Some(exact));
-    }
-    Reference::rendered(scene, request, plan.seed, max_spp, deadline)
 }
 
 #[cfg(test)]

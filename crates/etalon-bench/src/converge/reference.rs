@@ -8,6 +8,7 @@ use etalon_core::math::Rgb;
 use etalon_core::raster::{Comparison, Image, compare, compare_with_halves};
 use etalon_core::scene::{Environment, Material, Object, PixelFilter, Projection, Request, Scene, Shape};
 use etalon_render::Settings;
+use etalon_stats::Extremes;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -52,12 +53,18 @@ const PROBES: usize = 64;
 const RING: [f64; 2] = [0.05, 0.95];
 
 impl Reference {
-    /// The exact image where there is one; `None` for other scenes and if the deadline comes first.
-    pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Self> {
-        let image = lit_sphere(scene, request, deadline).or_else(|| white_furnace(scene, request))?;
+    /// The exact image where there is one, or the seconds that it takes if the deadline comes first; `None` for other scenes.
+    pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<std::result::Result<Self, f64>> {
+        let image = match lone_sphere(scene, request) {
+            Some((environment, albedo)) => match lit_sphere(environment, albedo, request.width, deadline) {
+                Ok(image) => image,
+                Err(seconds) => return Some(Err(seconds)),
+            },
+            None => white_furnace(scene, request)?,
+        };
         let Comparison { mean_a, pixels, .. } = compare(&image, &image).ok()?;
         let facts = Facts { exact: true, spp: 0, rmse: 0.0, mean: mean_a, pixels, source: "the exact image".into() };
-        Some(Self { halves: [image.clone(), image], facts })
+        Some(Ok(Self { halves: [image.clone(), image], facts }))
     }
 
     /// An image of unknown noise, which counts as error of what is compared with it. `source` says where it comes from.
@@ -84,6 +91,9 @@ impl Reference {
         max_spp: u32,
         deadline: &Deadline,
     ) -> Result<Option<Self>> {
+        if deadline.is_over() {
+            return Ok(None);
+        }
         let request = Request { spp: max_spp, light_samples: LIGHT_SAMPLES, ..*request };
         let half = |i: u64| {
             let settings = Settings { seed: seed.wrapping_add(SEED_OFFSET + i), ..Settings::usual() };
@@ -172,11 +182,15 @@ impl Reference {
 }
 
 /// The mean radiance over each pixel of a diffuse sphere alone in an environment, in orthographic projection so that it
-/// fills a square image.
-fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<Image> {
-    let (environment, albedo) = lone_sphere(scene, request)?;
+/// fills a square image; or the seconds that this takes, if the deadline comes first.
+fn lit_sphere(
+    environment: &Environment,
+    albedo: Rgb,
+    size: usize,
+    deadline: &Deadline,
+) -> std::result::Result<Image, f64> {
+    let all = Instant::now();
     let tree = IrradianceTree::new(&environment.map);
-    let size = request.width;
     // Radiance at a point of the image, in pixels; none outside the ring.
     let radiance = |x: f64, y: f64| {
         let (nx, ny) = (2.0 * x / size as f64 - 1.0, 1.0 - 2.0 * y / size as f64);
@@ -202,12 +216,13 @@ fn lit_sphere(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<I
     let start = Instant::now();
     let stride = (size * size / PROBES).max(1);
     let _: Vec<_> = (0..size * size).into_par_iter().step_by(stride).map(pixel).collect();
-    if start.elapsed().as_secs_f64() * stride as f64 > deadline.left() {
-        return None;
+    let seconds = all.elapsed().as_secs_f64() + start.elapsed().as_secs_f64() * stride as f64;
+    if seconds > all.elapsed().as_secs_f64() + deadline.left() {
+        return Err(seconds);
     }
     let pixels = (0..size * size).into_par_iter().map(|i| pixel(i).unwrap_or(Rgb::NAN)).collect();
     let image = Image::from_pixels(size, size, pixels);
-    (!deadline.is_over()).then_some(image)
+    if deadline.is_over() { Err(seconds.at_least(all.elapsed().as_secs_f64())) } else { Ok(image) }
 }
 
 /// The image of lossless white spheres under a uniform environment: its radiance everywhere.
@@ -265,14 +280,15 @@ mod tests {
         let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 8.0));
         let request = Request { width: 40, height: 40, ..request };
         let deadline = Deadline::after(60.0);
-        let exact = Reference::exact(&scene, &request, &deadline).unwrap();
+        let exact = Reference::exact(&scene, &request, &deadline).unwrap().unwrap();
         let rendered = Reference::rendered(&scene, &request, 1, 256, &deadline).unwrap().unwrap();
         let off = exact.compare(&rendered.image()).unwrap();
         assert!((off.mean_a / off.mean_b - 1.0).abs() < 1e-4, "{off:?}");
         // All the difference is the noise of the render, as far as that is known.
         assert!(off.rmse < 1.2 * rendered.facts.rmse, "{off:?} {:?}", rendered.facts);
         assert!((700..1257).contains(&exact.facts.pixels) && off.non_finite == 1600 - exact.facts.pixels);
-        assert!(Reference::exact(&scene, &request, &Deadline::after(0.0)).is_none());
+        let late = Reference::exact(&scene, &request, &Deadline::after(0.0)).unwrap();
+        assert!(late.is_err_and(|seconds| seconds > 0.0), "it is known, but takes longer");
         let mut filtered = scene.clone();
         filtered.camera.filter = "gaussian".parse().unwrap();
         assert!(Reference::exact(&filtered, &request, &deadline).is_none(), "pixels are not plain means");
@@ -287,7 +303,7 @@ mod tests {
         let deadline = Deadline::after(60.0);
         assert!(Reference::exact(&scene, &request, &deadline).is_none(), "its metal absorbs");
         scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
-        let exact = Reference::exact(&scene, &request, &deadline).unwrap();
+        let exact = Reference::exact(&scene, &request, &deadline).unwrap().unwrap();
         let rendered = Reference::rendered(&scene, &request, 1, 64, &deadline).unwrap().unwrap();
         let off = exact.compare(&rendered.image()).unwrap();
         assert!((off.mean_a - 1.0).abs() < 2e-3 && off.pixels == 48 * 12, "{off:?}");

@@ -137,7 +137,8 @@ pub fn run(
         let seed = plan.seed.wrapping_add(u64::from(index));
         let mut growing = Vec::new();
         for entry in &entries {
-            let contender = Some(entry.contender).filter(|_| !entry.given_up);
+            // To prepare a render may take seconds
+            let contender = Some(entry.contender).filter(|_| !entry.given_up && !all.is_over());
             let started = contender.map(|contender| contender.start(scene, &request, seed, index)).transpose()?;
             let new = |replicate| Growing { replicate, levels: Vec::new(), last: None, goes_on: true };
             growing.push(started.flatten().map(new));

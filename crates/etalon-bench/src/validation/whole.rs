@@ -1,7 +1,9 @@
 //! Checks of a whole BSDF as one test, and all of them for the BSDF of another program, for directions on both sides of the surface.
 
+use super::case::{Named, select};
 use super::run::{Tested, Validation};
-use etalon_core::error::Result;
+use crate::likeness::Claim;
+use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties, UNSEEN};
 use etalon_stats::{Extremes, Outcome, Protocol, decide};
@@ -44,6 +46,10 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
                 Some(_) => found.mistake.take(),
                 None => outcome.mistake.clone(),
             };
+            let compared = match &found.violation {
+                Some(_) => found.compared.take(),
+                None => outcome.compared.clone(),
+            };
             let violation = found.violation.take().or(outcome.violation.clone().map(named));
             let reason = found.inconclusive_reason.take().or(outcome.inconclusive_reason.clone().map(named));
             if check.is_statistical {
@@ -55,7 +61,7 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least || p.is_nan())) {
                 found = Outcome { diagnosis: outcome.diagnosis.clone().map(named), ..outcome };
             }
-            found = Outcome { mistake, violation, inconclusive_reason: reason, samples, seconds, ..found };
+            found = Outcome { mistake, violation, compared, inconclusive_reason: reason, samples, seconds, ..found };
         }
     }
     found.detectable = Some(detectable.at_least(found_in_most(exact)));
@@ -87,16 +93,65 @@ const WOS: [(f64, [f64; 2]); 6] = [
     (150.0, [0.6, -0.8]),
 ];
 
-/// A BSDF of a family.
+struct Test {
+    name: String,
+    examined: Examined,
+}
+
+enum Examined {
+    /// A check for one direction.
+    Check(&'static Check, (f64, [f64; 2])),
+    /// The claim to be a model.
+    Claim(Claim),
+}
+
+impl Named for Test {
+    fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// What none of the tests sees if one compares the BSDF with a model.
+const UNSEEN_BESIDE_A_MODEL: &str =
+    "these checks cannot see an error that f, pdf and samples share, except where values differ from the model's";
+
+/// A BSDF of a family, and its tests.
 pub struct WholeBsdf<F> {
     family: F,
     values: Vec<f64>,
+    tests: Vec<Test>,
 }
 
 impl<F: Family> WholeBsdf<F> {
-    /// The BSDF whose parameters have these values.
+    /// The BSDF whose parameters have these values, with all tests.
     pub fn new(family: F, values: Vec<f64>) -> Self {
-        Self { family, values }
+        let test = |check: &'static Check, wo: (f64, [f64; 2])| {
+            let name = format!("{}/{}/{}", family.name(), check.name, wo.0);
+            Test { name, examined: Examined::Check(check, wo) }
+        };
+        let tests = ALL.iter().flat_map(|check| WOS.map(|wo| test(check, wo))).collect();
+        Self { family, values, tests }
+    }
+
+    /// The same, which is tested to be this model, too.
+    #[must_use]
+    pub fn like(mut self, claim: Option<Claim>) -> Self {
+        self.tests.extend(claim.map(|claim| {
+            let name = format!("{}/like/{}", self.family.name(), claim.name());
+            Test { name, examined: Examined::Claim(claim) }
+        }));
+        self
+    }
+
+    /// The same with the tests alone that any of `patterns` names, as [`select`] has it; the name of the BSDF may be left out.
+    ///
+    /// # Errors
+    /// Those of [`select`].
+    pub fn only(self, patterns: &[String]) -> Result<Self> {
+        let own = format!("{}/", self.family.name());
+        let whole = |pattern: &String| if pattern.starts_with(&own) { pattern.clone() } else { own.clone() + pattern };
+        let tests = select(self.tests, &patterns.iter().map(whole).collect::<Vec<_>>())?;
+        Ok(Self { tests, ..self })
     }
 
     /// The name of the BSDF.
@@ -106,44 +161,44 @@ impl<F: Family> WholeBsdf<F> {
 
     /// The names of all tests, those included that do not apply to the BSDF.
     pub fn names(&self) -> Vec<String> {
-        tests().map(|(check, (degrees, _))| self.test_name(check, degrees)).collect()
-    }
-
-    fn test_name(&self, check: &Check, degrees: f64) -> String {
-        format!("{}/{}/{degrees}", self.family.name(), check.name)
+        self.tests.iter().map(|test| test.name.clone()).collect()
     }
 
     /// Runs all checks that apply for every direction, at the level of `protocol` for all together, and calls `done` after each.
     ///
     /// # Errors
-    /// [`Error::Parameter`](etalon_core::error::Error::Parameter) for an impossible protocol; those of the BSDF;
-    /// [`Error::Interrupted`](etalon_core::error::Error::Interrupted).
+    /// [`Error::Parameter`] for an impossible protocol, and if none of the tests applies to the BSDF; those of the BSDF;
+    /// [`Error::Interrupted`].
     pub fn run(&self, protocol: &Protocol, done: &dyn Fn()) -> Result<Validation> {
         let start = Instant::now();
-        let protocol = Protocol { tests: tests().count(), cancelled: interrupt::requested, ..*protocol };
+        let protocol = Protocol { tests: self.tests.len(), cancelled: interrupt::requested, ..*protocol };
         let bsdf = self.family.with(&self.values)?;
         let properties = bsdf.properties();
+        let examine = |test: &Test, round| match &test.examined {
+            Examined::Check(check, wo) => Ok(check.examine(&*bsdf, towards(*wo, &properties), &protocol, round)?),
+            Examined::Claim(claim) => claim.examine(&self.family, &self.values).map(Some),
+        };
         let mut applied = Vec::new();
         let mut outcomes: Vec<Outcome> = Vec::new();
-        for (check, wo) in tests() {
-            if let Some(outcome) = check.examine(&*bsdf, towards(wo, &properties), &protocol, 0)? {
-                applied.push((check, wo));
+        for test in &self.tests {
+            if let Some(outcome) = examine(test, 0)? {
+                applied.push(test);
                 outcomes.push(outcome);
             }
             done();
         }
-        decide(&mut outcomes, protocol.level, |i| {
-            let (check, wo) = applied[i];
-            check.examine(&*bsdf, towards(wo, &properties), &protocol, 1).map(Option::unwrap_or_default)
-        })?;
-        let named = applied.into_iter().map(|(check, (degrees, _))| self.test_name(check, degrees));
-        let tests = named.zip(outcomes).map(|(name, outcome)| Tested { name, outcome });
-        Ok(Validation { unseen: Some(UNSEEN), ..Validation::new(&protocol, tests.collect(), start) })
+        if applied.is_empty() {
+            return Err(Error::parameter("names", "none of these tests applies to the BSDF"));
+        }
+        decide(&mut outcomes, protocol.level, |i| examine(applied[i], 1).map(Option::unwrap_or_default))?;
+        let both = applied.into_iter().zip(outcomes);
+        let tests = both.map(|(test, outcome)| Tested { name: test.name.clone(), outcome });
+        let is_compared = self.tests.iter().any(|test| matches!(test.examined, Examined::Claim(_)));
+        Ok(Validation {
+            unseen: Some(if is_compared { UNSEEN_BESIDE_A_MODEL } else { UNSEEN }),
+            ..Validation::new(&protocol, tests.collect(), start)
+        })
     }
-}
-
-fn tests() -> impl Iterator<Item = (&'static Check, (f64, [f64; 2]))> {
-    ALL.iter().flat_map(|check| WOS.map(|wo| (check, wo)))
 }
 
 /// The direction at that angle and azimuth, in single precision for a BSDF that computes in it.

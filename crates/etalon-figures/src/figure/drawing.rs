@@ -58,7 +58,7 @@ impl Drawing {
         Self::Headed { title: title.into(), lines, below: Box::new(self) }
     }
 
-    /// The pages of this drawing in a style: one, but for slides, which have a fixed height.
+    /// The pages of this drawing in a style: one, but for slides, which have a fixed height, and columns, which have a largest one.
     ///
     /// # Errors
     /// [`Error::Parameter`] if no panel has one of the names of [`Style::panels`], or a part does not fit.
@@ -100,12 +100,11 @@ impl Drawing {
 
     /// As few pages as there must be: what does not fit on one is divided.
     fn fitted(self, style: &Style) -> Result<Vec<Page>> {
-        if let Some(page) = self.within(style.room) {
-            return Ok(vec![page]);
-        }
-        let pieces = self.pieces();
-        if !style.is_fixed || pieces.len() < 2 {
-            return Err(self.too_large(style));
+        let (page, pieces) = (self.within(style.room), self.pieces());
+        match page {
+            Some(page) if pieces.len() < 2 || page.height <= style.tallest * style.room.width => return Ok(vec![page]),
+            None if pieces.len() < 2 || !style.is_fixed => return Err(self.too_large(style)),
+            _ => {}
         }
         let pages = pieces.into_iter().map(|piece| piece.fitted(style)).collect::<Result<Vec<_>>>()?;
         Ok(pages.concat())
@@ -339,10 +338,14 @@ mod tests {
     fn a_column_is_84_mm_wide_with_type_of_7_pt() {
         let style = Style::new(Medium::Column, None).unwrap();
         for drawing in drawings() {
-            let [page] = &drawing.pages(&style).unwrap()[..] else { panic!("one page") };
-            assert!((page.width * page.unit * 25.4 / 96.0 - 84.0).abs() < 0.3, "{}", page.width);
-            assert!(smallest_type(page) * page.unit * 0.75 >= 7.0);
+            for page in drawing.pages(&style).unwrap() {
+                assert!((page.width * page.unit * 25.4 / 96.0 - 84.0).abs() < 0.3, "{}", page.width);
+                assert!(smallest_type(&page) * page.unit * 0.75 >= 7.0);
+                assert!(page.height <= 1.5 * page.width, "{} by {}", page.width, page.height);
+            }
         }
+        let three = Plot::new(panels(3)).draw();
+        assert_eq!(three.pages(&style).unwrap().len(), 2, "two panels, and one");
     }
 
     #[test]

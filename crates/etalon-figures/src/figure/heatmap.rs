@@ -20,7 +20,7 @@ pub enum Shading {
     Diverging,
 }
 
-/// A grid of values, row 0 at the top. What is not finite is shown in [`theme::NO_VALUE`].
+/// A grid of values, row 0 at the top. What is not finite is shown in [`theme::NO_VALUE`], or as paper.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Heatmap {
@@ -29,18 +29,24 @@ pub struct Heatmap {
     shading: Shading,
     pub(super) label: String,
     range: Option<(f64, f64)>,
+    empty: Colour,
 }
 
 impl Heatmap {
     /// A map of `values`, row by row from the top; `label` stands beside the colour bar. Cells that have no value, as in a last
     /// row that is not full, are not finite.
     pub fn new(columns: usize, values: Vec<f64>, shading: Shading, label: impl Into<String>) -> Self {
-        Self { columns: columns.max(1), values, shading, label: label.into(), range: None }
+        Self { columns: columns.max(1), values, shading, label: label.into(), range: None, empty: theme::NO_VALUE }
     }
 
     /// Spreads the colours over this range instead of that of the values; values outside take the colour of the nearest end.
     pub fn range(self, lo: f64, hi: f64) -> Self {
         Self { range: Some((lo, hi)), ..self }
+    }
+
+    /// Leaves blank what has no value.
+    pub fn on_paper(self) -> Self {
+        Self { empty: Colour::WHITE, ..self }
     }
 
     pub fn columns(&self) -> usize {
@@ -75,7 +81,7 @@ impl Heatmap {
     /// The colour at a position along the colour bar, from 0 to 1.
     pub(super) fn colour(&self, position: f64) -> [u8; 3] {
         let Colour { r, g, b, .. } = match self.shading {
-            _ if position.is_nan() => theme::NO_VALUE,
+            _ if position.is_nan() => self.empty,
             Shading::Diverging => diverging(2.0 * position - 1.0),
             Shading::Linear | Shading::Log10 => sequential(position),
         };

@@ -36,10 +36,13 @@ impl Page {
         // The paper is opaque below everything, so alpha is not needed.
         let rgb = page.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         let image = Rgb8::new(w as usize, h as usize, rgb);
-        Ok(with_resolution(
-            &if self.few_colours { indexed(&image) } else { image.png().to_vec() },
-            self.scale / self.unit,
-        ))
+        let covers = |item: &Item| matches!(item, Item::Image { rect, .. } if rect.width >= self.width);
+        let file = match self.items.first() {
+            _ if self.few_colours => indexed(&image),
+            Some(first) if covers(first) => image.png().to_vec(),
+            _ => image.chart_png(),
+        };
+        Ok(with_resolution(&file, self.scale / self.unit))
     }
 }
 

@@ -4,10 +4,9 @@
 use super::drawing::Drawing;
 use super::page::{PIXELS, Page};
 use super::rgb8::Rgb8;
-use super::shapes::{Anchor, Level, Rect, Stroke, Text};
+use super::shapes::{Anchor, Level, Rect, Text};
 use super::style::Room;
 use super::{text, theme};
-use etalon_bench::table::{Column, Table};
 use image::imageops::{self, FilterType};
 
 /// Widest image on the sheet, and widest row of images, in PNG pixels; wider ones are reduced, narrower ones enlarged by whole
@@ -134,46 +133,6 @@ fn size(image: &Rgb8, widest: usize, pixels: f64) -> [f64; 2] {
     [image.width() as f64 * zoom / pixels, image.height() as f64 * zoom / pixels]
 }
 
-const TABLE_EDGE: f64 = 14.0;
-const ROW: f64 = 20.0;
-/// Between columns.
-const COLUMN_GAP: f64 = 26.0;
-
-/// Draws a table: words begin at the left end of their column, numbers end at its right end. Cells may carry the markup of
-/// [`super::text`].
-pub fn table<T>(table: &Table<'_, T>) -> Drawing {
-    page_of(table).into()
-}
-
-fn page_of<T>(table: &Table<'_, T>) -> Page {
-    let columns = &table.columns;
-    let rows = columns.first().map_or(0, |column| column.cells.len());
-    let width = |column: &Column| {
-        let cells = column.cells.iter().map(|cell| text::width(cell, theme::NOTE_SIZE, false));
-        cells.fold(text::width(&column.heading, theme::NOTE_SIZE, true), f64::max)
-    };
-    let widths: Vec<f64> = columns.iter().map(width).collect();
-    let total = widths.iter().sum::<f64>() + COLUMN_GAP * columns.len().saturating_sub(1) as f64;
-    let height = 2.0 * TABLE_EDGE + ROW * (rows + 1) as f64;
-    let mut page = Page::new((total + 2.0 * TABLE_EDGE).ceil(), height, 2.0);
-    for (line, width) in [(0, 1.2), (1, 0.8), (rows + 1, 1.2)] {
-        let y = TABLE_EDGE + ROW * line as f64;
-        page.line([[TABLE_EDGE, y], [TABLE_EDGE + total, y]], Stroke::solid(theme::INK, width));
-    }
-    let mut left = TABLE_EDGE;
-    for (column, width) in columns.iter().zip(&widths) {
-        let (x, anchor) = if column.is_number { (left + width, Anchor::End) } else { (left, Anchor::Start) };
-        let text = |line: usize, text: &str| {
-            let at = [x, TABLE_EDGE + ROW * (line as f64 + 0.5)];
-            Text::new(at, theme::NOTE_SIZE, text).held(anchor, Level::Middle)
-        };
-        page.text(text(0, &column.heading).bold());
-        column.cells.iter().enumerate().for_each(|(i, cell)| page.text(text(i + 1, cell)));
-        left += width + COLUMN_GAP;
-    }
-    page
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::page::Item;
@@ -195,18 +154,5 @@ mod tests {
     fn an_empty_sheet_can_be_painted() {
         assert!(contact_sheet("", 0, &[]).laid(Room::UNLIMITED).png().is_ok());
         assert!(contact_sheet("only a title", 3, &[]).laid(Room::UNLIMITED).png().is_ok());
-    }
-
-    #[test]
-    fn cells_stand_in_columns_on_the_page() {
-        let rows = [("copper", "0.2"), ("Au", "")];
-        let page = page_of(&Table::of(&rows).words("metal", |row| row.0).numbers("/{η}", |row| row.1));
-        let texts: Vec<&Text> =
-            page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None }).collect();
-        assert_eq!(texts.len(), 6);
-        let ends = texts.iter().map(|t| t.at[0] + t.start() + t.width());
-        assert!(ends.clone().all(|end| end <= page.width - TABLE_EDGE + 1e-9), "{:?}", ends.collect::<Vec<_>>());
-        assert_eq!(texts[0].at[0], texts[1].at[0]);
-        assert!(page_of(&Table::of(&rows[..0])).png().is_ok());
     }
 }

@@ -20,7 +20,11 @@ impl Medium {
     pub const ALL: [(&str, &str, Self); 3] = [
         ("screen", "As large as its content, for screens and web pages", Self::Screen),
         ("slide", "16:9, type of at least 3 % of the height; what does not fit goes to further slides", Self::Slide),
-        ("column", "84 mm wide, type of at least 7 pt, for a column of a paper", Self::Column),
+        (
+            "column",
+            "84 mm wide, type of at least 7 pt, for a column of a paper; what is too high goes to further files",
+            Self::Column,
+        ),
     ];
 }
 
@@ -49,6 +53,8 @@ pub struct Style {
     pub(super) room: Room,
     /// The page is as high as the room, whatever its content.
     pub(super) is_fixed: bool,
+    /// The height over the width above which what can be divided is.
+    pub(super) tallest: f64,
     /// CSS pixels per drawing unit.
     pub(super) unit: f64,
 }
@@ -75,6 +81,8 @@ const SLIDE: f64 = 1280.0 / CSS_PER_MM;
 pub const WIDTHS: [f64; 2] = [30.0, 2000.0];
 /// CSS pixels per unit in a column: the smallest type, of 11.5 units, has 7.1 pt.
 const COLUMN_UNIT: f64 = 0.823;
+/// The height of a figure in a column over its width.
+const COLUMN_TALLEST: f64 = 1.5;
 /// Units of a slide's height: the smallest type is 3.04 % of it.
 const SLIDE_HEIGHT: f64 = 378.0;
 /// PNG pixels per inch of a column, and along the width of a slide.
@@ -84,7 +92,8 @@ const SLIDE_PIXELS: f64 = 1920.0;
 impl Default for Style {
     fn default() -> Self {
         let (title, panels) = (String::new(), Vec::new());
-        Self { title, panels, theme: Theme::Light, room: Room::UNLIMITED, is_fixed: false, unit: 1.0 }
+        let (is_fixed, tallest) = (false, f64::INFINITY);
+        Self { title, panels, theme: Theme::Light, room: Room::UNLIMITED, is_fixed, tallest, unit: 1.0 }
     }
 }
 
@@ -107,7 +116,8 @@ impl Style {
             (Medium::Screen, Some(mm)) => page(1.0, mm, f64::INFINITY, None),
             (Medium::Column, _) => {
                 let pixels = COLUMN_DPI / 96.0 * COLUMN_UNIT;
-                page(COLUMN_UNIT, width.unwrap_or(COLUMN), f64::INFINITY, Some(pixels))
+                let column = page(COLUMN_UNIT, width.unwrap_or(COLUMN), f64::INFINITY, Some(pixels));
+                Self { tallest: COLUMN_TALLEST, ..column }
             }
             (Medium::Slide, _) => {
                 let (mm, units) = (width.unwrap_or(SLIDE), SLIDE_HEIGHT * 16.0 / 9.0);

@@ -83,6 +83,8 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 pub const MARKER_SHADE: Colour = Colour::rgb(16, 16, 24);
 /// The rim of a marker on black, whose own colour may be nearly black.
 pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
+/// The frame of what an inset shows, among markers with white rims.
+pub const INSET: Colour = Colour::rgb(255, 140, 0);
 /// Borders of regions, and the rims of markers: over images, and not quite the white of paper, so that they stay in the dark.
 pub const BORDER: Colour = Colour::rgb(254, 254, 254);
 
@@ -178,7 +180,7 @@ pub const LINE: f64 = 1.6;
 /// A line that must be seen across others.
 pub const BOLD: f64 = 2.4;
 pub const THIN: f64 = 0.9;
-pub const DOT: f64 = 2.4;
+pub const DOT: f64 = 3.0;
 
 /// Frames, ticks and tick labels.
 pub const INK: Colour = Colour::INK;

@@ -4,6 +4,7 @@ use super::check::Check;
 use super::inputs::Shown;
 use crate::figure::Drawing;
 use crate::output;
+use etalon_bench::table::Table;
 use etalon_core::error::Result;
 use etalon_core::raster::{Image, ToneMap};
 use serde::{Deserialize, Serialize};
@@ -114,7 +115,8 @@ impl Figure {
 }
 
 pub struct Content {
-    pub drawing: Drawing,
+    /// None of what is a table of text on the page.
+    pub drawing: Option<Drawing>,
     /// The numbers of the drawing as CSV text.
     pub table: Vec<u8>,
     /// A render, written as EXR, PFM and PPM beside the drawing, and how the PPM shows it.
@@ -126,19 +128,27 @@ pub struct Content {
     pub claims: Vec<Claim>,
     /// Numbers that a report prints.
     pub printed: Vec<Printed>,
+    /// Numbers that the page shows beside the drawing.
+    pub numbers: Numbers,
 }
 
 impl Content {
     /// A drawing, the rows of its table, and its checks.
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
+        Ok(Self { drawing: Some(drawing), ..Self::of_text(rows, checks)? })
+    }
+
+    /// The rows of a table that the page shows as text, and its checks.
+    pub fn of_text<T: Serialize + Default>(rows: &[T], checks: Vec<Check>) -> Result<Self> {
         Ok(Self {
-            drawing,
+            drawing: None,
             table: output::csv(rows)?,
             image: None,
             checks,
             errata: Vec::new(),
             claims: Vec::new(),
             printed: Vec::new(),
+            numbers: Numbers::default(),
         })
     }
 
@@ -150,6 +160,23 @@ impl Content {
     /// Adds the render that the drawing shows, with the tone mapping of its PPM file.
     pub fn with_image(self, image: &Image, tone: ToneMap) -> Self {
         Self { image: Some((image.clone(), tone)), ..self }
+    }
+}
+
+/// A table for the page: headings, and rows of cells.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Numbers {
+    pub headings: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Numbers {
+    pub fn of<T>(table: &Table<'_, T>) -> Self {
+        let columns = &table.columns;
+        let rows = columns.first().map_or(0, |column| column.cells.len());
+        let row = |i: usize| columns.iter().map(|column| column.cells[i].clone()).collect();
+        let headings = columns.iter().map(|column| column.heading.clone()).collect();
+        Self { headings, rows: (0..rows).map(row).collect() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A run of the gallery: makes figures and writes their files, the records and the page.
 
 use super::check::Check;
-use super::figure::{Claim, Content, Erratum, Figure, Printed};
+use super::figure::{Claim, Content, Erratum, Figure, Numbers, Printed};
 use super::figures::{self, registry};
 use super::inputs::{Inputs, Studies};
 use super::page::{self, Record, Records, Setup};
@@ -25,6 +25,7 @@ pub struct Reproduced {
     pub errata: Vec<Erratum>,
     pub claims: Vec<Claim>,
     pub printed: Vec<Printed>,
+    pub numbers: Numbers,
 }
 
 pub struct Reproduction {
@@ -86,11 +87,11 @@ pub fn reproduce(
             made => made?,
         };
         tell(Step::Done(&made));
-        let Reproduced { seconds, checks, errata, claims, printed, .. } = made.clone();
+        let Reproduced { seconds, checks, errata, claims, printed, numbers, .. } = made.clone();
         let input = inputs.name_of(figure.input)?;
         records.insert(
             figure.id.clone(),
-            Record { seconds, input, checks, errata, claims, printed, setup: setup.clone() },
+            Record { seconds, input, checks, errata, claims, printed, numbers, setup: setup.clone() },
         );
         done.push(made);
     }
@@ -106,7 +107,7 @@ pub fn reproduce(
 fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder: &Path) -> Result<Reproduced> {
     interrupt::check()?;
     let start = Instant::now();
-    let Content { drawing, table, image, mut checks, errata, claims, printed } =
+    let Content { drawing, table, image, mut checks, errata, claims, printed, numbers } =
         figures::make(figure, inputs, studies)?;
     // Interrupted studies return partial results, which make no figure.
     interrupt::check()?;
@@ -116,8 +117,10 @@ fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder:
     let stem = folder.join(&figure.id);
     let mut files = vec![output::write_table(&stem, &table)?];
     let enlarged = |page: Page| Page { scale: page.scale * f64::from(inputs.scale), few_colours: true, ..page };
-    let pages: Vec<Page> = drawing.pages(&inputs.style)?.into_iter().map(enlarged).collect();
-    files.extend(write_pages(&pages, &stem, &FORMATS)?);
+    if let Some(drawing) = drawing {
+        let pages: Vec<Page> = drawing.pages(&inputs.style)?.into_iter().map(enlarged).collect();
+        files.extend(write_pages(&pages, &stem, &FORMATS)?);
+    }
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
     if let Some((image, tone)) = &image {
         let metadata = Metadata::default().with("figure", &figure.id);
@@ -127,7 +130,8 @@ fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder:
             files.push(path);
         }
     }
-    Ok(Reproduced { id: &figure.id, files, seconds: start.elapsed().as_secs_f64(), checks, errata, claims, printed })
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Reproduced { id: &figure.id, files, seconds, checks, errata, claims, printed, numbers })
 }
 
 /// All checks of all recorded figures, in the order of the registry.

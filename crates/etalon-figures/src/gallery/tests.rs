@@ -1,6 +1,7 @@
 //! What tests of the gallery start from: the smallest inputs, and a record with a failed check.
 
 use super::check::Check;
+use super::figure::Numbers;
 use super::inputs::{Effort, Inputs};
 use super::page::{Record, Setup};
 use crate::figure::Style;
@@ -23,6 +24,7 @@ pub fn record() -> Record {
         errata: Vec::new(),
         claims: Vec::new(),
         printed: Vec::new(),
+        numbers: Numbers::default(),
         setup: Setup::of(&inputs(), "--quick"),
     }
 }

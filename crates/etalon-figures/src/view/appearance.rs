@@ -1,32 +1,83 @@
-//! A BSDF of another program on spheres, beside the closest model and their difference.
+//! A BSDF of another program on spheres, beside the image by its values alone and that of the closest model, and the differences.
 
-use super::text::{rounded, wrapped};
+use super::text::{LINE, rounded, wrapped};
 use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet};
-use etalon_bench::appearance::{Appearance, Model};
+use etalon_bench::appearance::{AROUND, Appearance, Difference, Model};
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 
 /// Models with a larger difference of their values are not close.
 const FAR: f64 = 0.1;
 
-/// Three panels: the BSDF, the model, and the difference in percent with its scale.
+/// What the image with the BSDF is compared with.
+struct Comparison<'a> {
+    /// Of the other image.
+    caption: String,
+    /// In a sentence after "than".
+    other: String,
+    image: &'a Image,
+    difference: &'a Difference,
+}
+
+/// The image by values alone and that of the model, the one first that the headline is about: the first, if the BSDF differs from it, as it does
+/// where samples, pdf or weights are wrong; else that of the model, if one is close.
+fn comparisons(found: &Appearance) -> [Comparison<'_>; 2] {
+    let [_, by_value, of_model] = &found.images;
+    let sampling = Comparison {
+        caption: format!("{}, by f alone: uniform directions", found.bsdf),
+        other: "its values alone make them".to_owned(),
+        image: &by_value.image,
+        difference: &found.sampling,
+    };
+    let model = Comparison {
+        caption: format!("closest model: {}", named(&found.model)),
+        other: format!("{}, the closest model", named(&found.model)),
+        image: &of_model.image,
+        difference: &found.of_model,
+    };
+    if found.sampling.is_seen() || !is_close(found) { [sampling, model] } else { [model, sampling] }
+}
+
+fn is_close(found: &Appearance) -> bool {
+    found.model.difference <= FAR
+}
+
+/// A row for each comparison: the BSDF, the other image, and the difference in percent with its scale, which is one for both.
 pub fn drawing(found: &Appearance) -> Drawing {
-    let [a, b] = &found.images;
-    // One exposure for both, so that a difference in brightness is seen
-    let stops = auto_exposure(b);
+    // One exposure for all, so that a difference in brightness is seen
+    let own = &found.images[0].image;
+    let stops = auto_exposure(&found.images[1].image);
     let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops }));
-    let mut sizes: Vec<f64> = found.percent.iter().filter(|x| x.is_finite()).map(|x| x.abs()).collect();
+    let all = comparisons(found);
+    let percent = all.iter().flat_map(|comparison| &comparison.difference.percent);
+    let mut sizes: Vec<f64> = percent.filter(|x| x.is_finite()).map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let limit = sizes.get(sizes.len() * 98 / 100).copied().unwrap_or(0.0).max(1.0);
-    let label = "difference in percent of the model's pixel: blue where the BSDF is darker";
-    let map = Heatmap::new(a.width(), found.percent.clone(), Shading::Diverging, label).range(-limit, limit);
-    let mean = signed(found.mean_difference_percent);
-    let cells = [
-        (found.bsdf.clone(), shown(a)),
-        (named(&found.model), shown(b)),
-        (format!("difference, {mean} % in the mean over the spheres"), map.image()),
-    ];
-    let title = format!("{} on {}", found.bsdf, found.scene);
-    Drawing::stacked(vec![contact_sheet(&title, 3, &cells), map.bar(360.0)], 0.5)
+    let side = 2 * AROUND + 1;
+    let label =
+        format!("difference in percent of the other image, over {side} × {side} pixels: blue where the BSDF is darker");
+    let map = |difference: &Difference| {
+        Heatmap::new(own.width(), difference.percent.clone(), Shading::Diverging, label.as_str()).range(-limit, limit)
+    };
+    let row = |Comparison { caption, image, difference, .. }: &Comparison| {
+        let mean = signed(difference.mean_difference_percent);
+        [
+            (found.bsdf.clone(), shown(own)),
+            (caption.clone(), shown(image)),
+            (format!("difference, {mean} % in the mean over the spheres"), map(difference).image()),
+        ]
+    };
+    let cells: Vec<(String, Rgb8)> = all.iter().flat_map(row).collect();
+    let title = format!("{} on {}: {}", found.bsdf, found.scene, cause(found));
+    Drawing::stacked(vec![contact_sheet(&title, 3, &cells), map(all[0].difference).bar(360.0)], 0.5)
+}
+
+/// Which part of the BSDF makes the difference that is told first.
+fn cause(found: &Appearance) -> &'static str {
+    match (found.sampling.is_seen(), found.of_model.is_seen() && is_close(found)) {
+        (true, _) => "samples, pdf or weights change the image",
+        (false, true) => "samples and weights agree with f, which is not that of the model",
+        (false, false) => "samples and weights agree with f",
+    }
 }
 
 /// A model with its parameters.
@@ -40,29 +91,26 @@ fn signed(percent: f64) -> String {
     format!("{percent:+.1}").replace('-', "−")
 }
 
-/// The mean difference first, then what it is compared with.
+/// The mean difference that tells most first, then the other.
 pub fn text(found: &Appearance) -> String {
     let Appearance { bsdf, model, scene, width, height, spp, .. } = found;
-    let percent = found.mean_difference_percent;
-    let direction = if percent < 0.0 { "darker" } else { "brighter" };
-    let said = format!(
-        "{bsdf} makes the spheres of {scene} {:.1} ± {:.1} % {direction} than {}, the closest model",
-        percent.abs(),
-        found.standard_error_percent,
-        named(model)
-    );
-    let mut text = wrapped(&said, "", 80);
-    text += &format!(
-        "pixels differ by {:.1} % in the mean; noise alone makes {:.1} %\n",
-        found.pixel_difference_percent, found.pixel_noise_percent
-    );
+    let mut text = wrapped(&format!("{bsdf}: {}", cause(found)), "", LINE);
+    for Comparison { other, difference, .. } in comparisons(found) {
+        let mean = difference.mean_difference_percent;
+        let direction = if mean < 0.0 { "darker" } else { "brighter" };
+        let said = format!(
+            "it makes the spheres of {scene} {:.1} ± {:.1} % {direction} than {other}; pixels differ by {:.1} % in the mean, of which noise makes \
+             {:.1} %",
+            mean.abs(),
+            difference.standard_error_percent,
+            difference.pixel_difference_percent,
+            difference.pixel_noise_percent
+        );
+        text += &wrapped(&said, "  ", LINE);
+    }
     let apart = 100.0 * model.difference;
-    let far = if model.difference > FAR {
-        ": no model is close, and a right BSDF would differ, too; compare images of two versions of it by `etalon compare`"
-    } else {
-        ""
-    };
-    text += &wrapped(&format!("values differ by {apart:.1} %{far}"), "", 80);
+    let far = if is_close(found) { "" } else { ": no model is close, and a right BSDF would differ from it, too" };
+    text += &wrapped(&format!("its values differ by {apart:.1} % from those of the model{far}"), "  ", LINE);
     if found.dropped > 0 {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }

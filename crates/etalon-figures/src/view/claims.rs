@@ -1,23 +1,13 @@
-//! The reports' claims as tables, and pictures of the places that claims are about.
+//! The reports' claims as rows of tables, and pictures of the places that claims are about.
 
 use super::depth::tone_mapped;
 use super::text::superscript;
-use crate::figure::{Anchor, Colour, Drawing, Level, Page, Rgb8, Stroke, Text, contact_sheet, text, theme};
-use etalon_bench::claims::{self, Bound, Claim, Finding, Place, PlacePicture, Unit, Verdict};
+use crate::figure::{Colour, Drawing, Rgb8, contact_sheet, theme};
+use etalon_bench::claims::{self, Bound, Claim, Finding, Place, PlacePicture, Unit};
 use etalon_bench::depth::Depths;
 use etalon_core::math::{Rgb, mean_rgb};
 use etalon_core::raster::Image;
 use serde::Serialize;
-
-const EDGE: f64 = 12.0;
-const GAP: f64 = 16.0;
-const LINE: f64 = 15.5;
-/// Space above and below the text of a row.
-const PADDING: f64 = 6.0;
-/// What stands left of a finding.
-const BULLET: f64 = 12.0;
-const HEADS: [&str; 5] = ["Claim", "In the report", "Measured", "Verdict", "Evidence"];
-const WIDTHS: [f64; 5] = [235.0, 128.0, 400.0, 124.0, 135.0];
 
 /// One finding of one claim. Field names are the CSV columns.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -124,102 +114,6 @@ fn number(value: f64, unit: Unit, digits: i32) -> String {
         if round { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     };
     format!("{text}{sign}").replace('-', "−")
-}
-
-/// A line of a cell.
-struct Line {
-    text: String,
-    ink: Colour,
-    is_bold: bool,
-    indent: f64,
-    /// Before the text.
-    dot: Option<Colour>,
-}
-
-/// The lines of a text in a column.
-fn lines(text: &str, width: f64) -> Vec<Line> {
-    let line = |text| Line { text, ink: theme::INK, is_bold: false, indent: 0.0, dot: None };
-    text::wrapped(text, theme::TICK_SIZE, false, width).into_iter().map(line).collect()
-}
-
-/// Claims in a column of the table; more stand in two.
-const COLUMN: usize = 20;
-
-/// A table of claims: what the report says and prints, what is measured, the verdict, the figures that show it.
-pub fn table(claims: &[Claim]) -> Drawing {
-    let half = if claims.len() > COLUMN { claims.len().div_ceil(2) } else { claims.len() };
-    Drawing::beside(claims.chunks(half.max(1)).map(|claims| column(claims).into()).collect())
-}
-
-fn column(claims: &[Claim]) -> Page {
-    let width = 2.0 * EDGE + WIDTHS.iter().sum::<f64>() + GAP * (WIDTHS.len() - 1) as f64;
-    let mut sheet = Page::new(width, 0.0, 2.0);
-    let lefts = [0, 1, 2, 3, 4].map(|column| EDGE + WIDTHS[..column].iter().sum::<f64>() + GAP * column as f64);
-    let heavy = Stroke::solid(theme::INK, theme::LINE);
-    let heads =
-        HEADS.map(|head| lines(head, f64::INFINITY).into_iter().map(|line| Line { is_bold: true, ..line }).collect());
-    let mut y = EDGE;
-    for (i, cells) in std::iter::once(heads).chain(claims.iter().map(cells)).enumerate() {
-        let stroke = [heavy, Stroke::solid(theme::INK, theme::THIN)].get(i).copied().unwrap_or(theme::GRID);
-        sheet.line([[EDGE, y], [width - EDGE, y]], stroke);
-        let height = LINE * cells.iter().map(Vec::len).max().unwrap_or(1) as f64 + 2.0 * PADDING - 4.0;
-        for (left, cell) in lefts.into_iter().zip(cells) {
-            for (n, Line { text, ink, is_bold, indent, dot }) in cell.into_iter().enumerate() {
-                let top = y + PADDING + LINE * n as f64;
-                let text = Text::new([left + indent, top], theme::TICK_SIZE, text).held(Anchor::Start, Level::Top);
-                let text = text.coloured(ink);
-                sheet.text(if is_bold { text.bold() } else { text });
-                if let Some(dot) = dot {
-                    sheet.circle([left + 4.0, top + 4.2], 3.2, dot);
-                }
-            }
-        }
-        y += height;
-    }
-    sheet.line([[EDGE, y], [width - EDGE, y]], heavy);
-    // What the dots mean
-    y += PADDING;
-    let note = |at: [f64; 2], text: &str| Text::new(at, theme::NOTE_SIZE, text).held(Anchor::Start, Level::Top);
-    let legend = [(Some(true), "meets the claim"), (Some(false), "does not"), (None, "undecided")];
-    for (i, (holds, name)) in legend.into_iter().enumerate() {
-        let x = lefts[2] + 140.0 * i as f64;
-        sheet.circle([x + 4.0, y + 4.2], 3.2, dot(holds));
-        sheet.text(note([x + BULLET, y], name));
-    }
-    sheet.text(note([EDGE, y], "Dots: a number with what the claim demands of it."));
-    sheet.text(note([lefts[2] + BULLET, y + LINE], "no dot: measured on another input than the report's"));
-    sheet.height = (y + 2.0 * LINE + EDGE).ceil();
-    sheet
-}
-
-/// The colour of a finding.
-fn dot(holds: Option<bool>) -> Colour {
-    holds.map_or(theme::NO_VALUE, |holds| if holds { theme::ACCEPTED } else { theme::REJECTED })
-}
-
-/// The lines of each column.
-fn cells(claim: &Claim) -> [Vec<Line>; 5] {
-    let text = &claim.text;
-    let ink = match claim.verdict() {
-        _ if !claim.is_judged() => theme::INK,
-        Verdict::Holds => theme::ACCEPTED,
-        Verdict::HoldsPartly => theme::INCONCLUSIVE,
-        Verdict::DoesNotHold => theme::REJECTED,
-        Verdict::NotTestable => theme::NO_VALUE,
-    };
-    let findings = claim.findings.iter().map(|finding| claim.is_judged().then(|| dot(finding.holds())));
-    let sentence = |(text, dot): (String, Option<Colour>)| {
-        let lines = lines(&text, WIDTHS[2] - BULLET).into_iter().enumerate();
-        lines.map(move |(i, line)| Line { indent: BULLET, dot: dot.filter(|_| i == 0), ..line })
-    };
-    let verdict = lines(&claim.answer(), WIDTHS[3]);
-    [
-        lines(text.claim, WIDTHS[0]),
-        [lines(text.place, WIDTHS[1]), lines(text.number, WIDTHS[1])].into_iter().flatten().collect(),
-        measured(claim).into_iter().zip(findings.chain([None])).flat_map(sentence).collect(),
-        verdict.into_iter().map(|line| Line { ink, is_bold: claim.is_judged(), ..line }).collect(),
-        text.evidence.iter().flat_map(|id| lines(id, WIDTHS[4])).collect(),
-    ]
 }
 
 /// A quarter of an image's width is shown of each place, more where the place is larger.

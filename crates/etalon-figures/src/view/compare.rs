@@ -1,7 +1,7 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
 use super::converge::{framed, regions, round};
-use super::text::{capitalized, counted, p_is, p_value, power_of_ten, rounded, wrapped};
+use super::text::{LINE, capitalized, counted, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
@@ -45,6 +45,8 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
     Drawing::stacked(vec![contact_sheet(&title, 2, &cells), plot], 0.5)
 }
 
+/// Width of the frame of a rejected image, in pixels.
+const BORDER: usize = 6;
 /// Longest side of an image beside its difference, in pixels.
 const SHOWN: usize = 640;
 /// The same on a sheet of many images.
@@ -74,16 +76,34 @@ impl Thumbnail {
     }
 }
 
+/// An image on a sheet of many.
+pub struct Shown<'a> {
+    pub caption: String,
+    /// `None` if it could not be compared.
+    pub thumbnail: Option<&'a Thumbnail>,
+    pub is_rejected: bool,
+}
+
+/// An image in a frame of the colour of what is rejected.
+fn bordered(image: &Rgb8) -> Rgb8 {
+    let Colour { r, g, b, .. } = theme::REJECTED;
+    let (width, height) = (image.width() + 2 * BORDER, image.height() + 2 * BORDER);
+    Rgb8::from_fn(width, height, |x, y| match [x.checked_sub(BORDER), y.checked_sub(BORDER)] {
+        [Some(x), Some(y)] if x < image.width() && y < image.height() => image.pixel(x, y),
+        _ => [r, g, b],
+    })
+}
+
 /// The reference, and every image beside its difference from it, all on one scale, with the place of the largest error framed.
-/// Images come with their captions; those that are missing are grey.
-pub fn sheet((name, reference): (&str, &Image), images: &[(String, Option<&Thumbnail>)]) -> Drawing {
+/// Images that are missing are grey, rejected ones have a frame.
+pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     let tone = ToneMap::Srgb { stops: auto_exposure(reference) };
     let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
     let small = reference.reduced(reduction(reference, THUMBNAIL));
     let (width, height) = (small.width(), small.height());
     // An image that is far off does not hide the differences of all others
     let mut limits: Vec<f64> =
-        images.iter().filter_map(|(_, image)| Some(robust_limit(&image.as_ref()?.difference))).collect();
+        images.iter().filter_map(|shown| Some(robust_limit(&shown.thumbnail?.difference))).collect();
     limits.retain(|limit| *limit > 0.0);
     limits.sort_unstable_by(f64::total_cmp);
     let limit = round(limits.get(limits.len() / 2).copied().unwrap_or(1.0));
@@ -98,7 +118,7 @@ pub fn sheet((name, reference): (&str, &Image), images: &[(String, Option<&Thumb
         })
     };
     let nothing = || map(vec![f64::NAN; width * height]).image();
-    let cell = |(caption, thumbnail): &(String, Option<&Thumbnail>)| {
+    let cell = |Shown { caption, thumbnail, is_rejected }: &Shown| {
         let Some(Thumbnail { image, difference }) = thumbnail else {
             return (caption.clone(), beside(&nothing(), &nothing()));
         };
@@ -110,7 +130,8 @@ pub fn sheet((name, reference): (&str, &Image), images: &[(String, Option<&Thumb
             Vec::new()
         };
         let pair = [shown(image), map(difference.clone()).image()].map(|image| framed(&image, &worst, 1));
-        (caption.clone(), beside(&pair[0], &pair[1]))
+        let both = beside(&pair[0], &pair[1]);
+        (caption.clone(), if *is_rejected { bordered(&both) } else { both })
     };
     let first = (format!("reference: {name}"), beside(&shown(&small), &nothing()));
     let cells: Vec<(String, Rgb8)> = std::iter::once(first).chain(images.iter().map(cell)).collect();
@@ -434,10 +455,10 @@ fn would_do(needed: &Needed) -> String {
 
 /// The verdict, a line for each family of tests, and the biases that would have been found.
 pub fn text(compared: &Compared) -> String {
-    let mut text = wrapped(&sentence(compared), "", 100);
+    let mut text = wrapped(&sentence(compared), "", LINE);
     let about =
         compared.explanation.as_ref().map(|explanation| format!("between the means: {}", explained(explanation)));
-    text += &about.map_or(String::new(), |about| wrapped(&about, "", 100));
+    text += &about.map_or(String::new(), |about| wrapped(&about, "", LINE));
     if compared.non_finite > 0 {
         text += &format!("{}\n", left_out(compared.non_finite));
     }
@@ -445,7 +466,7 @@ pub fn text(compared: &Compared) -> String {
         (Some(reason), _) => format!("not tested: {reason}"),
         (None, Some((p, most))) => {
             let (p, tests) = (p_is(p), counted(family.tests.len(), "test"));
-            format!("{p:<12} of {tests}; {most}")
+            format!("{p:<12} of {tests}\n{}", wrapped(&most, "  ", LINE).trim_end())
         }
         (None, None) => "nothing that can be tested".into(),
     };
@@ -455,8 +476,9 @@ pub fn text(compared: &Compared) -> String {
             count => format!("{line}  {count} inconclusive: a few samples dominate\n"),
         },
     );
-    let found =
-        |what: &str, bias: f64| format!("{what} {} would have been found with 90 % probability\n", percent(bias));
+    let found = |what: &str, bias: f64| {
+        wrapped(&format!("{what} {} would have been found with 90 % probability", percent(bias)), "", LINE)
+    };
     if let Some(ratio) = compared.noise_of_exact {
         text += &wrapped(
             &format!(
@@ -465,7 +487,7 @@ pub fn text(compared: &Compared) -> String {
                 rounded(ratio, 2)
             ),
             "",
-            100,
+            LINE,
         );
     }
     if let (Answer::Different, Some(bias)) = (compared.answer, compared.uniform_bias) {
@@ -477,9 +499,9 @@ pub fn text(compared: &Compared) -> String {
     let level = percent(1.0 - compared.plan.level).replace(".00", "");
     text + &wrapped(
         &format!(
-            "p is corrected for the number of tests; A − B is in percent of the mean of image B, with {level} intervals"
+            "p is corrected for the number of tests; A − B is in percent of the mean of image B in that channel, with {level} intervals"
         ),
         "",
-        100,
+        LINE,
     )
 }

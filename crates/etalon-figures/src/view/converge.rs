@@ -5,6 +5,7 @@ use super::text::{duration, rounded};
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
+use etalon_bench::converge::contender::Contender;
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use etalon_bench::converge::strategy::DEFAULT;
 use etalon_bench::table::Table;
@@ -130,16 +131,12 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
 
 /// The methods at their last levels, those with bias at the end.
 pub fn table(result: &Convergence) -> String {
-    let (seconds, target) = (result.common_seconds(), result.common_rmse());
+    let target = result.common_rmse();
     let is_biased = |curve: &Curve| curve.verdict == CurveVerdict::Biased;
     let mut last: Vec<(&Curve, &Level)> = result.curves.iter().filter_map(|c| Some((c, c.levels.last()?))).collect();
     last.sort_by_key(|(curve, _)| is_biased(curve));
     let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };
-    let efficiency = |curve: &Curve| match is_biased(curve) {
-        true => curve.variance_efficiency().unwrap_or(f64::NAN),
-        false => curve.log_efficiency_at(seconds).value.exp(),
-    };
-    let mut heading = "biased (another expectation than the reference; efficiency is that of their variance alone):\n";
+    let mut heading = "biased: another expectation than the reference (the MSE includes the bias)\n";
     Table::of(&last)
         .words("strategy", |(curve, _)| &curve.strategy)
         .numbers("spp", |(_, level)| level.spp)
@@ -149,7 +146,7 @@ pub fn table(result: &Convergence) -> String {
             known(slope.half_width, format!("{:.2} ± {:.2}", slope.value, slope.half_width))
         })
         .words("verdict", |(curve, _)| word(curve.verdict))
-        .numbers("efficiency", |(curve, _)| known(efficiency(curve), rounded(efficiency(curve), 3)))
+        .numbers("1/(MSE·time)", |(_, level)| known(level.efficiency, rounded(level.efficiency, 3)))
         .numbers("time to *", |(curve, _)| match is_biased(curve) {
             true => String::new(),
             false => curve.time_to(target).map_or("never".into(), duration),
@@ -166,7 +163,7 @@ pub fn bias(result: &Convergence, curve: &Curve) -> String {
     let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
     match parts.map(|part| 100.0 * part) {
         [value, half_width, rms] if half_width.is_finite() => {
-            format!("bias: mean {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean")
+            format!("bias: mean of all channels {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean")
         }
         _ => "bias: unknown, of too few replicates".into(),
     }
@@ -255,9 +252,21 @@ pub fn label(strategy: &str) -> String {
     format!("{method}{of_map}{}", added.collect::<String>())
 }
 
+/// What a contender is called in figures: a strategy of ours in words, another program as its user calls it.
+fn shown(curve: &Curve) -> String {
+    match curve.contender {
+        Contender::Strategy(_) => label(&curve.strategy),
+        Contender::Renderer(_) | Contender::Recorded(_) => curve.strategy.clone(),
+    }
+}
+
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
 fn strokes(result: &Convergence) -> Vec<Stroke> {
-    let names: Vec<String> = result.curves.iter().map(|c| c.strategy.replace("+independent", "")).collect();
+    let name = |curve: &Curve| match curve.contender.is_independent() {
+        true => curve.strategy.replace("+independent", ""),
+        false => curve.strategy.clone(),
+    };
+    let names: Vec<String> = result.curves.iter().map(name).collect();
     let mut distinct: Vec<&str> = names.iter().map(String::as_str).collect();
     distinct.sort_unstable();
     distinct.dedup();
@@ -284,7 +293,7 @@ pub fn curves(result: &Convergence) -> Drawing {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
         for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
-            panel = panel.banded_line(label(&curve.strategy), stroke, &points);
+            panel = panel.banded_line(shown(curve), stroke, &points);
         }
         panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
         match &result.reference {
@@ -300,7 +309,8 @@ pub fn curves(result: &Convergence) -> Drawing {
 
 /// Size of the frames of [`curves`].
 const FRAME: [f64; 2] = [350.0, 250.0];
-const GUIDE: &str = "slope −1/2: independent samples";
+/// The name of the guide.
+pub const GUIDE: &str = "slope −1/2: independent samples";
 
 /// A level at `x`, with the interval of its error.
 pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
@@ -350,10 +360,7 @@ fn by_strategy(result: &Convergence, x: Axis, value: &dyn Fn(&Curve) -> Option<[
     let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
     let border = unbiased.len() as f64;
     let rows = || unbiased.iter().chain(&biased);
-    let name = |(curve, stroke): &(&Curve, Stroke)| match &curve.strategy {
-        name if is_biased(&(curve, *stroke)) => format!("{}: biased", label(name)),
-        name => label(name),
-    };
+    let name = |one: &(&Curve, Stroke)| shown(one.0) + if is_biased(one) { ": biased" } else { "" };
     let mut panel = Panel::new(x, Axis::named("", rows().map(name).collect::<Vec<_>>()));
     for (i, (curve, stroke)) in rows().enumerate() {
         let Some([low, value, high]) = value(curve) else { continue };
@@ -371,7 +378,7 @@ fn by_strategy(result: &Convergence, x: Axis, value: &dyn Fn(&Curve) -> Option<[
 /// A panel with the legend of the curves.
 fn with_legend(mut panel: Panel, result: &Convergence) -> Panel {
     for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
-        panel = panel.line(label(&curve.strategy), stroke, Vec::new());
+        panel = panel.line(shown(curve), stroke, Vec::new());
     }
     panel.line(GUIDE, theme::GUIDE, Vec::new())
 }
@@ -452,13 +459,13 @@ pub fn images(result: &Convergence) -> Drawing {
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
     // Each contender at the level nearest to the common time
-    let shown: Vec<(&Curve, &Level, &Image)> = result
+    let levels: Vec<(&Curve, &Level, &Image)> = result
         .curves
         .iter()
         .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
         .collect();
     // One scale of errors for all: the median RMSE, rounded up
-    let mut sizes: Vec<f64> = shown.iter().map(|(_, level, _)| level.rmse() / mean).collect();
+    let mut sizes: Vec<f64> = levels.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     sizes.sort_by(f64::total_cmp);
     let limit = round(sizes.get(sizes.len() / 2).copied().unwrap_or(0.05));
     let tone = ToneMap::Srgb { stops: auto_exposure(&truth) };
@@ -474,17 +481,17 @@ pub fn images(result: &Convergence) -> Drawing {
         };
         pairs.map(error).collect()
     };
-    let errors: Vec<Vec<f64>> = shown.iter().map(|(.., image)| relative(image)).collect();
+    let errors: Vec<Vec<f64>> = levels.iter().map(|(.., image)| relative(image)).collect();
     let regions = regions([truth.width(), truth.height()], &errors, REGIONS);
     let tones = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
     let mut cells = vec![(
         "reference, and the regions shown".to_owned(),
         framed(&tones(&truth), &regions, (WIDTH / truth.width()).max(1)),
     )];
-    for ((curve, level, image), errors) in shown.iter().zip(errors) {
+    for ((curve, level, image), errors) in levels.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
-            label(&curve.strategy),
+            shown(curve),
             level.spp,
             duration(level.cpu_seconds),
             rounded(level.rmse(), 2)

@@ -33,8 +33,8 @@ pub fn differences(result: &Depths) -> Drawing {
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let title = "What each maximum depth /{m} adds (single bright pixels clamped). L: light, D: diffuse reflection, S: mirror or glass, E: eye";
-    contact_sheet(title, 3, &images)
+    let letters = "Paths by their events: L light, D diffuse reflection, S mirror or glass, E eye. Single bright pixels are clamped.";
+    contact_sheet("", 3, &images).headed("What each maximum depth /{m} adds", vec![letters.to_owned()])
 }
 
 /// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one

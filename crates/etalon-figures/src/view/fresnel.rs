@@ -3,7 +3,7 @@
 
 use super::text::{capitalized, rounded};
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
-use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumRow};
+use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumCurves, MediumRow};
 use etalon_bench::{fresnel, metal};
 
 pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {
@@ -16,8 +16,19 @@ fn angle_axis() -> Axis {
     Axis::linear(ANGLE).range(0.0, 90.0).every(15.0)
 }
 
+/// With room above 1 and below 0, where curves run along both.
+fn share_axis() -> Axis {
+    Axis::linear("share of the power").range(-0.04, 1.04).every(0.2)
+}
+
 /// Curves of one interface, and beside them Schlick's error.
 pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
+    let [absolute, relative] = schlick_errors(curves);
+    Plot::new([shares(curves), absolute, relative]).frame_size(350.0, 290.0).draw()
+}
+
+/// Curves of one interface with its special angles.
+fn shares(curves: &fresnel::DielectricCurves) -> Panel {
     let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
@@ -27,9 +38,7 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
         (Some(_), "exact") => "Schlick, angle of refraction",
         (Some(_), _) => "Schlick, angle of incidence",
     };
-    // Room above 1 and below 0, where curves run along both
-    let share = Axis::linear("share of the power").range(-0.04, 1.04).every(0.2);
-    let mut main = Panel::new(angle_axis(), share)
+    let mut main = Panel::new(angle_axis(), share_axis())
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
@@ -54,6 +63,11 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
             main = total_reflection(main, critical);
         }
     }
+    main
+}
+
+/// Schlick's error of one interface: the difference, and over the exact reflectance.
+fn schlick_errors(curves: &fresnel::DielectricCurves) -> [Panel; 2] {
     let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
     let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
     let panel = |title: &str, label: &str, points: Vec<Point>| {
@@ -69,10 +83,10 @@ pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
     let whose = if curves.model == "exact" && curves.critical_deg.is_some() { " (angle of refraction)" } else { "" };
-    let absolute = panel(&format!("Schlick's error{whose}"), "Schlick − exact", points(&error));
-    let relative =
-        panel(&format!("Schlick's relative error{whose}"), "(Schlick − exact) / exact (%)", points(&relative));
-    Plot::new([main, absolute, relative]).frame_size(350.0, 290.0).draw()
+    [
+        panel(&format!("Schlick's error{whose}"), "Schlick − exact", points(&error)),
+        panel(&format!("Schlick's relative error{whose}"), "(Schlick − exact) / exact (%)", points(&relative)),
+    ]
 }
 
 /// An index of refraction in as many digits as it is known to.
@@ -144,19 +158,37 @@ pub enum Curve {
     Schlick,
     /// Schlick − exact, in a panel of its own.
     Error,
+    /// A vertical line at the angle.
+    Brewster,
+    Critical,
 }
 
 /// All curves, with their names and what they are.
-pub const CURVES: [(&str, &str, Curve); 6] = [
+pub const CURVES: [(&str, &str, Curve); 8] = [
     ("unpolarized", "Reflectance of unpolarized light", Curve::Unpolarized),
     ("parallel", "Reflectance of parallel polarization", Curve::Parallel),
     ("perpendicular", "Reflectance of perpendicular polarization", Curve::Perpendicular),
     ("transmittance", "1 − R: refracted by a dielectric, absorbed by a metal", Curve::Transmittance),
     ("schlick", "Schlick's approximation of unpolarized light", Curve::Schlick),
     ("error", "Schlick − exact, in a panel of its own", Curve::Error),
+    ("brewster", "A line at Brewster's angle, of a metal at the smallest R∥", Curve::Brewster),
+    ("critical", "A line at the critical angle, if there is one", Curve::Critical),
 ];
 
 impl Curve {
+    /// Where it is a line at an angle: the angle of a medium, if it has one.
+    fn angle(self, medium: &MediumCurves) -> Option<f64> {
+        match self {
+            Self::Brewster => medium.brewster_deg,
+            Self::Critical => medium.critical_deg,
+            _ => None,
+        }
+    }
+
+    fn is_angle(self) -> bool {
+        matches!(self, Self::Brewster | Self::Critical)
+    }
+
     fn value(self, row: &MediumRow) -> f64 {
         match self {
             Self::Unpolarized => row.r_unpolarized,
@@ -165,6 +197,7 @@ impl Curve {
             Self::Transmittance => row.transmittance,
             Self::Schlick => row.r_schlick,
             Self::Error => row.r_schlick - row.r_unpolarized,
+            Self::Brewster | Self::Critical => f64::NAN,
         }
     }
 
@@ -176,14 +209,16 @@ impl Curve {
             Self::Transmittance => "1 − /{R}",
             Self::Schlick => "Schlick",
             Self::Error => "Schlick − exact",
+            Self::Brewster => "Brewster's angle /{θ}_{B}",
+            Self::Critical => "critical angle /{θ}_{c}",
         }
     }
 
     fn dash(self) -> &'static [f64] {
         match self {
             Self::Unpolarized | Self::Error => theme::SOLID,
-            Self::Parallel => theme::DASHED,
-            Self::Perpendicular => theme::DOTTED,
+            Self::Parallel | Self::Brewster => theme::DASHED,
+            Self::Perpendicular | Self::Critical => theme::DOTTED,
             Self::Transmittance => theme::DASH_DOT,
             Self::Schlick => theme::LONG_DASH,
         }
@@ -197,13 +232,22 @@ impl Curve {
             Self::Perpendicular => theme::R_PERPENDICULAR,
             Self::Transmittance => theme::TRANSMITTANCE,
             Self::Schlick | Self::Error => theme::SCHLICK,
+            Self::Brewster => theme::BREWSTER,
+            Self::Critical => theme::CRITICAL,
         }
     }
 }
 
-/// The curves `show` of all media: the colour tells the medium, the dash pattern the curve.
-pub fn of_media(curves: &MediaCurves, show: &[Curve]) -> Drawing {
+/// The curves `show` of all media, for each side that light comes from: the colour tells the medium, the dash pattern the curve.
+pub fn of_media(sides: &[MediaCurves], show: &[Curve]) -> Drawing {
+    let panels: Vec<Panel> = sides.iter().flat_map(|curves| panels_of_media(curves, show)).collect();
+    Plot::new(panels).frame_size(420.0, 320.0).draw()
+}
+
+fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
+    let (angles, show): (Vec<Curve>, Vec<Curve>) = show.iter().partition(|curve| curve.is_angle());
     let shares: Vec<Curve> = show.iter().copied().filter(|curve| *curve != Curve::Error).collect();
+    let panel = |show: &[Curve], y: Axis| with_angles(panel(curves, show, y), curves, &angles);
     let mut panels = Vec::new();
     let side = match &*curves.media {
         [only] => format!("From /{{η}} = {} into {}", index(curves.eta_i), only.name),
@@ -211,16 +255,37 @@ pub fn of_media(curves: &MediaCurves, show: &[Curve]) -> Drawing {
     };
     if let [only] = *shares {
         let axis = Axis::linear(axis_name(only)).range(0.0, 1.0);
-        panels.push(panel(curves, &shares, axis).title(side.clone()));
-    } else if !shares.is_empty() {
-        panels.push(panel(curves, &shares, Axis::linear("share of the power").range(0.0, 1.0)).title(side.clone()));
+        panels.push(panel(&shares, axis).title(side.clone()));
+    } else if !shares.is_empty() || !show.contains(&Curve::Error) {
+        panels.push(panel(&shares, share_axis()).title(side.clone()));
     }
     if show.contains(&Curve::Error) {
         let title = if shares.is_empty() { side } else { "Schlick's error".to_owned() };
         let axis = Axis::linear(axis_name(Curve::Error));
-        panels.push(panel(curves, &[Curve::Error], axis).title(title).horizontal(0.0, ""));
+        panels.push(panel(&[Curve::Error], axis).title(title).horizontal(0.0, ""));
     }
-    Plot::new(panels).frame_size(420.0, 320.0).draw()
+    panels
+}
+
+/// Lines at angles of each medium.
+fn with_angles(panel: Panel, curves: &MediaCurves, angles: &[Curve]) -> Panel {
+    let is_single = curves.media.len() == 1;
+    let lines = curves.media.iter().enumerate().flat_map(|(i, medium)| {
+        angles.iter().filter_map(move |curve| {
+            let at = curve.angle(medium)?;
+            let name = if is_single { curve.label() } else { &medium.name };
+            let colour = if is_single { curve.colour() } else { theme::series(i).colour };
+            let label = if is_single { format!("{name} = {at:.2}°") } else { format!("{name} {at:.1}°") };
+            Some((at, label, Stroke { colour, width: theme::BOLD, dash: curve.dash() }))
+        })
+    });
+    let panel = lines.fold(panel, |panel, (at, label, stroke)| panel.vertical_above(at, label, stroke));
+    match &*curves.media {
+        [MediumCurves { critical_deg: Some(critical), .. }] if angles.contains(&Curve::Critical) => {
+            total_reflection(panel, *critical)
+        }
+        _ => panel,
+    }
 }
 
 fn axis_name(only: Curve) -> &'static str {
@@ -231,6 +296,7 @@ fn axis_name(only: Curve) -> &'static str {
         Curve::Transmittance => "1 − reflectance of unpolarized light",
         Curve::Schlick => "reflectance by Schlick's approximation",
         Curve::Error => "Schlick − exact, of unpolarized light",
+        Curve::Brewster | Curve::Critical => "",
     }
 }
 

@@ -1,6 +1,7 @@
 //! A furnace test: the directional albedo over the angle and parameters, and spheres in uniform light.
 
 use super::depth::grid;
+use super::text::{LINE, rounded, wrapped};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
 use etalon_bench::albedo::{Row, Table, is_wrong};
 use etalon_core::math::Rgb;
@@ -8,6 +9,8 @@ use etalon_core::raster::Image;
 
 /// Pixels across a sphere's image.
 const PIXELS: usize = 160;
+/// Weights are uneven if one has so many times their mean.
+const UNEVEN: f64 = 10.0;
 /// Spheres beside the map.
 const SPHERES: usize = 4;
 
@@ -87,6 +90,9 @@ fn interpolate(places: &[f64], values: &[f64], x: f64) -> f64 {
     from + (to - from) * ((x - low) / (high - low)).clamp(0.0, 1.0)
 }
 
+/// The indent of what goes on below a value.
+const BELOW: &str = "                   ";
+
 /// What a table says, in a few lines.
 pub fn text(table: &Table) -> String {
     let Some([least, most]) = table.extremes() else { return String::new() };
@@ -96,30 +102,47 @@ pub fn text(table: &Table) -> String {
         false => format!("at {:.2}°, {over} = {:.4}", row.theta_deg, row.parameter),
     };
     let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    let mut text = format!(
-        "{}{}\n",
-        table.family,
-        if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) }
-    );
+    let fixed = if fixed.is_empty() { String::new() } else { format!(" ({})", fixed.join(", ")) };
+    let mut text = format!("{}{fixed}\n", table.family) + &wrapped(&found(table), "  ", LINE);
     for (name, row) in [("smallest", least), ("largest", most)] {
-        text += &format!("  {name} albedo   {:.5} ± {:.1e} {}\n", row.albedo, row.error, at(row));
+        text += &format!("  {:<15}  {:.5} ± {:.1e} {}\n", format!("{name} albedo"), row.albedo, row.error, at(row));
     }
     if let Some(row) = table.with_largest_error() {
         text += &format!("  largest error    {:.1e} {}\n", row.error, at(row));
+    }
+    let uncertain = table.uncertain().count();
+    if let Some(row) = table.with_largest_error().filter(|_| uncertain > 0) {
+        text += &format!(
+            "  INCONCLUSIVE     {uncertain} of {} albedos have errors above {}",
+            table.rows.len(),
+            table.wanted_error
+        );
+        // Weights far above their mean are why
+        let weight = row.largest_weight.filter(|weight| *weight > UNEVEN * row.albedo && row.basis != "certified");
+        text += &weight.map_or("\n".into(), |weight| {
+            format!(
+                ": weights are uneven, at {} up to {} where their mean is {}\n",
+                at(row).trim_start_matches("at "),
+                rounded(weight, 3),
+                rounded(row.albedo, 3)
+            )
+        });
     }
     for (basis, count) in table.bases() {
         let of = if count == table.rows.len() { String::new() } else { format!(" of {count} albedos") };
         let confidence = format!("  confidence       99 % for each error{of}");
         text += &match basis {
-            "certified" => format!("{confidence}, as no weight exceeds what the BSDF declares\n"),
-            "exceeded" => {
-                format!(
-                    "  {count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors\n"
-                )
-            }
-            "found" => format!("{confidence}, if weights are no more uneven than those that were found\n"),
+            "certified" => format!("{confidence},\n{BELOW}as no weight exceeds what the BSDF declares\n"),
+            "exceeded" => wrapped(
+                &format!(
+                    "{count} albedos with weights BELOW 0 OR ABOVE what the BSDF declares: nothing is known of their errors"
+                ),
+                "  ",
+                LINE,
+            ),
+            "found" => format!("{confidence},\n{BELOW}if weights are no more uneven than those that were found\n"),
             _ => format!(
-                "{confidence}, if means are normally distributed and no weight is larger than those that were found\n"
+                "{confidence},\n{BELOW}if means are normally distributed and no weight is larger\n{BELOW}than those that were found\n"
             ),
         };
     }
@@ -129,7 +152,7 @@ pub fn text(table: &Table) -> String {
     }) {
         let share = 100.0 * row.lost_by_single_scattering.unwrap_or(0.0);
         text += &format!(
-            "  most light lost  {share:.1} % {}, by a metal that absorbs nothing: single scattering alone\n",
+            "  most light lost  {share:.1} % {},\n{BELOW}by a metal that absorbs nothing: single scattering alone\n",
             at(row)
         );
     }
@@ -138,17 +161,19 @@ pub fn text(table: &Table) -> String {
             if is_wrong(weak) { "D and G1 DO NOT BELONG TOGETHER" } else { "D and G1 belong together at these angles" };
         text += &format!("  weak furnace     1 within {weak:.1e}: {verdict}\n");
     }
-    text += &match table.violations() {
-        0 if table.above_one() > 0 => {
-            format!(
-                "  {} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares",
-                table.above_one()
-            )
+    text + &format!("  {:.1} s\n", table.seconds)
+}
+
+/// Whether the BSDF is what it declares, in a line.
+pub fn found(table: &Table) -> String {
+    match (table.violations(), table.above_one()) {
+        (0, 0) => "no albedo contradicts what the BSDF declares".to_owned(),
+        (0, above) => {
+            format!("{above} albedos exceed 1 by more than their own error; none contradicts what the BSDF declares")
         }
-        0 => "  no albedo contradicts what the BSDF declares".to_owned(),
-        n => format!(
-            "  {n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that are not finite"
+        (n, _) => format!(
+            "{n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that \
+             are not finite"
         ),
-    };
-    text + &format!("; {:.1} s\n", table.seconds)
+    }
 }

@@ -112,7 +112,7 @@ impl Display {
     /// What the markers mean.
     fn key(&self, side: usize, zoom: Option<usize>) -> Vec<(f64, Colour, String)> {
         let inset =
-            zoom.map(|zoom| (0, format!("inset: the framed square, {zoom} times as large, a dot for each sample")));
+            zoom.map(|zoom| (0, format!("inset: the square in orange, {zoom} times as large, a dot for each sample")));
         let markers = [(1, "1 sample".to_owned()), (LARGER, format!("{LARGER} samples close together"))];
         let side = |count: usize| side as f64 * (count as f64).sqrt() * self.scale;
         markers.into_iter().chain(inset).map(|(count, name)| (side(count), theme::MARKER, name)).collect()
@@ -143,10 +143,10 @@ impl Display {
         let place = Rect::new(x, y, side, side);
         let source = Rect::new(left as f64, top as f64, part as f64, part as f64);
         for (frame, width, colour) in [
-            (source, 3.0, theme::MARKER_SHADE),
-            (source, 1.2, theme::BORDER),
+            (source, 5.0, theme::MARKER_SHADE),
+            (source, 2.6, theme::INSET),
             (place, 5.0, theme::MARKER_SHADE),
-            (place, 3.0, theme::BORDER),
+            (place, 3.0, theme::INSET),
         ] {
             drawing.rect(frame, Stroke::solid(colour, width));
         }

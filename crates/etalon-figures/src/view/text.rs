@@ -82,6 +82,9 @@ pub fn rounded(value: f64, digits: usize) -> String {
     }
 }
 
+/// Characters in a line of a terminal.
+pub const LINE: usize = 80;
+
 /// The words of a text in lines of at most `width` characters (a longer word has a line of its own), each after `indent`.
 pub fn wrapped(text: &str, indent: &str, width: usize) -> String {
     let mut lines = vec![String::new()];

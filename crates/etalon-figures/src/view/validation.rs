@@ -1,9 +1,9 @@
 //! A run of tests as a table and as a drawing of its p-values; the table of planted faults; results as text: a line for each test
 //! if they are few, else one for each family and one for each test that needs a look.
 
-use super::text::{counted, p_is, p_value, plain_p_value, rounded, wrapped};
+use super::text::{LINE, counted, p_is, p_value, plain_p_value, rounded, wrapped};
 use super::validation_cells;
-use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::table::Table;
 use etalon_bench::validation::planted::{By, Finding, Findings};
 use etalon_bench::validation::{Tested, Validation};
@@ -71,18 +71,57 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
         .collect()
 }
 
-/// A single test, or the p-values of several and why those that are not accepted are not.
+/// A single test; or why tests are not accepted, what the first rejected one looked at, and the checks of one BSDF, or the p-values of all.
 pub fn drawing(validation: &Validation) -> Drawing {
     match validation.tests.as_slice() {
         [test] => validation_cells::drawing(test),
         tests => {
             // Why first, then where counts of the first test that they reject differ.
-            let by_counts = |test: &&Tested| test.outcome.is_rejected_by_p() && test.outcome.counts.is_some();
-            let cells = tests.iter().find(by_counts).map(validation_cells::drawing);
-            let rows = validation_cells::reasons(validation).into_iter().chain(cells).chain([p_values(validation)]);
+            let is_shown = |test: &&Tested| {
+                let Outcome { counts, compared, .. } = &test.outcome;
+                test.outcome.is_rejected_by_p() && counts.is_some() || compared.is_some()
+            };
+            let first = tests.iter().find(is_shown).map(validation_cells::pictured);
+            let all = checks(validation).unwrap_or_else(|| p_values(validation));
+            let rows = validation_cells::reasons(validation).into_iter().chain(first).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)
         }
     }
+}
+
+/// The verdict of each check of one BSDF for each angle of `wo`; `None` of other tests.
+fn checks(validation: &Validation) -> Option<Drawing> {
+    validation.unseen?;
+    let mut names: Vec<String> = Vec::new();
+    let mut tests: Vec<(Verdict, Point)> = Vec::new();
+    for Tested { name, outcome } in &validation.tests {
+        let (kind, angle) = name.rsplit_once('/')?;
+        let (angle, check) = (angle.parse().ok()?, kind.rsplit('/').next()?);
+        let row = names.iter().position(|known| known == check).unwrap_or(names.len());
+        if row == names.len() {
+            names.push(check.to_owned());
+        }
+        tests.push((outcome.verdict, [angle, row as f64 + 0.5]));
+    }
+    let mut angles: Vec<f64> = tests.iter().map(|(_, [angle, _])| *angle).collect();
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    let title = format!(
+        "{} accepted, {} rejected, {} inconclusive",
+        validation.accepted, validation.rejected, validation.inconclusive
+    );
+    let x = Axis::linear("angle of /{ω}o with the normal (degrees)").range(-10.0, 160.0).at(angles);
+    let panel = Panel::new(x, Axis::named("", names)).title(title);
+    let kinds = [
+        ("accepted", theme::ACCEPTED.faded(0.5), Marker::Disc, Verdict::Accept),
+        ("rejected", theme::REJECTED, Marker::Square, Verdict::Reject),
+        ("inconclusive", theme::INCONCLUSIVE, Marker::Triangle, Verdict::Inconclusive),
+    ];
+    let with = |panel: Panel, (name, colour, marker, verdict): (&str, _, _, Verdict)| {
+        let of: Vec<Point> = tests.iter().filter(|(known, _)| *known == verdict).map(|(_, at)| *at).collect();
+        if of.is_empty() { panel } else { panel.markers(name, colour, marker, of) }
+    };
+    Some(Plot::new([kinds.into_iter().fold(panel, with)]).draw())
 }
 
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.
@@ -176,27 +215,12 @@ pub fn planted_rows<'a>(findings: &'a Findings) -> Vec<PlantedRow<'a>> {
     findings.tests.iter().map(row).collect()
 }
 
-/// More tests than these are summarized by family.
-const FEW: usize = 40;
-
-/// What a run found.
-pub fn text(validation: &Validation) -> String {
+/// What a run found: of several tests the verdict and why first, then those that need a look, and those that were accepted by family, or, if
+/// `all`, a line for each.
+pub fn text(validation: &Validation, all: bool) -> String {
     let tests = &validation.tests;
-    let is_told =
-        |test: &&Tested| tests.len() <= FEW || !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
-    let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
-    let is_single = tests.len() == 1;
-    let mut text = match told.len() {
-        _ if tests.len() <= FEW => table(&told, is_single),
-        0 => families(tests),
-        _ => format!("{}\n{}", families(tests), table(&told, is_single)),
-    };
-    if tests.len() > 1 {
-        let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", 100));
-        text += &causes.fold(String::new(), |text, cause| text + "\n" + &cause);
-    }
-    text += &format!(
-        "\n{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
+    let summary = format!(
+        "{} at level {} together, seed {}: {} accepted, {} rejected, {} inconclusive; {:.1} s\n",
         counted(tests.len(), "test"),
         rounded(validation.level, 3).parse().unwrap_or(validation.level),
         validation.seed,
@@ -205,6 +229,21 @@ pub fn text(validation: &Validation) -> String {
         validation.inconclusive,
         validation.seconds
     );
+    let is_single = tests.len() == 1;
+    let is_told = |test: &&Tested| all || is_single || !test.outcome.is_accepted() || !test.outcome.remarks.is_empty();
+    let told: Vec<&Tested> = tests.iter().filter(is_told).collect();
+    let rows = Some(table(&told, is_single)).filter(|_| !told.is_empty());
+    let parts: Vec<String> = if is_single {
+        rows.into_iter().chain([summary]).collect()
+    } else {
+        let causes = validation.causes().into_iter().map(|cause| wrapped(&cause, "  ", LINE));
+        let folded = Some(match validation.unseen {
+            Some(_) => of_one_subject(tests),
+            None => families(tests),
+        });
+        [summary].into_iter().chain(causes).chain(rows).chain(folded.filter(|_| !all)).collect()
+    };
+    let mut text = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n");
     if validation.interrupted {
         text += "interrupted before all tests were finished\n";
     }
@@ -222,7 +261,7 @@ fn table(tests: &[&Tested], is_single: bool) -> String {
         let lines = findings.into_iter().map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());
-        let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", 100));
+        let ripples = finer.map(|finer| wrapped(&format!("detects ripples: {finer}"), "    ", LINE));
         lines.chain(remarks).chain(ripples).collect::<String>()
     };
     Table::of(tests)
@@ -233,10 +272,28 @@ fn table(tests: &[&Tested], is_single: bool) -> String {
         .numbers("samples", |test| test.outcome.samples)
         .words("integral of the pdf", |test| {
             let mass = test.outcome.mass.filter(|mass| mass.error.is_finite());
-            mass.map_or("-".into(), |mass| mass.to_string())
+            mass.map_or("-".into(), |mass| mass.to_string().replace(" statistical", ""))
         })
-        .numbers("seconds", |test| format!("{:.2}", test.outcome.seconds))
         .text_with(|test, line| line + &below(&test.outcome))
+}
+
+/// The accepted tests of one sampler or BSDF, how many of each kind, and what they detect.
+fn of_one_subject(tests: &[Tested]) -> String {
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
+    let accepted = || tests.iter().filter(|test| test.outcome.is_accepted());
+    for test in accepted() {
+        let kind = test.name.rsplit('/').nth(1).unwrap_or(&test.name);
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((kind, 1)),
+        }
+    }
+    if kinds.is_empty() {
+        return String::new();
+    }
+    let counts: Vec<String> = kinds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    let detected = percent(accepted().filter_map(|test| test.outcome.detectable).max_by(f64::total_cmp));
+    wrapped(&format!("accepted: {}; errors of {detected} would have been found", counts.join(", ")), "  ", 100)
 }
 
 /// One line for each family, in the order of the tests.

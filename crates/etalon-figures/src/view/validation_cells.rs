@@ -1,10 +1,11 @@
-//! One test's counts: observed, expected, and their residuals.
+//! What one test looked at: counts, observed and expected, with their residuals; or numbers that should be equal and are not.
 
 use super::text::{capitalized, finding, p_value, wrapped};
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
-use etalon_stats::{Cell, Counts, Verdict};
+use etalon_stats::{Cell, Compared, Counts, Outcome, Verdict};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// A cell. Field names are the CSV columns; atoms and "no sample", which have no place on the chart, come last.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -48,13 +49,24 @@ fn residual(observed: u64, expected: f64) -> f64 {
 
 /// The drawing of a test: its verdict, why, and its cells, if it has counted anything.
 pub fn drawing(tested: &Tested) -> Drawing {
-    let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
     let Tested { name, outcome } = tested;
+    let by = by(outcome);
     // The mistake, if there is one, is the headline, and need not be said again.
     match &outcome.mistake {
-        Some(mistake) => described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), Some(p)),
-        None => described(tested, format!("{name}: {}, {p}", outcome.verdict), None),
+        Some(mistake) if mistake.chars().count() <= WIDEST_TITLE => {
+            described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), by)
+        }
+        mistake => {
+            let by = by.map_or(String::new(), |by| format!(", {by}"));
+            described(tested, format!("{name}: {}{by}", outcome.verdict), mistake.clone())
+        }
     }
+}
+
+/// What the verdict rests on: a p-value, or numbers that must be equal.
+fn by(outcome: &Outcome) -> Option<String> {
+    let exact = || outcome.violation.is_some().then(|| "by an exact check".to_owned());
+    outcome.p.map(p_value).or_else(exact)
 }
 
 /// The drawing of the test of a planted fault, under a sentence that says what the fault is.
@@ -64,19 +76,35 @@ pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
         Verdict::Reject => "rejected",
         Verdict::Inconclusive => "inconclusive",
     };
-    let p = tested.outcome.p.map_or("no /{p}-value".into(), p_value);
-    described(tested, capitalized(mistake), Some(format!("{said} by the test of the sampler: {p}")))
+    let by = by(&tested.outcome).map_or(String::new(), |by| format!(": {by}"));
+    described(tested, capitalized(mistake), Some(format!("{said} by the test of the sampler{by}")))
 }
 
 fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
     let outcome = &tested.outcome;
     let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
     let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
-    let Some(counts) = outcome.counts.as_ref() else {
-        return nothing().headed(title, first.into_iter().chain(findings).collect());
-    };
-    let (plot, beyond) = plot(counts);
-    plot.draw().headed(title, first.into_iter().chain(beyond).chain(findings).collect())
+    let first = first.iter().flat_map(|text| lines(text));
+    let (below, beyond) = picture(outcome);
+    below.headed(title, first.chain(beyond).chain(findings).collect())
+}
+
+/// What a test looked at, under its name.
+pub fn pictured(Tested { name, outcome }: &Tested) -> Drawing {
+    let (below, beyond) = picture(outcome);
+    below.headed(name, beyond.into_iter().collect())
+}
+
+/// The counts or the numbers of a test, and what has no place there.
+fn picture(outcome: &Outcome) -> (Drawing, Option<String>) {
+    match (&outcome.counts, &outcome.compared) {
+        (Some(counts), _) => {
+            let (plot, beyond) = plot(counts);
+            (plot.draw(), beyond)
+        }
+        (None, Some(compared)) => (compared_plot(compared).draw(), None),
+        (None, None) => (nothing(), None),
+    }
 }
 
 /// The plot of the cells, and what has no place there.
@@ -94,26 +122,86 @@ fn plot(counts: &Counts) -> (Plot, Option<String>) {
     (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }
 
-/// Most letters of a line above a drawing.
+/// Most letters of a line above a drawing, and of a mistake in its title.
 const WIDEST: usize = 110;
+const WIDEST_TITLE: usize = 80;
 
 /// What stands below lines of text alone.
 fn nothing() -> Drawing {
     Drawing::stacked(Vec::new(), 0.5)
 }
 
-/// A line for each cause for which tests are not accepted; `None` if all are.
+/// The causes for which tests are not accepted, in whole sentences, as many as there is room for; `None` if all are accepted.
 pub fn reasons(validation: &Validation) -> Option<Drawing> {
-    const MOST: usize = 12;
+    /// Lines after which no further cause begins.
+    const LINES: usize = 9;
     let found = validation.causes();
-    let line = |cause: &String| {
-        let line = wrapped(cause, "", WIDEST);
-        let first = line.lines().next().unwrap_or_default();
-        finding(&if line.lines().nth(1).is_some() { format!("{first} …") } else { first.to_owned() })
+    let (mut lines, mut told) = (Vec::new(), 0);
+    for cause in &found {
+        if lines.len() >= LINES {
+            break;
+        }
+        lines.extend(wrapped(cause, "", WIDEST).lines().map(finding));
+        told += 1;
+    }
+    if told < found.len() {
+        lines.push(format!("and {} more", found.len() - told));
+    }
+    let refused = validation.rejected + validation.inconclusive;
+    let title = format!("Why {refused} of {} tests do not accept", validation.tests.len());
+    (!lines.is_empty()).then(|| nothing().headed(title, lines))
+}
+
+/// Numbers of an exact check. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ComparedRow {
+    /// The direction `wi`.
+    theta_deg: f64,
+    phi_deg: f64,
+    found: f64,
+    expected: f64,
+}
+
+pub fn compared_rows(compared: &Compared) -> Vec<ComparedRow> {
+    let row = |&([x, y, z], [found, expected]): &([f64; 3], [f64; 2])| ComparedRow {
+        theta_deg: x.hypot(y).atan2(z).to_degrees(),
+        phi_deg: y.atan2(x).to_degrees().rem_euclid(360.0),
+        found,
+        expected,
     };
-    let more = found.len().checked_sub(MOST + 1).map(|rest| format!("and {} more", rest + 1));
-    let lines: Vec<String> = found.iter().take(MOST).map(line).chain(more).collect();
-    (!lines.is_empty()).then(|| nothing().headed("Why", lines))
+    compared.places.iter().map(row).collect()
+}
+
+/// The ratio of what was found to what is expected over the angle of `wi`, and one against the other.
+fn compared_plot(compared: &Compared) -> Plot {
+    /// Dots of a panel.
+    const DOTS: usize = 500;
+    let all = compared_rows(compared);
+    let shown = || all.iter().filter(|row| row.found > 0.0 && row.expected > 0.0).take(DOTS);
+    let ratios: Vec<Point> = shown().map(|row| [row.theta_deg, row.found / row.expected]).collect();
+    let furthest = ratios.iter().map(|[_, ratio]| ratio.ln().abs()).fold(0.0, f64::max);
+    // Ratios near 1 in percent
+    let is_near = furthest < 0.5;
+    let (y, points, equal) = match is_near {
+        true => {
+            let percent = ratios.iter().map(|[theta, ratio]| [*theta, 100.0 * (ratio - 1.0)]).collect::<Vec<_>>();
+            (Axis::linear("difference (percent)"), percent, 0.0)
+        }
+        false => (Axis::log("found / expected"), ratios, 1.0),
+    };
+    let end = if all.iter().any(|row| row.theta_deg > 90.0) { 180.0 } else { 90.0 };
+    let over_angle = Panel::new(Axis::linear("/{θ} of /{ω}i (degrees)").range(0.0, end).every(end / 6.0), y)
+        .title("Found over expected, by direction")
+        .horizontal(equal, "equal")
+        .dots("", theme::REJECTED, points);
+    let both: Vec<Point> = shown().map(|row| [row.expected, row.found]).collect();
+    let ends = shown().flat_map(|row| [row.found, row.expected]);
+    let [least, most] = ends.fold([f64::INFINITY, 0.0f64], |[least, most], x| [least.min(x), most.max(x)]);
+    let one_by_other = Panel::new(Axis::log("expected"), Axis::log("found"))
+        .title(finding(&compared.law))
+        .line("equal", Stroke::solid(theme::EXPECTED, theme::THIN), vec![[least, least], [most, most]])
+        .dots("found", theme::REJECTED, both);
+    Plot::new([over_angle, one_by_other])
 }
 
 /// An axis of the cells as people read it: its title, its end there, the step between ticks, and where on the cells' axis a value is.
@@ -140,50 +228,110 @@ fn reading(axis: &str) -> Reading {
     }
 }
 
+/// Where on the axes of the cells each point of a map lies, and the axes of the map.
+type Chart = (Box<dyn Fn(usize) -> Option<[f64; 2]>>, [Axis; 2]);
+
+/// A disc of directions around the normal, as the sky above: the angle with it grows from the centre to the rim. A lobe is one spot there,
+/// wherever it points.
+fn sky(end: f64, place: fn(f64) -> f64) -> Chart {
+    let at = move |i: usize| {
+        let [x, y] = [i % POINTS, POINTS - 1 - i / POINTS].map(|k| 2.0 * (k as f64 + 0.5) / POINTS as f64 - 1.0);
+        let theta = x.hypot(y) * end;
+        (theta < end).then(|| [place(theta), y.atan2(x).to_degrees().rem_euclid(360.0) / 360.0])
+    };
+    let axis = |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees)")).range(-end, end).every(end / 3.0);
+    (Box::new(at), [axis("cos"), axis("sin")])
+}
+
+/// A map whose rows are the first axis, from the top.
+fn rectangle(axes: [&str; 2]) -> Chart {
+    let [down, across] = axes.map(reading);
+    let x = Axis::linear(across.title.as_str()).range(0.0, across.end).every(across.every);
+    let y = Axis::linear(down.title.as_str()).range(down.end, 0.0).every(down.every);
+    let middle = |i: usize, of: &Reading| (of.place)(of.end * (i as f64 + 0.5) / POINTS as f64);
+    (Box::new(move |i| Some([middle(i / POINTS, &down), middle(i % POINTS, &across)])), [x, y])
+}
+
 /// Three heat maps, each cell at its place.
 fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
-    let [down, across] = axes.map(reading);
+    let is_empty = |row: &Row| row.observed == 0 && row.expected <= EMPTY;
+    let (sphere, (place, [x, y])) = match (axes, reading(axes[0])) {
+        ([_, "φ / 2π"], Reading { end: last, place, .. }) if last > 1.0 => {
+            // As much below the horizon as there are samples
+            let holds =
+                |end: &f64| cells.iter().all(|row| is_empty(row) || row.x_to.is_none_or(|x| x <= place(*end) + 1e-9));
+            let end = [90.0, 120.0].into_iter().find(holds).unwrap_or(last);
+            let area = if last > 90.0 { 4.0 * PI } else { 2.0 * PI };
+            (Some((area, end > 90.0)), sky(end, place))
+        }
+        _ => (None, rectangle(axes)),
+    };
+    let circle = |radius: f64| {
+        (0..=72).map(|i| f64::from(5 * i).to_radians().sin_cos()).map(move |(y, x)| [radius * x, radius * y])
+    };
     let holds =
         |from: Option<f64>, to: Option<f64>, v: f64| from.zip(to).is_some_and(|(from, to)| (from..to).contains(&v));
-    // The cell at each point of the map
-    let middle = |i: usize, of: &Reading| (of.place)(of.end * (i as f64 + 0.5) / POINTS as f64);
+    // The cell at each point of the map, where there are any samples
     let at = |i: usize| {
-        let [x, y] = [middle(i / POINTS, &down), middle(i % POINTS, &across)];
-        cells.iter().find(|row| holds(row.x_from, row.x_to, x) && holds(row.y_from, row.y_to, y))
+        let [x, y] = place(i)?;
+        let cell = cells.iter().find(|row| holds(row.x_from, row.x_to, x) && holds(row.y_from, row.y_to, y));
+        cell.filter(|row| !is_empty(row))
     };
     let places: Vec<Option<&Row>> = (0..POINTS * POINTS).map(at).collect();
     let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
     let panel = |title: &str, map: Heatmap| {
-        let x = Axis::linear(across.title.as_str()).range(0.0, across.end).every(across.every);
-        let y = Axis::linear(down.title.as_str()).range(down.end, 0.0).every(down.every);
-        Panel::new(x, y).title(title).heatmap(map)
+        let panel = Panel::new(x.clone(), y.clone()).title(title).heatmap(map.on_paper());
+        if sphere.is_none_or(|(_, is_horizon_seen)| !is_horizon_seen) {
+            return panel;
+        }
+        panel.line("", Stroke::solid(theme::EXPECTED, theme::THIN), circle(90.0).collect::<Vec<Point>>())
     };
+    // Samples of a cell; of directions by solid angle, as cells that have equally many may be of any size
+    let per = |row: &Row, samples: f64| {
+        let side = |from: Option<f64>, to: Option<f64>| to.zip(from).map_or(1.0, |(to, from)| to - from);
+        let area = side(row.x_from, row.x_to) * side(row.y_from, row.y_to);
+        sphere.map_or(samples, |(all, _)| samples / (area * all))
+    };
+    let unit = if sphere.is_some() { "samples per steradian" } else { "samples" };
     // One scale for both counts, in equal factors where a few cells have most of the samples
-    let mut expected: Vec<f64> = cells.iter().map(|row| row.expected).collect();
+    let mut expected: Vec<f64> = cells.iter().map(|row| per(row, row.expected)).collect();
     expected.sort_by(f64::total_cmp);
-    let highest = cells.iter().map(|row| row.expected.max(row.observed as f64)).fold(0.0, f64::max);
+    let highest = cells.iter().map(|row| per(row, row.expected.max(row.observed as f64))).fold(0.0, f64::max);
     let is_peaked = highest > PEAKED * expected.get(expected.len() / 2).copied().unwrap_or(highest);
     let counts = |title: &str, value: &dyn Fn(&Row) -> f64| {
         panel(
             title,
             match is_peaked {
-                true => Heatmap::new(POINTS, grid(&|row| value(row).max(1.0)), Shading::Log10, "samples")
-                    .range(1.0, highest),
-                false => Heatmap::new(POINTS, grid(value), Shading::Linear, "samples").range(0.0, highest),
+                true => Heatmap::new(POINTS, grid(&|row| value(row).max(DARKEST * highest)), Shading::Log10, unit)
+                    .range(DARKEST * highest, highest),
+                false => Heatmap::new(POINTS, grid(value), Shading::Linear, unit).range(0.0, highest),
             },
         )
     };
-    let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, "standard deviations");
+    // One cell with many samples where none belong would leave no colours to the others
+    let mut sizes: Vec<f64> = cells.iter().map(|row| row.residual.abs()).filter(|size| *size > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let largest = sizes.last().copied().unwrap_or(1.0);
+    let most = sizes.get(sizes.len() * 9 / 10).map_or(largest, |size| size.max(NOTABLE).min(largest));
+    let label = if most < largest { "standard deviations, ends and beyond" } else { "standard deviations" };
+    let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, label).range(-most, most);
     Plot::new([
-        counts("Observed /{O}", &|row| row.observed as f64),
-        counts("Expected /{E}", &|row| row.expected),
+        counts("Observed /{O}", &|row| per(row, row.observed as f64)),
+        counts("Expected /{E}", &|row| per(row, row.expected)),
         panel("Residual (/{O} − /{E})/√/{E}", residual),
     ])
-    .frame_size(250.0, 210.0)
+    .frame_size(230.0, 230.0)
 }
+
+/// Fewer samples are none.
+const EMPTY: f64 = 0.01;
+/// Residuals from here on have the strongest colours at the earliest.
+const NOTABLE: f64 = 5.0;
 
 /// Points of a map along each side.
 const POINTS: usize = 180;
+/// The share of the highest count that has the darkest colour where counts are peaked.
+const DARKEST: f64 = 1e-3;
 /// Times the median count that the highest one has where counts are peaked.
 const PEAKED: f64 = 8.0;
 

@@ -43,8 +43,10 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             let both = far.iter().zip(of_there).zip(of_back);
             Ok(both.map(|((&i, there), back)| eta2(i) * there + back).collect())
         };
-        let message =
-            |i: usize| format!("{} (f(wo, wi) η², f(wi, wo){})", subject.at(directions[i]), subject.channel(channel));
+        let message = |i: usize| {
+            let (at, of) = (subject.at(directions[i]), subject.channel(channel));
+            (Some(directions[i]), format!("{at} (f(wo, wi) η², f(wi, wo){of})"))
+        };
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&swapped(pairs), &[])?, channel));
             let exchanged = Values { subject, function, channel, is_exchanged: true };
@@ -76,7 +78,7 @@ fn reciprocal_lobe(subject: &Subject, lobe: &DeltaLobe, found: &mut Comparison) 
             let rounding = subject.rounding(&[found_back], &[[lobe.wi, *wo]], of)?;
             Ok(vec![subject.last_places(power) + rounding[0]])
         };
-        let message = |_| format!("{} (power there and back)", subject.at(lobe.wi));
+        let message = |_| (Some(lobe.wi), format!("{} (power there and back)", subject.at(lobe.wi)));
         let quick = subject.last_places(power);
         found.equal(&[[power, found_back]], |_| quick, rounding, message)?;
     }
@@ -118,7 +120,10 @@ fn adjoint_values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: 
             })?;
             Ok(of_back.iter().zip(of_adjoint).map(|(a, b)| a + b).collect())
         };
-        let message = |i: usize| format!("{} (value for importance, f(wi, wo))", subject.at(pairs[i][1]));
+        let message = |i: usize| {
+            let [_, wi] = pairs[i];
+            (Some(wi), format!("{} (value for importance, f(wi, wo))", subject.at(wi)))
+        };
         found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)?;
     }
     Ok(())
@@ -137,7 +142,8 @@ fn adjoint_weights(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found:
     for channel in 0..subject.properties.channels {
         let numbers: Vec<[f64; 2]> =
             both.iter().map(|(found, expected, _)| [found[channel], expected[channel]]).collect();
-        let message = |i: usize| format!("{} (weight for importance, weight · η²)", subject.at(both[i].2));
+        let message =
+            |i: usize| (Some(both[i].2), format!("{} (weight for importance, weight · η²)", subject.at(both[i].2)));
         found.near(&numbers, |i| subject.last_places(numbers[i][1]), message)?;
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::contract::{BatchBsdf, Direction, Properties, Spectrum};
 use super::subject::Subject;
 use crate::error::Result;
-use crate::examine::Protocol;
+use crate::examine::{Protocol, SampleCount};
 use crate::extremes::Extremes;
 use integral::{Weights, integral, unresolved};
 use mapped::{Mapped, UNSEEN};
@@ -33,9 +33,14 @@ pub enum Basis {
     /// On the weights that were found, of which this is the largest: none is assumed to be much further than those from what its
     /// neighbours let expect.
     Found(f64),
-    /// On the assumption that means have a normal distribution, so that theirs is Student's of n degrees of freedom, and that no
-    /// weight is larger than those that were found.
-    Normal(f64),
+    /// On the assumption that means have a normal distribution, so that theirs is Student's, and that no weight is larger than those that
+    /// were found.
+    Normal {
+        /// Degrees of freedom.
+        freedom: f64,
+        /// The largest weight that was found.
+        largest: f64,
+    },
 }
 
 /// A directional albedo: the radiance towards `wo` over that of uniform light from everywhere, per channel.
@@ -58,7 +63,7 @@ impl Albedo {
             Basis::Certified(_) | Basis::Found(_) | Basis::Exceeded { .. } => {
                 self.error[channel] * (1.0 + (tests as f64).ln() / (2.0 / RISK).ln())
             }
-            Basis::Normal(freedom) => {
+            Basis::Normal { freedom, .. } => {
                 self.error[channel] * student(RISK / tests as f64, freedom) / student(RISK, freedom)
             }
         }
@@ -71,7 +76,7 @@ fn student(risk: f64, freedom: f64) -> f64 {
 }
 
 /// The directional albedo for `wo`, the mean weight of samples times η², with an error of at most `error` if 2²² points suffice (2²⁰ for a BSDF
-/// that declares no largest weight).
+/// that declares no largest weight), or fewer that `protocol` fixes, of which some hundreds are always taken.
 ///
 /// Where two random numbers are mapped to directions, the weight is a function of these two, averaged over the lobes that a third may choose.
 /// Polynomials on rectangles of the unit square approximate it. The mean difference between the weight and the polynomials
@@ -99,6 +104,14 @@ pub fn directional_albedo(bsdf: &dyn BatchBsdf, wo: Direction, error: f64, proto
 /// The random numbers next to 0 and to 1 that arithmetic of this precision resolves.
 fn borders(precision: f64) -> [f64; 4] {
     [0.25 * precision, precision, 1.0 - precision, 1.0 - 0.5 * precision]
+}
+
+/// The most points of an albedo: what `usual` is, or what the protocol fixes if that is less.
+fn most_points(subject: &Subject, usual: f64) -> f64 {
+    match subject.protocol.samples {
+        SampleCount::Fixed(points) => usual.at_most(points as f64),
+        SampleCount::Detect(_) => usual,
+    }
 }
 
 /// The light of the delta lobes.

@@ -31,7 +31,7 @@ pub fn same_values(a: &dyn BatchBsdf, b: &dyn BatchBsdf, wo: Direction, protocol
             &numbers,
             |i| a.last_places(numbers[i][1]),
             rounding,
-            |i| format!("{} ({what})", a.at(directions[i])),
+            |i| (Some(directions[i]), format!("{} ({what})", a.at(directions[i]))),
         )
     };
     let (f, g) = (a.bsdf.eval(&pairs, &[])?, b.eval(&pairs, &[])?);
@@ -62,7 +62,7 @@ pub fn same_light(
         for (k, light) in lights.into_iter().enumerate() {
             for channel in 0..a.properties().channels {
                 let both = [one[side][k][channel], other[side][k][channel]];
-                found.near(&[both], |_| tolerance, |_| format!("wo {}, {light} {name}", place(wo)))?;
+                found.near(&[both], |_| tolerance, |_| (None, format!("wo {}, {light} {name}", place(wo))))?;
             }
         }
     }

@@ -124,7 +124,7 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     };
     let message = |i: usize| {
         let MappedPoint { u, sample, .. } = used[i];
-        format!("{}, u = {}, lobe {}", subject.at(sample.wi), tuple(u), sample.lobe)
+        (Some(sample.wi), format!("{}, u = {}, lobe {}", subject.at(sample.wi), tuple(u), sample.lobe))
     };
     let mut found = Comparison::default();
     if !found.equal(&numbers, |i| errors[i], rounding, message)? {

@@ -5,10 +5,11 @@ use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Pair
 use crate::diagnosis::{count, different};
 use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
-use crate::exact::{AS_SINGLE, percent, relative_difference};
+use crate::exact::{AS_SINGLE, ordinary, percent, relative_difference};
 use crate::examine::Protocol;
 use crate::extremes::Extremes;
-use crate::outcome::Outcome;
+use crate::mistakes::{EQUAL, number};
+use crate::outcome::{Compared, Outcome};
 use crate::sampler::SINGLE_PRECISION;
 use crate::stream::CounterRng;
 use rand::RngExt;
@@ -86,7 +87,7 @@ impl<'a> Subject<'a> {
         sample.weight.map(|weight| weight * factor)
     }
 
-    /// Random numbers and samples: at all pairs of edges, then at random.
+    /// Random numbers and samples: at random, then at all pairs of edges, so that the first one in which something fails is an ordinary one.
     pub fn samples(&self) -> Result<Vec<(Vec<f64>, BsdfSample)>> {
         let dimension = self.properties.dimension;
         let mut rng = self.random(0, 0);
@@ -94,7 +95,7 @@ impl<'a> Subject<'a> {
             (0..dimension).map(move |d| EDGES[if d % 2 == 0 { i % EDGES.len() } else { i / EDGES.len() }])
         });
         let random = (0..SAMPLES * dimension).map(|_| rng.random::<f64>());
-        let u: Vec<f64> = edges.chain(random).collect();
+        let u: Vec<f64> = random.chain(edges).collect();
         let samples = self.sample(&u)?.into_iter().zip(u.chunks_exact(dimension.max(1)));
         Ok(samples.filter_map(|(sample, u)| Some((u.to_vec(), sample?))).collect())
     }
@@ -184,19 +185,36 @@ pub fn swapped(pairs: &[Pair]) -> Vec<Pair> {
 /// The share of comparisons in which an error of the stated size would have been found.
 const FOUND: f64 = 0.9;
 
+/// Two numbers that should be equal.
+#[derive(Debug)]
+struct Different {
+    wi: Option<Direction>,
+    /// What was found and what is expected.
+    numbers: [f64; 2],
+    /// Where, and what they are.
+    message: String,
+}
+
+impl Different {
+    fn ratio(&self) -> f64 {
+        self.numbers[0] / self.numbers[1]
+    }
+}
+
 /// Numbers that an exact check compared.
 #[derive(Debug, Default)]
 pub struct Comparison {
     compared: u64,
+    /// Rules that do not hold.
     failed: u64,
     /// The relative differences that were tolerated.
     tolerated: Vec<f64>,
-    /// The relative differences that were not tolerated.
-    differences: Vec<f64>,
-    /// The largest difference, infinite where something does not hold, and what it is.
-    worst: Option<(f64, String)>,
-    /// How many of what was compared are numbers, and how many of those failed.
-    numbers: [u64; 2],
+    /// The numbers that differ by more.
+    different: Vec<Different>,
+    /// The first rule that does not hold, in words.
+    broken: Option<String>,
+    /// How many of what was compared are numbers.
+    numbers: u64,
     /// The usual mistakes that explain all, each with the channels in which they do, where those were compared by themselves.
     mistakes: Vec<(String, Vec<usize>)>,
     /// The channels whose differences no mistake explains.
@@ -207,41 +225,38 @@ pub struct Comparison {
 
 impl Comparison {
     /// Compares what was found with what is expected in each entry of `numbers`, of which `quick` tells a tolerance. For the
-    /// entries that differ by more, `tolerances` is asked once for others. Returns whether all are equal.
+    /// entries that differ by more, `tolerances` is asked once for others. `message` has the `wi` of an entry, if it has one, and words on it.
+    /// Returns whether all are equal.
     pub fn equal(
         &mut self,
         numbers: &[[f64; 2]],
         quick: impl Fn(usize) -> f64,
         tolerances: impl FnOnce(&[usize]) -> Result<Vec<f64>>,
-        message: impl Fn(usize) -> String,
+        message: impl Fn(usize) -> (Option<Direction>, String),
     ) -> Result<bool> {
         self.compared += numbers.len() as u64;
-        self.numbers[0] += numbers.len() as u64;
+        self.numbers += numbers.len() as u64;
         let difference = |i: usize| (numbers[i][0] - numbers[i][1]).abs();
         let mut tolerated: Vec<f64> = (0..numbers.len()).map(quick).collect();
         let is_close = |i: &usize| difference(*i) <= tolerated[*i];
         let far: Vec<usize> = (0..numbers.len()).filter(|i| !is_close(i)).collect();
-        let mut relative = vec![0.0; numbers.len()];
         let mut failed = false;
         if !far.is_empty() {
             for (&i, tolerance) in far.iter().zip(tolerances(&far)?) {
                 tolerated[i] = tolerance.at_least(tolerated[i]);
-                let (difference, [found, expected]) = (difference(i), numbers[i]);
+                let difference = difference(i);
                 if difference.is_nan() || difference > tolerated[i] {
                     failed = true;
-                    self.numbers[1] += 1;
-                    relative[i] = relative_difference(found, expected);
-                    let [found, expected] = different(found, expected);
-                    self.fail(relative[i], || format!("{}: {found} and {expected}", message(i)));
+                    let (wi, message) = message(i);
+                    self.different.push(Different { wi, numbers: numbers[i], message });
                 }
             }
         }
-        for ((tolerance, [found, expected]), relative) in tolerated.into_iter().zip(numbers).zip(relative) {
+        for (tolerance, [found, expected]) in tolerated.into_iter().zip(numbers) {
             // Numbers near 0 have no relative error.
             let scale = found.abs().at_least(expected.abs());
             if scale > TINY.sqrt() {
                 self.tolerated.push((tolerance / scale).at_most(1.0));
-                self.differences.extend(Some(relative).filter(|relative| *relative > 0.0));
             }
         }
         Ok(!failed)
@@ -252,7 +267,7 @@ impl Comparison {
         &mut self,
         numbers: &[[f64; 2]],
         quick: impl Fn(usize) -> f64,
-        message: impl Fn(usize) -> String,
+        message: impl Fn(usize) -> (Option<Direction>, String),
     ) -> Result<bool> {
         self.equal(numbers, quick, |far| Ok(vec![0.0; far.len()]), message)
     }
@@ -289,49 +304,77 @@ impl Comparison {
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.
     pub fn all_hold(&mut self, [compared, failed]: [u64; 2], message: impl FnOnce() -> String) {
         self.compared += compared;
+        self.failed += failed;
         if failed > 0 {
-            self.fail(f64::INFINITY, message);
-            self.failed += failed - 1;
+            self.broken.get_or_insert_with(message);
         }
     }
 
     /// States something that must hold.
     pub fn holds(&mut self, holds: bool, message: impl FnOnce() -> String) {
-        self.compared += 1;
-        if !holds {
-            self.fail(f64::INFINITY, message);
-        }
-    }
-
-    fn fail(&mut self, difference: f64, message: impl FnOnce() -> String) {
-        self.failed += 1;
-        if self.worst.as_ref().is_none_or(|(worst, _)| difference > *worst) {
-            self.worst = Some((difference, message()));
-        }
+        self.all_hold([1, u64::from(!holds)], message);
     }
 
     /// The outcome; `None` if there was nothing to compare. `law` is what the numbers should obey.
     pub fn outcome(mut self, law: &str) -> Option<Outcome> {
         self.tolerated.sort_by(f64::total_cmp);
-        self.differences.sort_by(f64::total_cmp);
         let detectable = self.tolerated.get((FOUND * self.tolerated.len() as f64) as usize).copied().unwrap_or(0.0);
         let mistake = self.told();
-        let Self { compared, failed, numbers, worst, differences, .. } = self;
-        let message = |(largest, worst): (f64, String)| {
-            let [compared, failed] = if largest.is_finite() { numbers } else { [compared, failed] };
-            let times = count(compared, "comparison", "comparisons");
-            let size = if largest.is_finite() {
-                let hint = if largest <= SINGLE_PRECISION { AS_SINGLE } else { "" };
-                let median = percent(differences.get(differences.len() / 2).copied().unwrap_or(0.0));
-                format!(", a difference of {} of the larger; the median of these is {median}{hint}", percent(largest))
-            } else {
-                String::new()
-            };
-            format!("{law} fails in {failed} of {times}, most at {worst}{size}")
+        let fails = |failed: u64, compared: u64| {
+            format!("{law} fails in {failed} of {}", count(compared, "comparison", "comparisons"))
         };
-        let violation = worst.map(message);
-        let outcome = Outcome { detectable: Some(detectable), violation, mistake, ..Outcome::open(compared) };
-        (compared > 0).then_some(outcome)
+        let failed = self.failed + self.different.len() as u64;
+        let broken = self.broken.as_ref().map(|broken| format!("{}, as at {broken}", fails(failed, self.compared)));
+        let violation = broken.or_else(|| {
+            Some(format!("{}, as at {}", fails(self.different.len() as u64, self.numbers), self.ordinary()?))
+        });
+        let places = self.different.iter().filter_map(|different| Some((different.wi?, different.numbers)));
+        let compared = Some(places.collect::<Vec<_>>()).filter(|places| !places.is_empty());
+        let compared = compared.map(|places| Compared { law: law.to_owned(), places });
+        let all = self.compared;
+        (all > 0).then_some(Outcome {
+            detectable: Some(detectable),
+            violation,
+            mistake,
+            compared,
+            ..Outcome::open(all)
+        })
+    }
+
+    /// The ordinary one of the numbers that differ, in words, and how far all are apart.
+    fn ordinary(&self) -> Option<String> {
+        let Different { numbers: [found, expected], message, .. } =
+            &self.different[ordinary(self.different.iter().map(Different::ratio))?];
+        let difference = |different: &Different| relative_difference(different.numbers[0], different.numbers[1]);
+        let largest = self.different.iter().map(difference).fold(0.0, f64::at_least);
+        let both = different(*found, *expected);
+        let ratios = self.different.iter().map(Different::ratio).filter(|ratio| ratio.is_finite());
+        let [least, most] =
+            ratios.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], r| [least.at_most(r), most.at_least(r)]);
+        let size = if largest <= SMALL {
+            let hint = if largest <= SINGLE_PRECISION { AS_SINGLE } else { "" };
+            let own = percent(relative_difference(*found, *expected));
+            format!("a difference of {own} of the larger; the largest is {}{hint}", percent(largest))
+        } else if !(found / expected).is_finite() {
+            "where nothing is expected".to_owned()
+        } else if most - least <= EQUAL * most.abs() {
+            format!("{} times", number(found / expected))
+        } else {
+            format!("{} times; ratios are from {} to {}", short(found / expected), short(least), short(most))
+        };
+        Some(format!("{message}: {} and {}, {size}", both[0], both[1]))
+    }
+}
+
+/// Larger differences are told as ratios.
+const SMALL: f64 = 0.01;
+
+/// Three digits of a number.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e4).contains(&x.abs()) {
+        format!("{x:.2e}").parse().unwrap_or(x).to_string()
+    } else {
+        format!("{x:.2e}")
     }
 }
 

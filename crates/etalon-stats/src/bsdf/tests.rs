@@ -324,6 +324,72 @@ impl Bsdf for Encoded {
     }
 }
 
+/// A Lambertian and a Phong lobe, each chosen with probability ½, of a BSDF that declares no lobes. The weight is divided by the pdf of the
+/// sampled lobe, times `factor`.
+struct Hidden(f64);
+
+impl Hidden {
+    fn pdfs(&self, wo: Direction, wi: Direction) -> [f64; 2] {
+        let cos = (wo[2] * wi[2] - wo[0] * wi[0] - wo[1] * wi[1]).max(0.0);
+        [wi[2].max(0.0) / PI, 41.0 / TAU * cos.powi(40)]
+    }
+}
+
+impl Bsdf for Hidden {
+    fn properties(&self) -> Properties {
+        Properties::default()
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        let [diffuse, phong] = self.pdfs(wo, wi);
+        if wo[2] > 0.0 && wi[2] > 0.0 { [0.4 * (diffuse / wi[2] + phong); 3] } else { [0.0; 3] }
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        if wo[2] > 0.0 { 0.5 * self.pdfs(wo, wi).iter().sum::<f64>() } else { 0.0 }
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let lobe = usize::from(u[0] >= 0.5);
+        let wi = match lobe {
+            0 => cosine(u),
+            _ => {
+                let (cos, phi) = (u[1].powf(1.0 / 41.0), TAU * u[2]);
+                let sin = (1.0 - cos * cos).sqrt();
+                let (mirror, y) = ([-wo[0], -wo[1], wo[2]], [0.0, 1.0, 0.0]);
+                let x = [wo[2], 0.0, wo[0]];
+                combine([(sin * phi.cos(), x), (sin * phi.sin(), y), (cos, mirror)])
+            }
+        };
+        let used = self.0 * self.pdfs(wo, wi)[lobe];
+        let weight = self.eval(wo, wi, &[]).map(|f| f * wi[2] / used);
+        (wo[2] > 0.0 && wi[2] > 0.0).then(|| BsdfSample::new(wi, weight, Density::Pdf(self.pdf(wo, wi))))
+    }
+}
+
+#[test]
+fn weights_by_the_pdf_of_a_lobe_that_is_not_declared_are_named() {
+    for (factor, name) in [
+        (1.0, "divided by the pdf of the lobe that was sampled, not by that of all lobes, which has about 5"),
+        (0.5, "divided by the pdf of the lobe that was sampled, times its probability, not by that of all lobes"),
+    ] {
+        let text = test("hidden", &Hidden(factor), &[towards(40.0)], &quick()).unwrap().to_string();
+        assert!(text.contains(name), "{text}");
+    }
+}
+
+/// An exact check shows an ordinary case, and how far all are apart.
+#[test]
+fn the_example_of_an_exact_check_is_no_corner() {
+    let wrong = Wrong { weight: |_, wi, _| 1.0 / wi[2], ..RIGHT };
+    let text = test("under test", &wrong, &[towards(40.0)], &quick()).unwrap().to_string();
+    let line = text.lines().find(|line| line.contains("formula")).unwrap_or(&text);
+    assert!(line.contains(" times; ratios are from 1 to "), "{text}");
+    let u = line.split("u = (").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
+    let u: Vec<f64> = u.split(", ").map(|u| u.parse().unwrap()).collect();
+    assert!(u.len() > 1 && u.iter().all(|u| (1e-4..0.9999).contains(u)), "{line}");
+}
+
 #[test]
 fn encoded_colours_are_named() {
     let text = test("encoded", &Encoded, &[towards(40.0)], &quick()).unwrap().to_string();

@@ -5,11 +5,12 @@
 use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind, Properties, Spectrum};
 use super::mistakes::{LIGHT, PDF, explain, light};
 use super::sampling::Scattering;
-use super::subject::{Comparison, Subject, length, same_side, sphere};
+use super::subject::{Comparison, Subject, dot, length, same_side, sphere};
 use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
+use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, FEWEST_PAIRS, common_factor, number};
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
@@ -215,6 +216,57 @@ fn of_own_lobes(subject: &Subject, spread: &[Drawn], used: &[f64]) -> Result<Opt
     Ok(names.into_iter().find(|(is_divided, _)| are_own(*is_divided)).map(|(_, name)| name))
 }
 
+/// Whether weights are divided by the pdf of the lobe that was sampled, of a BSDF that says nothing of its lobes. Samples of two lobes in nearly
+/// one direction have different weights then, though f |cos θi| and pdf are the same. With the pdf p q₁ + (1 − p) q₂, the pdfs q₁ and q₂ by
+/// which the weights were divided have p q₁/pdf + (1 − p) q₂/pdf = 1; where they include their probabilities, their sum is the pdf.
+fn of_hidden_lobes(spread: &[Drawn], numbers: &[[f64; 2]]) -> Option<String> {
+    /// The cosine of 2°, within which directions are nearly the same, and the factors by which numbers are.
+    const NEAR: f64 = 0.9994;
+    const SAME: f64 = 1.1;
+    const OTHER: f64 = 1.5;
+    let within = |a: f64, b: f64, factor: f64| a.at_most(b) * factor >= a.at_least(b);
+    // The pdf by which a weight was divided, over the pdf
+    let share = |i: usize| numbers[i][1] / numbers[i][0];
+    let known: Vec<usize> = (0..spread.len()).filter(|&i| share(i).is_finite() && share(i) > 0.0).collect();
+    let pairs = known.iter().enumerate().flat_map(|(k, &i)| known[..k].iter().map(move |&j| [i, j]));
+    let is_near = |[i, j]: &[usize; 2]| dot(spread[*i].1.wi, spread[*j].1.wi) >= NEAR;
+    let is_other = |[i, j]: &[usize; 2]| {
+        let same = within(spread[*i].2, spread[*j].2, SAME) && within(numbers[*i][1], numbers[*j][1], SAME);
+        same && !within(share(*i), share(*j), OTHER)
+    };
+    let shares: Vec<[f64; 2]> =
+        pairs.filter(|both| is_near(both) && is_other(both)).map(|both| both.map(share)).collect();
+    if shares.len() < FEWEST_PAIRS {
+        return None;
+    }
+    let median = |of: &dyn Fn(&[f64; 2]) -> f64| {
+        let mut all: Vec<f64> = shares.iter().map(of).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let divided = "the weight is f |cos θi| divided by the pdf of the lobe that was sampled";
+    let sum = median(&|[a, b]| a + b);
+    let p = median(&|[a, b]| {
+        let p = (1.0 - b) / (a - b);
+        p.at_most(1.0 - p)
+    });
+    let misses = median(&|[a, b]| {
+        let of = |p: f64| (p * a + (1.0 - p) * b - 1.0).abs();
+        of(p).at_most(of(1.0 - p))
+    });
+    Some(if within(sum, 1.0, SAME) {
+        format!("{divided}, times its probability, not by that of all lobes")
+    } else if p > 0.0 && misses < SAME - 1.0 {
+        format!(
+            "{divided}, not by that of all lobes, which has about {:.0} % of it and {:.0} % of another",
+            100.0 * (1.0 - p),
+            100.0 * p
+        )
+    } else {
+        "the weight depends on more than wo and wi: samples in nearly one direction have different ones".to_owned()
+    })
+}
+
 fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
     let Subject { bsdf, properties, .. } = subject;
     let pairs = pairs(subject, spread);
@@ -238,8 +290,10 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             let both = of_light.iter().zip(of_pdf).zip(far);
             Ok(both.map(|((light, pdf), &i)| light + pdf * weight(i)).collect())
         };
-        let message =
-            |i: usize| format!("{} (weight · pdf, f |cos|{})", at(subject, &spread[i]), subject.channel(channel));
+        let message = |i: usize| {
+            let words = format!("{} (weight · pdf, f |cos|{})", at(subject, &spread[i]), subject.channel(channel));
+            (Some(spread[i].1.wi), words)
+        };
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let wis: Vec<Direction> = spread.iter().map(|(_, sample, _)| sample.wi).collect();
             let is_light = |((_, sample, _), [_, light]): (&Drawn, &[f64; 2])| {
@@ -256,7 +310,10 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             let undivided = spread.iter().zip(&numbers).all(is_light);
             let special = || match undivided {
                 true => Ok(Some("the weight is f |cos θi|, not divided by the pdf".to_owned())),
-                false => Ok(of_own_lobes(subject, spread, &used)?.map(own)),
+                false => {
+                    let named = of_own_lobes(subject, spread, &used)?.map(own);
+                    Ok(named.or_else(|| of_hidden_lobes(spread, &numbers)))
+                }
             };
             let mistake = light(subject, channel).explain(&wis, &numbers, ["weight · pdf", LIGHT], special)?;
             found.named_in([channel, properties.channels], mistake);
@@ -302,7 +359,8 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
             continue;
         };
         let mut compare = |numbers: [f64; 2], what: &str| {
-            found.near(&[numbers], |_| subject.last_places(numbers[1]), |_| format!("{} ({what})", at()))
+            let words = |_| (Some(wi), format!("{} ({what})", at()));
+            found.near(&[numbers], |_| subject.last_places(numbers[1]), words)
         };
         if !compare([probability, lobe.probability], "probability of the sample, of the delta lobe")? {
             let others = [(1.0, "1"), (1.0 - lobe.probability, "1 - that of the lobe"), (0.5, "1/2")];
@@ -389,7 +447,7 @@ pub fn partition(subject: &Subject) -> Result<Option<Outcome>> {
         let (pdfs, pairs): (Vec<f64>, Vec<_>) = far.iter().map(|&i| (numbers[i][1], pairs[i])).unzip();
         subject.rounding(&pdfs, &pairs, |pairs| bsdf.pdf(pairs))
     };
-    let message = |i: usize| format!("{} (sum over the lobes, pdf)", subject.at(directions[i]));
+    let message = |i: usize| (Some(directions[i]), format!("{} (sum over the lobes, pdf)", subject.at(directions[i])));
     let mut found = Comparison::default();
     found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)?;
     Ok(found.outcome("pdf = Σ of the lobes' pdfs"))

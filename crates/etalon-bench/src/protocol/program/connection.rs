@@ -67,6 +67,12 @@ impl Answer {
         Self { most, bytes: Vec::new(), start: 0, lines: 0 }
     }
 
+    /// Whether nothing has arrived.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
     /// The number of lines that have arrived.
     #[must_use]
     pub fn lines(&self) -> usize {

@@ -103,7 +103,12 @@ class Call:
         np = numpy()
         if self.by_arrays:
             table = np.array(rows, dtype=float)
-            value = self.function(*(np.ascontiguousarray(table[:, cut]) for cut in self.cuts))
+            arguments = [np.ascontiguousarray(table[:, cut]) for cut in self.cuts]
+            try:
+                value = self.function(*arguments)
+            except Exception as error:
+                error.given = f", for {' and '.join(f'an array of shape {a.shape}' for a in arguments)}"
+                raise
             return self.read(value, True, len(rows))
         block = np.array if np else list
         return [self.one(row, [row[cut] if isinstance(cut, int) else block(row[cut]) for cut in self.cuts]) for row in rows]
@@ -151,6 +156,19 @@ def forms(function, name, widths, read, rows):
     numbers = (True, False) if 1 in widths else (False,)
     arrays = (True, False) if numpy() else (False,)
     return [lambda a=a, n=n: attempt(a, n) for n in numbers for a in arrays]
+
+
+def expected_width(function, name, width):
+    """How many coordinates a function of one point works with, if it does not with `width`; else None."""
+    points = {3: [0.36, 0.48, 0.8], 2: [0.3, 0.6], 1: [0.3]}
+    for other in points:
+        try:
+            if other != width:
+                first(forms(function, name, [other], numbers_of(name, [1]), [points[other]] * ROWS))
+                return other
+        except Exception:
+            pass
+    return None
 
 
 def numbers_of(name, widths):
@@ -203,8 +221,12 @@ class SamplerFile:
                 points = [point for point in points if point is not None]
                 if not points:
                     raise Refused("sample returned None for all of the first samples: is a return missing?")
-                of_point = [len(points[0])]
-                pdf, _ = first(forms(module.pdf, "pdf", of_point, numbers_of("pdf", [1]), points))
+                width = len(points[0])
+                try:
+                    pdf, _ = first(forms(module.pdf, "pdf", [width], numbers_of("pdf", [1]), points))
+                except Exception:
+                    self.compare(width, expected_width(module.pdf, "pdf", width), points[0], sample.by_arrays)
+                    raise
             except Exception as error:
                 # Further than any attempt whose samples make no sense
                 error.rank = getattr(error, "rank", 0) + 4
@@ -253,6 +275,18 @@ class SamplerFile:
         jacobian, _ = first(forms(module.jacobian, "jacobian", [dimension], numbers_of("jacobian", [1]), cube))
         self.functions.update(to_cube=to_cube, from_cube=from_cube, jacobian=jacobian)
         return f"chart={dimension}"
+
+    def compare(self, sampled, taken, point, by_arrays):
+        """Refuses a file whose `sample` returns another number of coordinates than its `pdf` takes."""
+        if taken is None:
+            return
+        width = WIDTHS.get(self.domain, max(sampled, taken))
+        wanted = f"an array of shape {shape_of(width)}" if by_arrays else "a number" if width == 1 else f"{width} coordinates"
+        wanted += ", the x, y and z of a unit vector" if width == 3 else ""
+        found = f"({', '.join(f'{x:.4g}' for x in point)})"
+        if sampled != width:
+            raise Refused(f"sample returns {sampled} coordinates, such as {found}, and pdf takes {taken}; sample should return {wanted}")
+        raise Refused(f"pdf takes {taken} coordinates, and sample returns {sampled}, such as {found}; pdf should take {wanted}")
 
     def answer(self, verb, rows):
         return self.functions[verb](rows)

@@ -52,6 +52,8 @@ pub struct Process {
     requests: Sender<String>,
     answers: Receiver<Vec<u8>>,
     stderr: Receiver<Vec<u8>>,
+    /// Whether it has answered nothing yet.
+    is_new: bool,
     /// The violation after which no requests are sent.
     failure: Option<String>,
 }
@@ -86,7 +88,7 @@ impl Process {
             thread::spawn(move || to_keep.send(tail(pipe)));
         }
         let group = Some(group);
-        Ok(Self { name: name.to_owned(), child, group, limit, requests, answers, stderr, failure: None })
+        Ok(Self { name: name.to_owned(), child, group, limit, requests, answers, stderr, is_new: true, failure: None })
     }
 
     fn exchange(&mut self, request: String, most: usize) -> std::result::Result<String, String> {
@@ -108,7 +110,10 @@ impl Process {
                 Err(RecvTimeoutError::Timeout) if left > POLL => {}
                 Err(RecvTimeoutError::Timeout) => {
                     let (progress, limit) = (answer.progress(), self.limit.as_secs_f64());
-                    return Err(format!("it had answered {progress}, but not \"{END}\" within {limit} s"));
+                    return Err(match answer.is_empty() {
+                        true => format!("it gave no answer within {limit} s"),
+                        false => format!("it had answered {progress}, but not \"{END}\" within {limit} s"),
+                    });
                 }
                 Err(RecvTimeoutError::Disconnected) => {
                     let ended = self.ended(Duration::from_millis(500)).map_or_else(
@@ -161,13 +166,19 @@ impl Connection for Process {
         let asked = request.lines().next().unwrap_or_default().to_owned();
         let why = match self.exchange(request, most) {
             Ok(answer) => match answer.strip_prefix(REFUSAL) {
-                None => return Ok(answer),
+                None => {
+                    self.is_new = false;
+                    return Ok(answer);
+                }
                 Some(text) => {
                     self.kill();
                     text.trim_ascii().to_owned()
                 }
             },
-            Err(what) => format!("asked {asked:?}, {what}{}", self.end()),
+            Err(what) => {
+                let when = if self.is_new { "at the first request," } else { "asked" };
+                format!("{when} {asked:?}, {what}{}", self.end())
+            }
         };
         self.failure = Some(why.clone());
         Err(if interrupt::requested() { Error::Interrupted } else { protocol_error(&self.name, why) })

@@ -9,6 +9,8 @@ mod renders;
 mod surfaces;
 mod warps;
 
+#[cfg(test)]
+pub(crate) use bsdf::rough;
 pub use fault::PlantedFault;
 pub use fault::{By, Finding, Findings, run, run_pair};
 

@@ -84,7 +84,7 @@ fn places_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
 }
 
 fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Content> {
-    let content = Content::new(view::table(claims), &view::rows(claims), checks)?;
+    let content = Content::of_text(&view::rows(claims), checks)?;
     let row = |claim: &Claim| figure::Claim {
         report: report.name().to_owned(),
         place: claim.text.place.to_owned(),

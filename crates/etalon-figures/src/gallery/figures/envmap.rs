@@ -116,7 +116,8 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         let stroke = stroke(i + CUTS.len());
         add(&format!("{name}: sampled at each hit"), stroke, theme::marker(stroke), points);
     }
-    Plot::new([by_number.title("Error against lights"), by_time.title("Error against time")]).draw()
+    let panels = [by_number.title("Error against lights"), by_time.title("Error against time")];
+    Plot::new(panels.map(Panel::with_names_on_curves)).draw()
 }
 
 /// The strategies of the sphere's curves that stand beside the fixed lights.

@@ -107,7 +107,7 @@ fn media() -> Result<Content> {
         ),
     ];
     let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
-    Content::new(view::of_media(&curves, &[Curve::Unpolarized, Curve::Error]), &rows, checks)
+    Content::new(view::of_media(std::slice::from_ref(&curves), &[Curve::Unpolarized, Curve::Error]), &rows, checks)
 }
 
 /// The report's glass among media known by name.

@@ -1,8 +1,9 @@
-//! Indices, special angles and albedo of the metals: `metals-table`. Below their reflectance, and the error of the second report's
-//! approximation, stands the table.
+//! Indices, special angles and albedo of the metals: `metals-table`. A table stands beside their reflectance, and the error of the
+//! second report's approximation.
 
 use super::roughness::{iron_of_the_report, printed_iron};
-use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, table, theme};
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use crate::gallery::figure::Numbers;
 use crate::gallery::prelude::*;
 use crate::view::text::capitalized;
 use etalon_bench::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
@@ -27,10 +28,11 @@ fn content() -> Result<Content> {
         Check::at_most("largest error of the approximation", table.approximation_error(), 8e-3),
         Check::at_most("largest relative error of its albedo", table.albedo_error(), 6e-3),
     ]);
-    Ok(Content::new(drawing(&table), &table.rows, checks)?.with_printed(printed_iron()))
+    let content = Content::new(drawing(&table), &table.rows, checks)?.with_printed(printed_iron());
+    Ok(Content { numbers: numbers(&table), ..content })
 }
 
-/// One column for each metal: reflectance above, error of the approximation below, each row on one scale; then the table.
+/// One column for each metal: reflectance above, error of the approximation below, each row on one scale.
 fn drawing(metals: &MetalTable) -> Drawing {
     let curves = &metals.curves;
     let exact = curves.iter().enumerate().map(|(i, metal)| {
@@ -42,8 +44,7 @@ fn drawing(metals: &MetalTable) -> Drawing {
         panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
     });
     let rows = [exact.collect(), errors.collect()];
-    let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
-    Drawing::stacked(vec![plot, numbers(metals)], 0.5)
+    Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw()
 }
 
 /// The first column names the axes.
@@ -60,23 +61,24 @@ fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> 
 }
 
 /// One line for each metal and channel.
-fn numbers(metals: &MetalTable) -> Drawing {
+fn numbers(metals: &MetalTable) -> Numbers {
     let mut last = "";
     let metal = |r: &MetalRow| {
         let is_new = std::mem::replace(&mut last, r.metal) != r.metal;
         if is_new { format!("{} ({})", r.metal, r.symbol) } else { String::new() }
     };
-    table(
+    Numbers::of(
         &Table::of(&metals.rows)
-            .words("metal", metal)
-            .numbers("wavelength (nm)", |r| format!("{:.0}", r.wavelength_nm))
+            .words("Metal", metal)
+            .numbers("Wavelength (nm)", |r| format!("{:.0}", r.wavelength_nm))
             .numbers("η", |r| format!("{:.4}", r.eta))
             .numbers("k", |r| format!("{:.4}", r.k))
             .numbers("R at 0°", |r| format!("{:.4}", r.r_normal))
-            .numbers("pseudo-Brewster angle", |r| format!("{:.2}°", r.pseudo_brewster_deg))
-            .numbers("albedo", |r| format!("{:.4}", r.albedo))
-            .numbers("by the approximation", |r| format!("{:.4}", r.albedo_approximate))
-            .numbers("its largest error", |r| format!("{:.4}", r.approximate_max_abs_error))
-            .numbers("at", |r| format!("{:.1}°", r.approximate_max_abs_error_deg)),
+            .numbers("Pseudo-Brewster angle", |r| format!("{:.2}°", r.pseudo_brewster_deg))
+            .numbers("Albedo", |r| format!("{:.4}", r.albedo))
+            .numbers("Albedo by the approximation", |r| format!("{:.4}", r.albedo_approximate))
+            .numbers("Largest error of the approximation", |r| {
+                format!("{:.4} at {:.1}°", r.approximate_max_abs_error, r.approximate_max_abs_error_deg)
+            }),
     )
 }

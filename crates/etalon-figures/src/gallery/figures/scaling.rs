@@ -154,10 +154,18 @@ fn scene(many: Many, count: usize, seed: u64) -> Result<Scene> {
 fn drawing(costs: &[Cost]) -> Drawing {
     let panel = |title: &str, label: &str, value: fn(&Cost) -> f64| {
         let panel = Panel::new(Axis::log("number of primitives"), Axis::log(label)).title(title);
-        Many::ALL.into_iter().enumerate().fold(panel, |panel, (i, many)| {
-            let of = costs.iter().filter(|cost| cost.many == many);
-            panel.dotted_line(many.name(), theme::series(i), of.map(|c| [c.count as f64, value(c)]).collect::<Vec<_>>())
-        })
+        Many::ALL
+            .into_iter()
+            .enumerate()
+            .fold(panel, |panel, (i, many)| {
+                let of = costs.iter().filter(|cost| cost.many == many);
+                panel.dotted_line(
+                    many.name(),
+                    theme::series(i),
+                    of.map(|c| [c.count as f64, value(c)]).collect::<Vec<_>>(),
+                )
+            })
+            .with_names_on_curves()
     };
     Plot::new([
         panel("Cost of a camera sample", "processor time (µs per sample)", |cost| cost.microseconds_per_sample),

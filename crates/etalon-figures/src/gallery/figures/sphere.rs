@@ -3,7 +3,7 @@
 
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::gallery::prelude::*;
-use crate::view::converge::{ERROR_LABEL, round};
+use crate::view::converge::{ERROR_LABEL, GUIDE, round};
 use etalon_bench::sphere::{self as study, AtNormal, Exact, Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 use etalon_core::raster::{ToneMap, to_rgb8};
 use etalon_core::scene::builtin::SPHERE_ENV_SCALE;
@@ -135,5 +135,9 @@ fn curves(series: &[Series], with_pbrt: bool) -> Drawing {
         let points: Vec<Point> = PBRT_RMSE.iter().map(|&(spp, e)| [f64::from(spp), e]).collect();
         by_paths = by_paths.dotted_line("PBRT-v2", stroke, points);
     }
-    Plot::new([by_paths, by_time]).draw()
+    // From above all curves at the first level
+    let start = series.iter().filter_map(|s| s.rows.first()).map(|row| 1.5 * row.rel_rmse).fold(0.0, f64::max);
+    let guide = [8.0, 128.0].map(|paths: f64| [paths, start * (8.0 / paths).sqrt()]);
+    by_paths = by_paths.line(GUIDE, theme::GUIDE, guide);
+    Plot::new([by_paths, by_time].map(Panel::with_names_on_curves)).draw()
 }

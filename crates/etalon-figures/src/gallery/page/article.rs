@@ -12,7 +12,7 @@ use std::path::Path;
 pub struct Shown<'a> {
     pub figure: &'a Figure,
     pub record: &'a Record,
-    pub image: EmbeddedImage,
+    pub image: Option<EmbeddedImage>,
 }
 
 pub struct Article<'a> {
@@ -99,20 +99,18 @@ impl Shown<'_> {
         let repeated = if *before == texts { " repeated" } else { "" };
         let heading = if article.figures.len() > 1 { format!("<h4>{title}</h4>\n") } else { String::new() };
         let (picture, about) = (self.picture(article.number), self.about(folder));
-        let (claims, errata) = (tables::claims(&self.record.claims, all), tables::errata(&id, &self.record.errata));
+        let Record { claims, errata, numbers, .. } = self.record;
+        let tables = [tables::claims(claims, all), tables::errata(&id, errata), tables::numbers(numbers)].concat();
         before.clone_from(&texts);
         format!(
             "<div class=\"figure\" id=\"figure-{id}\" data-id=\"{id}\" data-beside=\"{beside}\">\n{heading}{picture}\
-             <div class=\"text{repeated}\">\n{texts}</div>\n{claims}{errata}{about}</div>\n"
+             <div class=\"text{repeated}\">\n{texts}</div>\n{tables}{about}</div>\n"
         )
     }
 
-    /// The image, which leads to its file. A figure that is a table of claims has the table instead.
+    /// The image, which leads to its file.
     fn picture(&self, number: usize) -> String {
-        if !self.record.claims.is_empty() {
-            return String::new();
-        }
-        let EmbeddedImage { source, width, height, chart, .. } = &self.image;
+        let Some(EmbeddedImage { source, width, height, chart, .. }) = &self.image else { return String::new() };
         let Figure { id, title, shows, .. } = self.figure;
         let kind = if *chart { "chart" } else { "picture" };
         let (id, title, alternative) = (escape(id), escape(title), escape(&format!("{title} ({id}). {shows}")));
@@ -134,7 +132,8 @@ impl Shown<'_> {
             failed => (" open=\"open\"", "fail", format!("✗ {failed} FAILED{left_out}")),
         };
         let id = escape(&self.figure.id);
-        let there = FORMATS.into_iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
+        let formats = if self.image.is_some() { &FORMATS[..] } else { &FORMATS[..1] };
+        let there = formats.iter().filter(|e| folder.join(format!("{id}.{e}")).exists());
         let files: String = there.map(|e| format!(" <a href=\"{id}.{e}\">{}</a>", e.to_uppercase())).collect();
         let (count, table) = (counted(checks.len(), "check"), tables::checks(checks));
         let (printed, citation, commands) = (tables::printed(&self.record.printed), self.citation(), self.commands());

@@ -4,9 +4,9 @@ use crate::figure::with_dark_colours;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
-use image::DynamicImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::FilterType;
+use image::{DynamicImage, Rgb, RgbImage};
 use std::path::Path;
 
 /// Larger PNG files may be noisy; as JPEG these take fewer bytes.
@@ -68,9 +68,19 @@ fn middle(full: &DynamicImage) -> DynamicImage {
     full.resize_to_fill(THUMBNAIL[0], THUMBNAIL[1], filter)
 }
 
-/// The thumbnail of a chart.
+/// The thumbnail of a chart, half of it the darkest of the pixels that become one: thin lines would fade.
 fn whole(full: &DynamicImage) -> DynamicImage {
-    full.resize(THUMBNAIL[0], THUMBNAIL[1], FilterType::CatmullRom)
+    let mean = full.resize(THUMBNAIL[0], THUMBNAIL[1], FilterType::CatmullRom).into_rgb8();
+    let full = full.to_rgb8();
+    let part = |at: u32, of: u32, size: u32| at * size / of..((at + 1) * size).div_ceil(of);
+    let small = RgbImage::from_fn(mean.width(), mean.height(), |x, y| {
+        let columns = part(x, mean.width(), full.width());
+        let pixels = part(y, mean.height(), full.height()).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        let darkness = |pixel: &Rgb<u8>| pixel.0.map(u32::from).iter().sum::<u32>();
+        let darkest = pixels.map(|(x, y)| *full.get_pixel(x, y)).min_by_key(darkness).unwrap_or(Rgb([255; 3]));
+        Rgb([0, 1, 2].map(|c| darkest[c].midpoint(mean.get_pixel(x, y)[c])))
+    });
+    small.into()
 }
 
 /// A PNG as it is, or if that takes fewer bytes, as a JPEG of limited width; and its size.

@@ -40,14 +40,13 @@ took {time}.</p>
 pub fn contents(sections: &[&[Article<'_>]]) -> String {
     let tile = |article: &Article<'_>| {
         let (number, title, first) = (article.number, escape(article.title()), article.first());
-        let (id, image) = (&first.figure.id, &first.image);
-        let kind = if image.inverts { "chart" } else { "picture" };
+        let id = &first.figure.id;
+        let small = first.image.as_ref().map_or_else(String::new, |image| {
+            let kind = if image.inverts { "chart" } else { "picture" };
+            format!("<img class=\"{kind}\" src=\"{}\" alt=\"\" decoding=\"async\" />", image.thumbnail)
+        });
         let mark = if article.failed() > 0 { " <span class=\"fail\">✗ failed</span>" } else { "" };
-        format!(
-            "<li><a href=\"#figure-{id}\"><img class=\"{kind}\" src=\"{}\" alt=\"\" decoding=\"async\" />\
-             <span><b>{number}</b> {title}{mark}</span></a></li>\n",
-            image.thumbnail
-        )
+        format!("<li><a href=\"#figure-{id}\">{small}<span><b>{number}</b> {title}{mark}</span></a></li>\n")
     };
     let part = |(i, group): (usize, &&[Article<'_>])| {
         let (number, name) = (i + 1, escape(group[0].section()));

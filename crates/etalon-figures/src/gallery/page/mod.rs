@@ -26,8 +26,11 @@ pub const FILE: &str = "index.html";
 pub fn write(folder: &Path, figures: &[Figure], records: &Records) -> Result<()> {
     let shown: Vec<_> = figures.iter().filter_map(|figure| Some((figure, records.get(&figure.id)?))).collect();
     let with_image = |(figure, record): (_, _)| {
-        let figure: &Figure = figure;
-        Ok(Shown { figure, record, image: EmbeddedImage::read(folder, &figure.id)? })
+        let (figure, record): (&Figure, &Record) = (figure, record);
+        // Claims are a table of text
+        let has_image = record.claims.is_empty();
+        let image = has_image.then(|| EmbeddedImage::read(folder, &figure.id)).transpose()?;
+        Ok(Shown { figure, record, image })
     };
     let shown = shown.into_par_iter().map(with_image).collect::<Result<Vec<_>>>()?;
     record::write_records(folder, records)?;

@@ -1,7 +1,7 @@
 //! Records of the figures in a folder: one per figure, in `reproduce.json`.
 
 use crate::gallery::check::Check;
-use crate::gallery::figure::{Claim, Erratum, Figure, Printed};
+use crate::gallery::figure::{Claim, Erratum, Figure, Numbers, Printed};
 use crate::gallery::inputs::Inputs;
 use etalon_core::build::Build;
 use etalon_core::error::{Error, Result};
@@ -32,6 +32,9 @@ pub struct Record {
     /// None in records of earlier versions.
     #[serde(default)]
     pub printed: Vec<Printed>,
+    /// None in records of earlier versions.
+    #[serde(default)]
+    pub numbers: Numbers,
     pub setup: Setup,
 }
 

@@ -3,7 +3,7 @@
 use super::article::Shown;
 use crate::figure::escape;
 use crate::gallery::check::Check;
-use crate::gallery::figure::{Claim, Erratum, Printed};
+use crate::gallery::figure::{Claim, Erratum, Numbers, Printed};
 use crate::view::text::{counted, plain_p_value};
 use etalon_bench::table::Table;
 
@@ -22,6 +22,24 @@ pub fn checks(checks: &[Check]) -> String {
         .numbers("Measured", |check| format!("<span title=\"{}\">{}</span>", check.got, escape(&check.measured())))
         .numbers("Must be", |check| escape(&check.demand()));
     if checks.is_empty() { String::new() } else { table.html("cards checks") }
+}
+
+/// The numbers behind a figure.
+pub fn numbers(numbers: &Numbers) -> String {
+    let Numbers { headings, rows } = numbers;
+    if rows.is_empty() {
+        return String::new();
+    }
+    let columns = headings.iter().enumerate();
+    let table = columns.fold(Table::of(rows), |table, (i, heading)| match i {
+        0 => table.words(escape(heading), |row| escape(&row[0])),
+        _ => table.numbers(escape(heading), move |row| escape(&row[i])),
+    });
+    format!(
+        "<details class=\"wide\"><summary>Table of {}</summary>\n{}</details>\n",
+        counted(rows.len(), "row"),
+        table.html("cards")
+    )
 }
 
 /// The report's numbers beside ours.

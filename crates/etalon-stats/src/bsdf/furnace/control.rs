@@ -78,10 +78,11 @@ impl Piece {
 }
 
 /// Rectangles that fill the unit square, first between `lines`, cut until the estimated difference between `function` and the polynomials
-/// is `allowed` in the mean.
+/// is `allowed` in the mean, by `most` values or so.
 pub fn pieces(
     lines: &[f64],
     allowed: f64,
+    most: f64,
     mut function: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
 ) -> Result<Vec<Piece>> {
     let lines = lines.windows(2).map(|ends| [ends[0], ends[1]]);
@@ -92,7 +93,7 @@ pub fn pieces(
     let (mut pieces, mut count) = (first.collect::<Vec<_>>(), values.len());
     loop {
         let sum: f64 = pieces.iter().map(|piece| piece.at.area() * piece.distance).sum();
-        if sum <= allowed || count >= VALUES {
+        if sum <= allowed || count >= VALUES || count as f64 >= most {
             return Ok(pieces);
         }
         // Cut what has more than its part of what is allowed.
@@ -131,7 +132,7 @@ mod tests {
             count += points.len();
             Ok(points.iter().map(|&at| function(at)).collect())
         };
-        (pieces(&LINES, allowed, &mut values).unwrap(), count)
+        (pieces(&LINES, allowed, f64::INFINITY, &mut values).unwrap(), count)
     }
 
     #[test]

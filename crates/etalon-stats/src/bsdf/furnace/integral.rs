@@ -2,7 +2,7 @@
 
 use super::control::{LINES, LINES_TO_POLES, Piece, pieces};
 use super::mapped::Mapped;
-use super::{RISK, borders};
+use super::{RISK, borders, most_points};
 use crate::bounded::EmpiricalBernstein;
 use crate::error::{Error, Result, poll};
 use crate::extremes::Extremes;
@@ -81,7 +81,8 @@ pub fn integral(weights: &mut Weights, largest: Option<f64>, error: f64) -> Resu
         Some(_) => (&LINES[..], POINTS),
         None => (&LINES_TO_POLES[..], UNBOUNDED_POINTS),
     };
-    let pieces = pieces(lines, allowed, |points| weights.at(points))?;
+    let most = most_points(weights.mapped.subject, most);
+    let pieces = pieces(lines, allowed, most, |points| weights.at(points))?;
     let polynomials: f64 = pieces.iter().map(|piece| piece.integral).sum();
     let mut strata: Vec<Stratum> = pieces.into_iter().map(Stratum::new).collect();
     // A black surface has no weights to compare with.

@@ -1,6 +1,6 @@
 //! The mean weight over a randomized sequence, of BSDFs that map random numbers to directions in an unknown way.
 
-use super::{Albedo, Basis, PLACES, RISK, borders, student};
+use super::{Albedo, Basis, PLACES, RISK, borders, most_points, student};
 use crate::bsdf::contract::{Properties, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::{Result, poll};
@@ -26,7 +26,10 @@ pub fn by_sequence(subject: &Subject, error: f64) -> Result<Albedo> {
         value.iter().any(|mean| !mean.is_finite()) || bounds[..channels].iter().all(|&bound| bound <= MARGIN * error)
     };
     let (mut power, mut largest, rounded) = (*SEQUENCE.start(), [0.0; 3], unresolved(subject)?);
-    while power < *SEQUENCE.end() && !is_enough(&replicated(subject, power, 0, &mut largest, rounded)?) {
+    // The lengths that are tried before take as many points together as the last one, and the mean as many again: 32 times its replicate in all.
+    let longest = 0.5 * most_points(subject, f64::INFINITY) / REPLICATES as f64;
+    let last = (longest.log2() as u32).clamp(*SEQUENCE.start(), *SEQUENCE.end());
+    while power < last && !is_enough(&replicated(subject, power, 0, &mut largest, rounded)?) {
         power += 1;
     }
     replicated(subject, power, 1, &mut largest, rounded)
@@ -75,7 +78,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
     };
     let found = (0..REPLICATES).into_par_iter().map(mean).collect::<Result<Vec<_>>>()?;
     let (n, freedom) = (REPLICATES as f64, (REPLICATES - 1) as f64);
-    let mut albedo = Albedo { value: [0.0; 3], error: [f64::INFINITY; 3], basis: Basis::Normal(freedom) };
+    let (mut values, mut errors) = ([0.0; 3], [f64::INFINITY; 3]);
     for channel in 0..properties.channels {
         largest[channel] = found.iter().map(|[_, most]| most[channel]).fold(largest[channel], f64::at_least);
         let mean = found.iter().map(|[mean, _]| mean[channel]).sum::<f64>() / n;
@@ -83,8 +86,9 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
         // None of independent points would be in a part of this size with probability `RISK`; weights are as large as the largest there.
         let unseen = -RISK.ln() / (n * points);
         let rounding = PLACES * properties.precision * mean.abs() + rounded[channel];
-        albedo.value[channel] = mean;
-        albedo.error[channel] = student(RISK, freedom) * (variance / n).sqrt() + unseen * largest[channel] + rounding;
+        values[channel] = mean;
+        errors[channel] = student(RISK, freedom) * (variance / n).sqrt() + unseen * largest[channel] + rounding;
     }
-    Ok(albedo)
+    let largest = largest.iter().copied().fold(0.0, f64::at_least);
+    Ok(Albedo { value: values, error: errors, basis: Basis::Normal { freedom, largest } })
 }

@@ -205,7 +205,7 @@ fn other_bsdfs_are_averaged() {
     let bsdf = Weights { weight, largest: Some(2.0), map: None, precision: f64::EPSILON };
     let outside = (0..200).filter(|&seed| {
         let found = albedo(&bsdf, 0.1, seed);
-        assert_eq!(found.basis, Basis::Normal(15.0));
+        assert!(matches!(found.basis, Basis::Normal { freedom: 15.0, .. }), "{found:?}");
         (found.value[0] - (0.5 + 0.5 / 3.0)).abs() > found.error[0]
     });
     // 7 or more of 200 with a risk of 1 % have a probability of 0.4 %.
@@ -214,10 +214,38 @@ fn other_bsdfs_are_averaged() {
 
 #[test]
 fn bounds_for_many_are_wider() {
-    let one = Albedo { value: [1.0; 3], error: [0.01; 3], basis: Basis::Normal(15.0) };
+    let one = Albedo { value: [1.0; 3], error: [0.01; 3], basis: Basis::Normal { freedom: 15.0, largest: 1.0 } };
     assert!((one.error_of(0, 1) / 0.01 - 1.0).abs() < 1e-3);
     assert!(one.error_of(0, 1000) > 0.018);
     let certified = Albedo { basis: Basis::Certified(1.0), ..one };
     // ln(2 · 200/risk) is twice ln(2/risk).
     assert!(certified.error_of(0, 1) == 0.01 && (certified.error_of(0, 200) - 0.02).abs() < 1e-12);
+}
+
+#[test]
+fn the_protocol_bounds_the_points() {
+    /// Weights of a narrow lobe, which counts how often it is sampled.
+    struct Narrow(std::sync::atomic::AtomicU64, Option<[usize; 2]>);
+    impl Bsdf for Narrow {
+        fn properties(&self) -> Properties {
+            Properties { map: self.1, ..Properties::default() }
+        }
+        fn eval(&self, _: Direction, _: Direction, _: &[f64]) -> [f64; 3] {
+            [0.0; 3]
+        }
+        fn pdf(&self, _: Direction, _: Direction) -> f64 {
+            0.0
+        }
+        fn sample(&self, _: Direction, u: &[f64]) -> Option<BsdfSample> {
+            self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            Some(BsdfSample::new(UP, [500.0 * u[1].powi(499); 3], Density::Pdf(1.0)))
+        }
+    }
+    for map in [None, Some([1, 2])] {
+        let narrow = Narrow(0.into(), map);
+        let protocol = Protocol { samples: SampleCount::Fixed(1 << 15), ..Protocol::default() };
+        let found = directional_albedo(&narrow, UP, 1e-6, &protocol).unwrap();
+        // The third number, which chooses no lobe, is asked for twice at each point.
+        assert!(narrow.0.into_inner() < 5 << 15 && found.error[0] > 1e-6, "{map:?}: {found:?}");
+    }
 }

@@ -38,9 +38,9 @@ pub enum Change<M> {
 }
 
 /// A BSDF of one channel with a change, or right.
-struct Faulty<M> {
-    right: M,
-    change: Option<Change<M>>,
+pub struct Faulty<M> {
+    pub right: M,
+    pub change: Option<Change<M>>,
 }
 
 /// Both numbers over each other, 1 where there is none.

@@ -1,6 +1,7 @@
 //! Mistakes in whole BSDFs: a right one of the textbook in f64, and one thing changed; and mistakes at limits, where a BSDF
 //! should become another one.
 
+mod claims;
 mod coated;
 mod compensated;
 mod conductor;
@@ -8,7 +9,7 @@ mod dielectric;
 mod faulty;
 mod mixture;
 mod resampled;
-mod rough;
+pub(crate) mod rough;
 mod smooth;
 
 use super::super::case::Case;
@@ -23,6 +24,7 @@ use smooth::{Glass, Lambertian};
 /// All of them.
 pub fn faults() -> Vec<PlantedFault> {
     [
+        claims::faults(),
         dielectric::faults(),
         conductor::faults(),
         smooth::faults(),
