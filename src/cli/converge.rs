@@ -97,7 +97,7 @@ fn after_help() -> String {
         PLACEHOLDERS.map(|(name, what)| format!("  {{{name}}}{:<1$}{what}\n", "", 9 - name.len())).concat();
     format!(
         "Strategies:\n{methods}{suffixes}\nErrors are against the exact image where it is known (sphere-env; furnace without its \
-         metal\nsphere), else against two long renders; the output says which. Either may take half of the\nbudget. Images are at \
+         metal\nsphere), else against two long renders, which may take half of the budget; the output says\nwhich. The exact image is computed first and is no part of the budget. Images are at \
          most {LONGEST_SIDE} pixels long unless -r says more, and have the scene's own size if\na renderer does not take {{width}} \
          and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv \
          and\nSCENE-converge-pictures.{{svg,png,pdf}}.\n\nThe efficiency is 1/(MSE · processor time); the MSE includes the \
@@ -290,7 +290,7 @@ impl Converge {
                 console.warn(&format!("{name}: {}", left_out(bad)));
             }
             console.note(&format!(
-                "the noise of {name} counts as error of the renderers, and as bias if it is visible beside theirs"
+                "the noise of {name} counts as error of the renderers; bias is judged by the mean of the image, in which it averages out"
             ));
             return Reference::given(image, request, name.clone()).map(|r| Some(Chosen::Image(Box::new(r))));
         }

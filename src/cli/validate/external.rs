@@ -38,7 +38,7 @@ pub struct Arguments {
     ///
     /// Its values and delta lobes must be those of the model, at all angles and over the range of the parameters that both have.
     /// Parameters of the model that the program does not declare are given by --set; alpha means both widths. Without eta and k,
-    /// a metal has Schlick's Fresnel reflectance, whose value at normal incidence is fitted. If values differ, known variants are
+    /// a metal has Schlick's Fresnel reflectance; f0, its value at normal incidence, is fitted if it is not set. If values differ, known variants are
     /// tried: other masking, Fresnel formulas and widths. Another pdf is only remarked on.
     #[arg(long, value_name = "MODEL", requires = "program")]
     like: Option<String>,

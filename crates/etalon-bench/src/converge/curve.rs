@@ -6,6 +6,7 @@ use super::reference::Reference;
 use crate::fit;
 use etalon_core::error::Result;
 use etalon_core::raster::{Comparison, DisplayMetrics, Image};
+use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use glam::DVec3;
 use serde::Serialize;
@@ -204,8 +205,10 @@ impl Curve {
             Estimate::mean(&runs.iter().map(slope_of).collect::<Vec<_>>())
         };
         let bias2 = bias2(&runs, reference)?;
-        let mean_bias = mean_bias(&runs, reference);
-        let verdict = verdict(slope, [bias2, mean_bias], runs.len(), levels.last());
+        let mean_bias = mean_bias(&runs, reference, bias2);
+        // What differs in the pixels may be noise of the reference, where that is unknown
+        let in_pixels = if reference.is_of_unknown_noise() { Estimate::default() } else { bias2 };
+        let verdict = verdict(slope, [in_pixels, mean_bias], runs.len(), levels.last());
         let measured = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
         let preparation_seconds = times.map_or(measured, |fit| fit.startup_wall_seconds.value);
         runs.iter_mut().for_each(|run| run.last = None);
@@ -271,12 +274,17 @@ fn mean_times(runs: &[&Run], fit: Option<TimeFit>) -> Vec<Times> {
 }
 
 /// The mean of the last level's images over that of the reference, minus 1. The standard error has that of the reference in it;
-/// the pixels of a reference are independent.
-fn mean_bias(runs: &[Run], reference: &Reference) -> Estimate {
+/// the pixels of a reference are independent. Where its noise is unknown, all that the pixels differ by may be noise.
+fn mean_bias(runs: &[Run], reference: &Reference, bias2: Estimate) -> Estimate {
     let errors = || runs.iter().filter_map(|run| Some(run.levels.last()?.errors));
     let relative: Vec<f64> = errors().map(|e| e.mean_a / e.mean_b - 1.0).collect();
     let estimate = Estimate::mean(&relative);
-    let of_reference = reference.mean_error() / reference.facts.mean;
+    let of_reference = if reference.is_of_unknown_noise() {
+        (bias2.value.at_least(0.0) / reference.facts.pixels as f64).sqrt()
+    } else {
+        reference.mean_error()
+    };
+    let of_reference = of_reference / reference.facts.mean;
     let standard_error = estimate.standard_error.hypot(of_reference);
     let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
     Estimate { standard_error, half_width: standard_error * ratio, ..estimate }

@@ -47,8 +47,8 @@ const REFERENCE: f64 = 0.5;
 
 /// Measures the contenders on a scene.
 ///
-/// Without a reference that is `asked` for, it is the exact image where one is known, whatever that takes, else a long render; both
-/// within half of the budget.
+/// Without a reference that is `asked` for, it is the exact image where one is known, which is no part of the budget, else a long render
+/// within half of it.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a plan that cannot be carried out, two contenders of one name, or a strategy that the scene has no
@@ -70,25 +70,25 @@ pub fn measure(
             strategy.check(scene)?;
         }
     }
-    let (start, all) = (Instant::now(), Deadline::after(plan.budget));
+    let start = Instant::now();
+    let exact = if asked.is_none() { Reference::exact(scene, request) } else { None };
+    let all = Deadline::after(plan.budget);
     let mut result = Convergence {
         scene: scene.name.clone(),
         width: request.width,
         height: request.height,
         ..Convergence::default()
     };
-    match make_reference(scene, request, plan, asked, &all.share(REFERENCE))? {
-        Ok(truth) => {
-            result.reference = Some(truth.facts.clone());
-            schedule::run(scene, request, contenders, plan, &truth, &all, &mut result)?;
-            result.truth = Some(truth);
-        }
-        Err(seconds) => {
-            let what = if seconds.is_some() { "the exact image" } else { "the reference" };
-            result.cut.push(format!("{what}: nothing was measured"));
-            // As much again for the curves
-            result.sufficient_budget = seconds.map(|seconds| 2.0 * seconds / REFERENCE);
-        }
+    let truth = match exact {
+        Some(exact) => Some(exact),
+        None => make_reference(scene, request, plan, asked, &all.share(REFERENCE))?,
+    };
+    if let Some(truth) = truth {
+        result.reference = Some(truth.facts.clone());
+        schedule::run(scene, request, contenders, plan, &truth, &all, &mut result)?;
+        result.truth = Some(truth);
+    } else {
+        result.cut.push("the reference: nothing was measured".into());
     }
     result.interrupted = interrupt::requested();
     result.seconds = start.elapsed().as_secs_f64();
@@ -116,24 +116,19 @@ pub fn cuts(
     measure(scene, request, &Contender::of(&strategies), &plan, known.map(Asked::Known))
 }
 
-/// The reference; without one, the seconds that it takes, where these are known.
+/// The reference that is asked for, else a long render; `None` if the deadline comes first.
 fn make_reference(
     scene: &Scene,
     request: &Request,
     plan: &Plan,
     asked: Option<Asked<'_>>,
     deadline: &Deadline,
-) -> Result<std::result::Result<Reference, Option<f64>>> {
+) -> Result<Option<Reference>> {
     let max_spp = plan.last_spp().saturating_mul(FURTHER).min(1 << 24);
     match asked {
-        Some(Asked::Known(known)) => Ok(Ok(known.clone())),
-        Some(Asked::By(contender)) => {
-            Ok(Reference::by(contender, scene, request, plan.seed, max_spp, deadline)?.ok_or(None))
-        }
-        None => match Reference::exact(scene, request, deadline) {
-            Some(exact) => Ok(exact.map_err(Some)),
-            None => Ok(Reference::rendered(scene, request, plan.seed, max_spp, deadline)?.ok_or(None)),
-        },
+        Some(Asked::Known(known)) => Ok(Some(known.clone())),
+        Some(Asked::By(contender)) => Reference::by(contender, scene, request, plan.seed, max_spp, deadline),
+        None => Reference::rendered(scene, request, plan.seed, max_spp, deadline),
     }
 }
 

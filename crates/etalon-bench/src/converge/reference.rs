@@ -4,16 +4,15 @@ use super::contender::{Contender, Replicate, Step};
 use super::doubling::Deadline;
 use etalon_core::envmap::irradiance::IrradianceTree;
 use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
 use etalon_core::math::Rgb;
 use etalon_core::raster::{Comparison, Image, compare, compare_with_halves};
 use etalon_core::scene::{Environment, Material, Object, PixelFilter, Projection, Request, Scene, Shape};
 use etalon_render::Settings;
-use etalon_stats::Extremes;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
-use std::time::Instant;
 
 /// A reference. Pixels that are not finite do not count.
 #[derive(Debug, Clone)]
@@ -46,25 +45,20 @@ const LIGHT_SAMPLES: u32 = 4;
 const SEED_OFFSET: u64 = 0x5eed_0000_0000;
 /// The same for other programs, whose seeds may have 31 bits.
 const SHORT_SEED_OFFSET: u64 = 1_000_003;
-/// Pixels by which the time of an exact image is estimated.
-const PROBES: usize = 64;
 /// Inner and outer radius of the pixels of the sphere that count, in units of its radius: in the middle the report's
 /// camera touches it, and at the silhouette radiance changes too fast for four points in a pixel.
 const RING: [f64; 2] = [0.05, 0.95];
 
 impl Reference {
-    /// The exact image where there is one, or the seconds that it takes if the deadline comes first; `None` for other scenes.
-    pub fn exact(scene: &Scene, request: &Request, deadline: &Deadline) -> Option<std::result::Result<Self, f64>> {
+    /// The exact image where there is one; `None` for other scenes, and after an interruption.
+    pub fn exact(scene: &Scene, request: &Request) -> Option<Self> {
         let image = match lone_sphere(scene, request) {
-            Some((environment, albedo)) => match lit_sphere(environment, albedo, request.width, deadline) {
-                Ok(image) => image,
-                Err(seconds) => return Some(Err(seconds)),
-            },
+            Some((environment, albedo)) => lit_sphere(environment, albedo, request.width)?,
             None => white_furnace(scene, request)?,
         };
         let Comparison { mean_a, pixels, .. } = compare(&image, &image).ok()?;
         let facts = Facts { exact: true, spp: 0, rmse: 0.0, mean: mean_a, pixels, source: "the exact image".into() };
-        Some(Ok(Self { halves: [image.clone(), image], facts }))
+        Some(Self { halves: [image.clone(), image], facts })
     }
 
     /// An image of unknown noise, which counts as error of what is compared with it. `source` says where it comes from.
@@ -157,6 +151,11 @@ impl Reference {
         Ok(Some(Self { halves: images, facts }))
     }
 
+    /// Whether it is an image of unknown noise.
+    pub fn is_of_unknown_noise(&self) -> bool {
+        !self.facts.exact && self.facts.spp == 0
+    }
+
     /// The standard error of the mean over the image, as far as the pixels' errors are independent.
     pub fn mean_error(&self) -> f64 {
         self.facts.rmse / (self.facts.pixels as f64).sqrt()
@@ -182,14 +181,8 @@ impl Reference {
 }
 
 /// The mean radiance over each pixel of a diffuse sphere alone in an environment, in orthographic projection so that it
-/// fills a square image; or the seconds that this takes, if the deadline comes first.
-fn lit_sphere(
-    environment: &Environment,
-    albedo: Rgb,
-    size: usize,
-    deadline: &Deadline,
-) -> std::result::Result<Image, f64> {
-    let all = Instant::now();
+/// fills a square image; `None` after an interruption.
+fn lit_sphere(environment: &Environment, albedo: Rgb, size: usize) -> Option<Image> {
     let tree = IrradianceTree::new(&environment.map);
     // Radiance at a point of the image, in pixels; none outside the ring.
     let radiance = |x: f64, y: f64| {
@@ -207,22 +200,14 @@ fn lit_sphere(
         let mut sum = DVec3::ZERO;
         for [dx, dy] in [[-at, -at], [at, -at], [-at, at], [at, at]] {
             // A pixel counts if all of its corners do.
-            radiance(centre[0] + dx.signum() * 0.5, centre[1] + dy.signum() * 0.5).filter(|_| !deadline.is_over())?;
+            radiance(centre[0] + dx.signum() * 0.5, centre[1] + dy.signum() * 0.5)
+                .filter(|_| !interrupt::requested())?;
             sum += radiance(centre[0] + dx, centre[1] + dy)?;
         }
         Some((sum * 0.25 * scale).as_vec3())
     };
-    // Give up at once what would take too long: few pixels, spread over the image, take a known share of the time.
-    let start = Instant::now();
-    let stride = (size * size / PROBES).max(1);
-    let _: Vec<_> = (0..size * size).into_par_iter().step_by(stride).map(pixel).collect();
-    let seconds = all.elapsed().as_secs_f64() + start.elapsed().as_secs_f64() * stride as f64;
-    if seconds > all.elapsed().as_secs_f64() + deadline.left() {
-        return Err(seconds);
-    }
     let pixels = (0..size * size).into_par_iter().map(|i| pixel(i).unwrap_or(Rgb::NAN)).collect();
-    let image = Image::from_pixels(size, size, pixels);
-    if deadline.is_over() { Err(seconds.at_least(all.elapsed().as_secs_f64())) } else { Ok(image) }
+    (!interrupt::requested()).then(|| Image::from_pixels(size, size, pixels))
 }
 
 /// The image of lossless white spheres under a uniform environment: its radiance everywhere.
@@ -280,15 +265,13 @@ mod tests {
         let (scene, request) = builtin::sphere_env(Environment::upright(map, "sun", 8.0));
         let request = Request { width: 40, height: 40, ..request };
         let deadline = Deadline::after(60.0);
-        let exact = Reference::exact(&scene, &request, &deadline).unwrap().unwrap();
+        let exact = Reference::exact(&scene, &request).unwrap();
         let rendered = Reference::rendered(&scene, &request, 1, 256, &deadline).unwrap().unwrap();
         let off = exact.compare(&rendered.image()).unwrap();
         assert!((off.mean_a / off.mean_b - 1.0).abs() < 1e-4, "{off:?}");
         // All the difference is the noise of the render, as far as that is known.
         assert!(off.rmse < 1.2 * rendered.facts.rmse, "{off:?} {:?}", rendered.facts);
         assert!((700..1257).contains(&exact.facts.pixels) && off.non_finite == 1600 - exact.facts.pixels);
-        let late = Reference::exact(&scene, &request, &Deadline::after(0.0)).unwrap();
-        assert!(late.is_err_and(|seconds| seconds > 0.0), "it is known, but takes longer");
         let mut filtered = scene.clone();
         filtered.camera.filter = "gaussian".parse().unwrap();
         assert!(Reference::exact(&filtered, &request, &deadline).is_none(), "pixels are not plain means");
@@ -301,9 +284,9 @@ mod tests {
         let (mut scene, request) = builtin::furnace();
         let request = Request { width: 48, height: 12, light_samples: 1, ..request };
         let deadline = Deadline::after(60.0);
-        assert!(Reference::exact(&scene, &request, &deadline).is_none(), "its metal absorbs");
+        assert!(Reference::exact(&scene, &request).is_none(), "its metal absorbs");
         scene.objects.retain(|object| !matches!(object.material, Material::Conductor(_)));
-        let exact = Reference::exact(&scene, &request, &deadline).unwrap().unwrap();
+        let exact = Reference::exact(&scene, &request).unwrap();
         let rendered = Reference::rendered(&scene, &request, 1, 64, &deadline).unwrap().unwrap();
         let off = exact.compare(&rendered.image()).unwrap();
         assert!((off.mean_a - 1.0).abs() < 2e-3 && off.pixels == 48 * 12, "{off:?}");

@@ -12,7 +12,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::optics::microfacet::Distribution;
 use etalon_core::sampling::warp;
 use etalon_stats::bsdf::{BatchBsdf, BsdfSample, Direction, Family as _, Pair, PdfKind, Spectrum};
-use etalon_stats::{Extremes, Outcome};
+use etalon_stats::{Compared, Extremes, Outcome};
 use variants::{Candidate, FACTORS, Material, Surface};
 
 /// Relative differences that count: those of constants with three digits, such as 0.318 for 1/π, are above.
@@ -32,6 +32,8 @@ const SIDE: usize = 8;
 const SHARES: [f64; 4] = [0.3, 0.6, 0.8, 1.0];
 /// Multiples of the golden ratio are uniform modulo 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
+/// One of so many pairs is drawn.
+const SHOWN: usize = 5;
 /// Units of the last place by which each coordinate of the two directions may be rounded.
 const MOVED: f64 = 16.0;
 
@@ -39,6 +41,15 @@ const MOVED: f64 = 16.0;
 pub struct Claim {
     family: Family,
     chosen: Vec<(String, f64)>,
+    /// The reflectance of a metal at normal incidence, in place of its index of refraction.
+    f0: Option<f64>,
+}
+
+/// What that is called among the parameters.
+const F0: &str = "f0";
+
+fn is_metal(family: &Family) -> bool {
+    family.parameters().iter().any(|parameter| parameter.name == "k")
 }
 
 /// The parameters of a family that `name` means: those of that name, or of both axes for a width without one.
@@ -61,10 +72,14 @@ impl Claim {
             Error::parameter("like", format!("there is no BSDF \"{name}\""))
                 .with_hint(format!("the BSDFs: {}", known.join(", ")))
         })?;
+        let f0 = chosen.iter().find(|(name, _)| name == F0 && is_metal(&family)).map(|(_, f0)| *f0);
+        if let Some(f0) = f0.filter(|f0| !(0.0..=1.0).contains(f0)) {
+            return Err(Error::parameter("set", format!("{F0} = {f0} is not from 0 to 1")));
+        }
         let chosen =
             chosen.iter().flat_map(|(name, value)| meant(&family, name).into_iter().map(|name| (name, *value)));
         let chosen = chosen.collect();
-        Ok(Self { family, chosen })
+        Ok(Self { family, chosen, f0 })
     }
 
     /// The name of the model.
@@ -76,7 +91,7 @@ impl Claim {
     /// Whether the model has the parameter `name`.
     #[must_use]
     pub fn has(&self, name: &str) -> bool {
-        !meant(&self.family, name).is_empty()
+        !meant(&self.family, name).is_empty() || name == F0 && is_metal(&self.family)
     }
 
     /// Compares the BSDFs of `family` with the model: the one whose parameters have these `values`, and those in which one parameter that
@@ -115,15 +130,14 @@ impl Claim {
         let found = self.model(own)?.compare(bsdf)?;
         let at: Vec<String> = own.iter().map(|(name, value)| format!("{name} = {}", rounded(*value))).collect();
         let at = if at.is_empty() { String::new() } else { format!(" at {}", at.join(", ")) };
-        let named = |variant: String| format!("it is {} with {variant}", self.name());
-        let differs = |difference: String| format!("not the values of {}{at}: {difference}", self.name());
-        Ok(Outcome {
-            mistake: found.variant.map(named),
-            violation: found.difference.map(differs),
-            detectable: Some(EQUAL),
-            remarks: found.remarks,
-            ..Outcome::open(found.compared)
-        })
+        let mut outcome = Outcome { detectable: Some(EQUAL), remarks: found.remarks, ..Outcome::open(found.compared) };
+        if let Some(Difference { words, variant, numbers }) = found.difference {
+            let law = format!("having the values of {}{at}", self.name());
+            outcome.mistake = variant.map(|variant| format!("it is {} with {variant}", self.name()));
+            outcome.violation = Some(format!("not the values of {}{at}: {words}", self.name()));
+            outcome.compared = (!numbers.is_empty()).then_some(Compared { law, places: numbers });
+        }
+        Ok(outcome)
     }
 
     /// Compares a BSDF without parameters of its own.
@@ -146,9 +160,8 @@ impl Claim {
         let missing: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         let missing: Vec<&str> =
             missing.into_iter().filter(|name| known.iter().all(|(other, _)| other != name)).collect();
-        let is_metal = parameters.iter().any(|parameter| parameter.name == "k");
-        let is_unknown_metal = is_metal && missing == ["eta", "k"];
-        if !missing.is_empty() && !is_unknown_metal {
+        let is_by_schlick = is_metal(&self.family) && missing == ["eta", "k"];
+        if !missing.is_empty() && !is_by_schlick {
             return Err(Error::parameter("like", format!("{} needs {}", self.name(), missing.join(" and ")))
                 .with_hint(format!("`set` {}=…", missing[0].trim_end_matches("_x"))));
         }
@@ -162,9 +175,9 @@ impl Claim {
         };
         let surface = surface.map(|distribution| {
             let material = match values[..] {
-                [_, _, eta, k] if !is_unknown_metal => Material::Metal([eta, k]),
+                [_, _, eta, k] if !is_by_schlick => Material::Metal([eta, k]),
                 [_, _, eta] => Material::Dielectric(eta),
-                _ => Material::UnknownMetal,
+                _ => Material::Schlick(self.f0),
             };
             Surface { distribution, alpha: [values[0], values[1]], material }
         });
@@ -184,9 +197,24 @@ struct Model<'a> {
 #[derive(Default)]
 struct Likeness {
     compared: u64,
-    difference: Option<String>,
-    variant: Option<String>,
+    difference: Option<Difference>,
     remarks: Vec<String>,
+}
+
+/// How a BSDF differs from the model.
+#[derive(Default)]
+struct Difference {
+    words: String,
+    /// The variant of the model that it is.
+    variant: Option<String>,
+    /// Directions `wi` with the value that was found and that of the model.
+    numbers: Vec<(Direction, [f64; 2])>,
+}
+
+impl Difference {
+    fn said(words: String) -> Self {
+        Self { words, ..Self::default() }
+    }
 }
 
 impl Model<'_> {
@@ -197,11 +225,11 @@ impl Model<'_> {
             let of = |transmits: bool| if transmits { "transmits light" } else { "transmits no light" };
             let difference =
                 format!("it {}, {} {}", of(properties.transmission), self.family.name(), of(!properties.transmission));
-            return Ok(Likeness { difference: Some(difference), ..Likeness::default() });
+            return Ok(Likeness { difference: Some(Difference::said(difference)), ..Likeness::default() });
         }
         let wos = wos(properties.precision);
         let mut found = Likeness::default();
-        found.difference = deltas(bsdf, &*model, &wos)?;
+        found.difference = deltas(bsdf, &*model, &wos)?.map(Difference::said);
         let pairs = pairs(&*model, &wos)?;
         if found.difference.is_some() || pairs.is_empty() {
             return Ok(found);
@@ -213,13 +241,10 @@ impl Model<'_> {
         }
         let values = bsdf.eval(&pairs, &[])?;
         found.compared = (pairs.len() * properties.channels) as u64;
-        let mut told: Vec<(String, Option<String>)> = Vec::new();
         for channel in 0..properties.channels {
             let of_channel: Vec<f64> = values.iter().map(|value| value[channel]).collect();
-            told.extend(self.explain(&*model, &pairs, &of_channel, properties.precision, &mut found.remarks)?);
-        }
-        if let Some((difference, variant)) = told.into_iter().next() {
-            (found.difference, found.variant) = (Some(difference), variant);
+            let told = self.explain(&*model, &pairs, &of_channel, properties.precision, &mut found.remarks)?;
+            found.difference = found.difference.or(told);
         }
         if found.difference.is_none() && properties.pdf == PdfKind::Exact {
             found.remarks.extend(self.pdf(&*model, bsdf, &pairs)?);
@@ -235,10 +260,10 @@ impl Model<'_> {
         found: &[f64],
         precision: f64,
         remarks: &mut Vec<String>,
-    ) -> Result<Option<(String, Option<String>)>> {
+    ) -> Result<Option<Difference>> {
         let expected = self.candidates(model, pairs, found, 0)?.swap_remove(0);
         let rounding = self.rounding(model, pairs, &expected.values, precision)?;
-        let compared = Compared { pairs, found, rounding };
+        let compared = Comparison { pairs, found, rounding };
         if compared.largest(&expected.values, SEEN).is_none() {
             remarks.extend(
                 expected
@@ -249,13 +274,13 @@ impl Model<'_> {
         }
         let eta =
             if let Some(Material::Dielectric(eta)) = self.surface.map(|surface| surface.material) { eta } else { 1.0 };
-        let mut variants: Vec<(usize, String)> = Vec::new();
+        let mut variants: Vec<(usize, String, Option<f64>)> = Vec::new();
         for (f, (factor_name, factor)) in FACTORS.into_iter().enumerate() {
             let factors = scaled(&vec![1.0; pairs.len()], pairs, factor, eta);
             let without: Vec<f64> = found.iter().zip(&factors).map(|(found, factor)| found / factor).collect();
             for candidate in &self.candidates(model, pairs, &without, CHANGES)? {
                 let changes = candidate.changes.len() + usize::from(f > 0);
-                let is_simplest = variants.iter().all(|(least, _)| changes <= *least);
+                let is_simplest = variants.iter().all(|(least, ..)| changes <= *least);
                 if changes > CHANGES || !is_simplest {
                     continue;
                 }
@@ -264,26 +289,41 @@ impl Model<'_> {
                 let names = candidate.changes.iter().copied().chain(Some(factor_name).filter(|_| f > 0));
                 let name = names.collect::<Vec<_>>().join(", and ");
                 if compared.largest(&values, SEEN).is_none() {
-                    variants.push((changes, name));
+                    variants.push((changes, name, candidate.fitted));
                 } else if changes < CHANGES
                     && let Some(constant) = compared.constant(&values)
                 {
                     let size = brightness(constant);
                     let name = if name.is_empty() { size } else { format!("{name}, and {size}") };
-                    variants.push((changes + 1, name));
+                    variants.push((changes + 1, name, candidate.fitted));
                 }
             }
         }
-        let least = variants.iter().map(|(changes, _)| *changes).min();
-        let named: Vec<String> =
-            variants.into_iter().filter(|(changes, _)| Some(*changes) == least).map(|(_, name)| name).collect();
-        let difference = compared.in_words(&expected.values);
-        let difference = if named.is_empty() {
-            format!("{difference}; none of the known variants has these values")
-        } else {
-            difference
+        let least = variants.iter().map(|(changes, ..)| *changes).min();
+        variants.retain(|(changes, ..)| Some(*changes) == least);
+        // A reflectance that was fitted is that of the variant
+        let fitted = variants.first().map_or(expected.fitted, |(.., fitted)| *fitted);
+        let expected = match (self.surface, fitted) {
+            (Some(surface), Some(f0)) => {
+                let known = Surface { material: Material::Schlick(Some(f0)), ..surface };
+                known.candidates(pairs, found, 0).swap_remove(0)
+            }
+            _ => expected,
         };
-        Ok(Some((difference, (!named.is_empty()).then(|| named.join(", or ")))))
+        let difference = [
+            compared.in_words(&expected.values),
+            fitted.map_or(String::new(), |f0| {
+                format!(" (Schlick's reflectance at normal incidence fitted: {})", rounded(f0))
+            }),
+            if variants.is_empty() {
+                "; none of the known variants has these values".to_owned()
+            } else {
+                String::new()
+            },
+        ];
+        let names: Vec<String> = variants.into_iter().map(|(_, name, _)| name).collect();
+        let variant = (!names.is_empty()).then(|| names.join(", or "));
+        Ok(Some(Difference { words: difference.concat(), variant, numbers: compared.numbers(&expected.values) }))
     }
 
     /// The model and its variants of at most `most` changes, with the values of each.
@@ -343,7 +383,7 @@ impl Model<'_> {
             Some(surface) => surface.pdfs(pairs),
             None => vec![("the model's pdf", model.pdf(pairs)?)],
         };
-        let compared = Compared { pairs, found: &found, rounding: vec![0.0; pairs.len()] };
+        let compared = Comparison { pairs, found: &found, rounding: vec![0.0; pairs.len()] };
         let same = known.iter().position(|(_, pdf)| compared.largest(pdf, SEEN).is_none());
         Ok(match same {
             Some(0) => None,
@@ -433,7 +473,7 @@ fn scaled(values: &[f64], pairs: &[Pair], factor: fn(Pair, f64) -> f64, index: f
 }
 
 /// Values with what rounding may change of them.
-struct Compared<'a> {
+struct Comparison<'a> {
     pairs: &'a [Pair],
     found: &'a [f64],
     rounding: Vec<f64>,
@@ -441,14 +481,14 @@ struct Compared<'a> {
 
 /// A relative difference, found over expected minus 1, and its pair.
 #[derive(Clone, Copy)]
-struct Difference {
+struct OfPair {
     size: f64,
     pair: Pair,
 }
 
-impl Compared<'_> {
+impl Comparison<'_> {
     /// The differences that count, and those of equal values where either is seen; infinite where the model scatters no light.
-    fn differences<'a>(&'a self, expected: &'a [f64], seen: f64) -> impl Iterator<Item = (Difference, bool)> + 'a {
+    fn differences<'a>(&'a self, expected: &'a [f64], seen: f64) -> impl Iterator<Item = (OfPair, bool)> + 'a {
         let light = |f: f64, pair: &Pair| f.abs() * pair[1][2].abs();
         let mut most: Vec<(Direction, f64)> = Vec::new();
         for ((found, expected), pair) in self.found.iter().zip(expected).zip(self.pairs) {
@@ -464,15 +504,22 @@ impl Compared<'_> {
             let larger = found.abs().at_least(expected.abs());
             let is_seen = larger > 0.0 && light(larger, pair) >= seen * most || !found.is_finite();
             let differs = !((found - expected).abs() <= EQUAL * larger + rounding);
-            is_seen.then(|| (Difference { size: found / expected - 1.0, pair: *pair }, differs))
+            is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, differs))
         })
     }
 
     /// The largest difference that counts, of values above a share of the largest for one `wo`.
-    fn largest(&self, expected: &[f64], seen: f64) -> Option<Difference> {
+    fn largest(&self, expected: &[f64], seen: f64) -> Option<OfPair> {
         let differing =
             self.differences(expected, seen).filter(|(_, differs)| *differs).map(|(difference, _)| difference);
         differing.max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))
+    }
+
+    /// Values that are seen, with those of the model.
+    fn numbers(&self, expected: &[f64]) -> Vec<(Direction, [f64; 2])> {
+        let all = self.pairs.iter().zip(self.found.iter().zip(expected));
+        let seen = all.filter(|(_, (found, expected))| **found > 0.0 && **expected > 0.0);
+        seen.step_by(SHOWN).map(|(pair, (found, expected))| (pair[1], [*found, *expected])).collect()
     }
 
     /// The constant by which all values differ, if one does.
@@ -490,12 +537,12 @@ impl Compared<'_> {
         if let Some(constant) = self.constant(expected) {
             return format!("{} everywhere", brightness(constant));
         }
-        let all: Vec<Difference> = self.differences(expected, SEEN).map(|(difference, _)| difference).collect();
+        let all: Vec<OfPair> = self.differences(expected, SEEN).map(|(difference, _)| difference).collect();
         let theta = |w: Direction| format!("{:.0}°", w[2].clamp(-1.0, 1.0).acos().to_degrees());
         let Some(worst) = self.largest(expected, BRIGHT).or_else(|| self.largest(expected, SEEN)) else {
             return String::new();
         };
-        let median = |of: &dyn Fn(&Difference) -> bool| {
+        let median = |of: &dyn Fn(&OfPair) -> bool| {
             let mut sizes: Vec<f64> = all.iter().filter(|d| of(d)).map(|d| d.size).collect();
             sizes.sort_by(f64::total_cmp);
             sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)

@@ -9,15 +9,15 @@ use etalon_core::optics::microfacet::{Beckmann, Distribution, Ggx, Microfacet};
 use etalon_core::optics::{conductor, dielectric};
 use etalon_stats::bsdf::{Direction, Pair};
 use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI, SQRT_2};
 
 /// What the facets are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Material {
     /// A metal of this index of refraction and its imaginary part.
     Metal([f64; 2]),
-    /// A metal of unknown index: its reflectance at normal incidence is found from the values, by Schlick's formula.
-    UnknownMetal,
+    /// A metal by Schlick's formula, of this reflectance at normal incidence; if that is not known, it is fitted to the values.
+    Schlick(Option<f64>),
     /// A dielectric of this index below the surface over that above.
     Dielectric(f64),
 }
@@ -108,15 +108,24 @@ impl Normals {
     }
 }
 
-/// Another number in place of each width.
-type Width = (&'static str, fn(f64) -> f64);
+/// Another number in place of each width, in D and in G.
+type Width = (&'static str, [fn(f64) -> f64; 2]);
 
-const WIDTHS: [Width; 5] = [
-    ("", |alpha| alpha),
-    ("α² where α is meant", |alpha| alpha * alpha),
-    ("√α where α is meant", f64::sqrt),
-    ("√2 α where α is meant", |alpha| std::f64::consts::SQRT_2 * alpha),
-    ("α/√2 where α is meant", |alpha| std::f64::consts::FRAC_1_SQRT_2 * alpha),
+const SAME: fn(f64) -> f64 = |alpha| alpha;
+const SQUARE: fn(f64) -> f64 = |alpha| alpha * alpha;
+const ROOT: fn(f64) -> f64 = f64::sqrt;
+const WIDER: fn(f64) -> f64 = |alpha| SQRT_2 * alpha;
+const NARROWER: fn(f64) -> f64 = |alpha| FRAC_1_SQRT_2 * alpha;
+const WIDTHS: [Width; 9] = [
+    ("", [SAME, SAME]),
+    ("α² where α is meant", [SQUARE, SQUARE]),
+    ("√α where α is meant", [ROOT, ROOT]),
+    ("√2 α where α is meant", [WIDER, WIDER]),
+    ("α/√2 where α is meant", [NARROWER, NARROWER]),
+    ("α² where α is meant, in the distribution of normals alone", [SQUARE, SAME]),
+    ("√α where α is meant, in the distribution of normals alone", [ROOT, SAME]),
+    ("α² where α is meant, in masking and shadowing alone", [SAME, SQUARE]),
+    ("√α where α is meant, in masking and shadowing alone", [SAME, ROOT]),
 ];
 
 /// G.
@@ -251,7 +260,7 @@ impl Surface {
         match (formula, self.material) {
             (Formula::One, _) => 1.0,
             (Formula::Schlick, Material::Dielectric(_)) => dielectric::schlick(cos, eta),
-            (Formula::Schlick, _) | (_, Material::UnknownMetal) => dielectric::schlick_polynomial(f0, cos),
+            (Formula::Schlick, _) | (_, Material::Schlick(_)) => dielectric::schlick_polynomial(f0, cos),
             (Formula::Exact, Material::Metal([eta, k])) => conductor::fresnel(cos, eta, k).unpolarized(),
             (Formula::Exact, Material::Dielectric(_)) => dielectric::fresnel(cos, eta).unpolarized(),
         }
@@ -270,20 +279,22 @@ impl Surface {
             Distribution::Beckmann => ("Beckmann's normals", "Beckmann's normals, masked as if GGX's"),
         };
         let own = self.distribution;
-        let known =
-            if let Material::Metal([eta, k]) = self.material { conductor::normal_reflectance(eta, k) } else { 0.0 };
+        let known = match self.material {
+            Material::Metal([eta, k]) => conductor::normal_reflectance(eta, k),
+            Material::Schlick(Some(f0)) => f0,
+            _ => 0.0,
+        };
         let fresnel: Vec<Fresnel> = match self.material {
             // Schlick's formula is the model then
-            Material::UnknownMetal => {
-                FRESNEL.into_iter().filter(|(_, formula, _)| *formula != Formula::Exact).collect()
-            }
+            Material::Schlick(_) => FRESNEL.into_iter().filter(|(_, formula, _)| *formula != Formula::Exact).collect(),
             _ => FRESNEL.into(),
         };
         let mut all = Vec::new();
         let distributions = [("", own, own), (named, other, other), (of_normals_alone, other, own)];
         for (n, (normals_name, distribution, masked)) in distributions.into_iter().enumerate() {
             for (w, (width_name, width)) in WIDTHS.into_iter().enumerate() {
-                let [normals, masked] = [distribution, masked].map(|of| Normals::new(of, self.alpha.map(width)));
+                let normals = Normals::new(distribution, self.alpha.map(width[0]));
+                let masked = Normals::new(masked, self.alpha.map(width[1]));
                 let d: Vec<f64> = facets.iter().map(|facet| facet.as_ref().map_or(0.0, |f| normals.d(f.wm))).collect();
                 for (m, (masking_name, masking)) in self.maskings().into_iter().enumerate() {
                     let changed = [n, w, m].into_iter().filter(|i| *i > 0).count();
@@ -303,7 +314,7 @@ impl Surface {
                         }
                         let cosines: Vec<f64> = facets.iter().map(|facet| facet.as_ref().map_or(1.0, cosine)).collect();
                         let fitted =
-                            (self.material == Material::UnknownMetal && *formula == Formula::Schlick).then(|| {
+                            (self.material == Material::Schlick(None) && *formula == Formula::Schlick).then(|| {
                                 if most == 0 {
                                     median_f0(found, &rest, &cosines)
                                 } else {

@@ -143,14 +143,23 @@ impl<F: Family> WholeBsdf<F> {
         self
     }
 
-    /// The same with the tests alone that any of `patterns` names, as [`select`] has it; the name of the BSDF may be left out.
+    /// The same with the tests alone that any of `patterns` names, as [`select`] has it, besides a comparison with a model; the name of the
+    /// BSDF may be left out.
     ///
     /// # Errors
     /// Those of [`select`].
     pub fn only(self, patterns: &[String]) -> Result<Self> {
         let own = format!("{}/", self.family.name());
+        let (claims, checks): (Vec<Test>, Vec<Test>) =
+            self.tests.into_iter().partition(|test| matches!(test.examined, Examined::Claim(_)));
+        let is_of_claim = |pattern: &&String| !claims.is_empty() && pattern.trim_start_matches(&own) == "like";
         let whole = |pattern: &String| if pattern.starts_with(&own) { pattern.clone() } else { own.clone() + pattern };
-        let tests = select(self.tests, &patterns.iter().map(whole).collect::<Vec<_>>())?;
+        let (of_claim, of_checks): (Vec<&String>, Vec<&String>) = patterns.iter().partition(is_of_claim);
+        let mut tests = match (of_claim.is_empty(), of_checks.is_empty()) {
+            (false, true) => Vec::new(),
+            _ => select(checks, &of_checks.into_iter().map(whole).collect::<Vec<_>>())?,
+        };
+        tests.extend(claims);
         Ok(Self { tests, ..self })
     }
 

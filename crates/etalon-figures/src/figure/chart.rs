@@ -28,6 +28,8 @@ pub(super) struct Chart {
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
+    /// Whether there was no room for the names of some curves beside them.
+    pub has_unnamed: bool,
 }
 
 impl Chart {
@@ -62,12 +64,11 @@ impl Chart {
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
         let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
-        let legend = Legend::new(&panel.marks)
-            .filter(|_| has_own.legend)
-            .and_then(|legend| legend.without(&named))
-            .map(|legend| legend.within(limit));
-        let legend = legend.and_then(|legend| sketch.legend(legend));
-        Self { drawing: sketch.drawing, room, legend }
+        let legend =
+            Legend::new(&panel.marks).and_then(|legend| legend.without(&named)).map(|legend| legend.within(limit));
+        let has_unnamed = panel.names_curves && legend.is_some();
+        let legend = legend.filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
+        Self { drawing: sketch.drawing, room, legend, has_unnamed }
     }
 }
 

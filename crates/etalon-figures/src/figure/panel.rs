@@ -29,7 +29,7 @@ pub struct Panel {
     pub(super) marks: Vec<Mark>,
     /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
-    /// Curves have their names beside them, where there is room.
+    /// Curves have their names beside them, if there is room for all.
     pub(super) names_curves: bool,
 }
 
@@ -117,7 +117,7 @@ impl Panel {
         self.with(Mark::Note { at, text: text.into(), colour })
     }
 
-    /// Writes the names of curves where they run; the legend has those for which there is no room.
+    /// Writes the names of curves where they run, if there is room for all of those of the plot.
     pub fn with_names_on_curves(self) -> Self {
         Self { names_curves: true, ..self }
     }
