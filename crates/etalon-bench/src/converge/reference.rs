@@ -274,9 +274,9 @@ mod tests {
         assert!((700..1257).contains(&exact.facts.pixels) && off.non_finite == 1600 - exact.facts.pixels);
         let mut filtered = scene.clone();
         filtered.camera.filter = "gaussian".parse().unwrap();
-        assert!(Reference::exact(&filtered, &request, &deadline).is_none(), "pixels are not plain means");
+        assert!(Reference::exact(&filtered, &request).is_none(), "pixels are not plain means");
         let (box_scene, request) = builtin::cornell_lambert();
-        assert!(Reference::exact(&box_scene, &request, &deadline).is_none());
+        assert!(Reference::exact(&box_scene, &request).is_none());
     }
 
     #[test]
@@ -290,7 +290,7 @@ mod tests {
         let rendered = Reference::rendered(&scene, &request, 1, 64, &deadline).unwrap().unwrap();
         let off = exact.compare(&rendered.image()).unwrap();
         assert!((off.mean_a - 1.0).abs() < 2e-3 && off.pixels == 48 * 12, "{off:?}");
-        assert!(Reference::exact(&scene, &Request { max_depth: 2, ..request }, &deadline).is_none());
+        assert!(Reference::exact(&scene, &Request { max_depth: 2, ..request }).is_none());
     }
 
     #[test]

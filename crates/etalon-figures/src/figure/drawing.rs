@@ -344,8 +344,7 @@ mod tests {
                 assert!(page.height <= 1.5 * page.width, "{} by {}", page.width, page.height);
             }
         }
-        let three = Plot::new(panels(3)).draw();
-        assert_eq!(three.pages(&style).unwrap().len(), 2, "two panels, and one");
+        assert!(Plot::new(panels(3)).draw().pages(&style).unwrap().len() > 1, "a page of all would be too high");
     }
 
     #[test]
