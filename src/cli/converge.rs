@@ -255,7 +255,9 @@ impl Converge {
                 let image = raster::read(path, ReadOptions::default())?;
                 [image.width(), image.height()]
             }
-            None => return missing("resolution", "it is the size of the images", "give width and height"),
+            None => {
+                return missing("resolution", "no file says how large the images are", "give their width and height");
+            }
         };
         // Nothing renders it: of a scene there is only the name and the size
         let (scene, request) = builtin::cornell_lambert();
@@ -342,7 +344,8 @@ fn checks(result: &Convergence) -> Vec<Check> {
     });
     let mut list: Vec<Check> = of_curve.chain(faults).collect();
     if list.is_empty() {
-        let message = "the budget was too small: no renderer has finished a render".to_owned();
+        let why = if result.interrupted { "interrupted" } else { "the budget was too small" };
+        let message = format!("{why}: no renderer has finished all its renders");
         list.push(check("budget", etalon_stats::Verdict::Inconclusive, message));
     }
     list
@@ -360,8 +363,9 @@ fn text(output: &Output<'_>) -> String {
         format!("too little time for verdicts: a budget of about {} would do (--budget)\n", duration(seconds))
     });
     if result.curves.is_empty() {
-        let what = if result.faults.is_empty() { "finished a render" } else { "given images that can be used" };
-        return format!("no answer: no method has {what}\n{sufficient}");
+        let what = if result.faults.is_empty() { "finished its renders" } else { "given images that can be used" };
+        let before = if result.interrupted { " before the interruption" } else { "" };
+        return format!("no answer: no method has {what}{before}\n{sufficient}");
     }
     let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", LINE)).collect();
     text += &sufficient;

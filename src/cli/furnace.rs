@@ -103,7 +103,7 @@ impl Furnace {
         }
         let mut checks = Checks {
             title: "etalon furnace".into(),
-            list: tables.iter().map(|table| check(table)).collect(),
+            list: tables.iter().map(check).collect(),
             seconds: start.elapsed().as_secs_f64(),
         };
         if left_out > 0 {

@@ -165,7 +165,7 @@ mod tests {
             Run { seed: 1, levels, last: None, preparation: 0.0 }
         };
         let contender = Contender::from(name.parse::<Strategy>().unwrap());
-        Curve::new(&contender, [-1.0, 1.0, -1.0, 1.0].map(run).into(), &reference).unwrap()
+        Curve::new(&contender, [-1.0, 1.0, -1.0, 1.0].map(run).into(), &reference, None).unwrap()
     }
 
     fn answer(curves: &[(&str, f64, f64)], confidence: f64) -> Answer {

@@ -92,7 +92,7 @@ pub struct TimeFit {
 impl TimeFit {
     /// By weighted least squares (see [`fit::relative_line`]); `None` unless both times per sample are positive beyond
     /// two standard errors.
-    fn new(runs: &[&Run]) -> Option<Self> {
+    pub(super) fn new(runs: &[&Run]) -> Option<Self> {
         let line = |time: fn(Times) -> f64| {
             let points = runs.iter().flat_map(|run| run.levels.iter().map(|m| [f64::from(m.spp), time(m.times)]));
             fit::relative_line(&points.collect::<Vec<_>>())
@@ -166,13 +166,17 @@ impl Curve {
         self.contender.is_timed_from_outside() && self.times.is_none()
     }
 
-    /// From at least one replicate, all with the same levels.
-    pub fn new(contender: &Contender, mut runs: Vec<Run>, reference: &Reference) -> Result<Self> {
+    /// From at least one replicate, all with the same levels; with `times`, start-up does not count.
+    pub fn new(
+        contender: &Contender,
+        mut runs: Vec<Run>,
+        reference: &Reference,
+        times: Option<TimeFit>,
+    ) -> Result<Self> {
         let count = runs[0].levels.len();
         let (shown, images): (Vec<DisplayMetrics>, Vec<_>) =
             runs[0].levels.iter_mut().filter_map(|level| level.shown.take()).unzip();
         let everyone: Vec<&Run> = runs.iter().collect();
-        let times = TimeFit::new(&everyone).filter(|_| contender.is_timed_from_outside());
         let means = mean_times(&everyone, times);
         let level = |i: usize| {
             let all = |f: &dyn Fn(&Measured) -> f64| runs.iter().map(|run| f(&run.levels[i])).collect::<Vec<_>>();

@@ -3,11 +3,12 @@
 
 use super::answer::Convergence;
 use super::contender::{Contender, Fault, Replicate, Step};
-use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, Run};
+use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, Run, TimeFit};
 use super::doubling::Deadline;
 use super::recorded;
 use super::reference::Reference;
 use etalon_core::error::{Error, Result};
+use etalon_core::interrupt;
 use etalon_core::memory;
 use etalon_core::raster::{Image, compare_shown};
 use etalon_core::scene::{Request, Scene};
@@ -165,11 +166,24 @@ pub fn run(
         longest = longest.at_least(before - all.left());
     }
     let has_verdicts = entries.iter().all(|entry| entry.given_up || entry.runs.len() >= REPLICATES_FOR_VERDICT);
-    if !has_verdicts && longest > 0.0 {
+    if !has_verdicts && longest > 0.0 && !interrupt::requested() {
         // The reference may take half of it.
         result.sufficient_budget = Some(2.0 * f64::from(replicates) * longest * (1.0 + RESERVE));
     }
-    for Entry { contender, runs, .. } in entries {
+    // Like compared with like: start-up counts for all renderers if it cannot be separated for one
+    let fit = |entry: &Entry<'_>| TimeFit::new(&entry.runs.iter().collect::<Vec<_>>());
+    let is_timed = |entry: &&Entry<'_>| entry.contender.is_timed_from_outside() && !entry.runs.is_empty();
+    let unseparated: Vec<&str> =
+        entries.iter().filter(is_timed).filter(|e| fit(e).is_none()).map(|e| e.contender.name()).collect();
+    if !unseparated.is_empty() {
+        let unknown = "its time does not grow measurably with the samples: start-up counts for every renderer, and the answer leaves \
+                       them out; a larger budget may separate the two";
+        result.notes.push(format!("{}: {unknown}", unseparated.join(", ")));
+    }
+    let is_separated = unseparated.is_empty();
+    for entry in entries {
+        let times = fit(&entry).filter(|_| entry.contender.is_timed_from_outside() && is_separated);
+        let Entry { contender, runs, .. } = entry;
         let name = contender.name();
         let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
         let asked =
@@ -183,13 +197,7 @@ pub fn run(
         if runs.is_empty() {
             continue;
         }
-        let curve = Curve::new(contender, runs, truth)?;
-        if curve.includes_start_up() {
-            let unknown = "its time does not grow measurably with the samples: its start-up counts, and the answer leaves it out; a \
-                           larger budget may separate the two";
-            result.notes.push(format!("{name}: {unknown}"));
-        }
-        result.curves.push(curve);
+        result.curves.push(Curve::new(contender, runs, truth, times)?);
     }
     Ok(())
 }

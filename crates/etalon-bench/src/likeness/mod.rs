@@ -1,7 +1,7 @@
 //! Whether a BSDF is the model that it claims to be: its values, its pdf and its delta lobes against those of a BSDF of this program
 //! over all angles and over the range of its parameters; and if it is not, how it differs, in words.
 //!
-//! Microfacet models are compared in f64, with their known variants ([`variants`]): a variant is named only if it explains all values
+//! Microfacet models are compared in f64, with their known variants (`variants.rs`): a variant is named only if it explains all values
 //! and the model does not. Other models are compared as they render, in single precision.
 
 mod variants;
@@ -185,6 +185,9 @@ impl Claim {
     }
 }
 
+/// Another value of a parameter, and its name.
+type Changed = (&'static str, fn(f64) -> f64);
+
 /// A BSDF of this program.
 struct Model<'a> {
     family: &'a Family,
@@ -228,8 +231,8 @@ impl Model<'_> {
             return Ok(Likeness { difference: Some(Difference::said(difference)), ..Likeness::default() });
         }
         let wos = wos(properties.precision);
-        let mut found = Likeness::default();
-        found.difference = deltas(bsdf, &*model, &wos)?.map(Difference::said);
+        let difference = deltas(bsdf, &*model, &wos)?.map(Difference::said);
+        let mut found = Likeness { difference, ..Likeness::default() };
         let pairs = pairs(&*model, &wos)?;
         if found.difference.is_some() || pairs.is_empty() {
             return Ok(found);
@@ -334,7 +337,7 @@ impl Model<'_> {
         let of = |values: Vec<Spectrum>| values.into_iter().map(|value| value[0]).collect();
         let mut all = vec![Candidate { changes: Vec::new(), values: of(model.eval(pairs, &[])?), fitted: None }];
         for (i, parameter) in self.family.parameters().iter().enumerate().filter(|_| most > 0) {
-            let others: [(&str, fn(f64) -> f64); 4] = [
+            let others: [Changed; 4] = [
                 ("the square of a parameter", |x| x * x),
                 ("the root of a parameter", f64::sqrt),
                 ("half of a parameter", |x| 0.5 * x),
@@ -503,7 +506,8 @@ impl Comparison<'_> {
             let most = most.iter().filter(|(wo, _)| *wo == pair[0]).map(|(_, most)| *most).fold(0.0, f64::at_least);
             let larger = found.abs().at_least(expected.abs());
             let is_seen = larger > 0.0 && light(larger, pair) >= seen * most || !found.is_finite();
-            let differs = !((found - expected).abs() <= EQUAL * larger + rounding);
+            let by = (found - expected).abs();
+            let differs = by.is_nan() || by > EQUAL * larger + rounding;
             is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, differs))
         })
     }

@@ -163,7 +163,8 @@ pub fn bias(result: &Convergence, curve: &Curve) -> String {
     let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
     match parts.map(|part| 100.0 * part) {
         [value, half_width, rms] if half_width.is_finite() => {
-            format!("bias: mean of all channels {value:+.2} ± {half_width:.2} %, RMS {rms:.2} % of the mean")
+            let rms = if rms > 0.0 { format!("RMS {rms:.2} % of the mean") } else { "RMS not resolved".to_owned() };
+            format!("bias: mean of all channels {value:+.2} ± {half_width:.2} %, {rms}")
         }
         _ => "bias: unknown, of too few replicates".into(),
     }
