@@ -89,8 +89,22 @@ fn words(line: &str) -> Vec<String> {
 /// `VALUE` stands for the value, `FILTER COLUMN EXAMPLE` for an example whose answers have it in that column.
 type Entry = (&'static str, &'static [(&'static str, i32, &'static str)]);
 
-const ENTRIES: [Entry; 11] = [
+const ENTRIES: [Entry; 13] = [
     ("etalon validate examples/my_sampler.py", &[("validate --detect 0.2 --domain line mine.py", 1, "reject")]),
+    (
+        "etalon validate examples/exponential.py",
+        &[
+            ("validate --detect 0.2 --domain interval:0,1 mine.py", 1, "reject"),
+            ("validate --domain interval:0,VALUE mine.py", 2, "VALUE"),
+        ],
+    ),
+    (
+        "--like ggx",
+        &[
+            ("validate --exec |FILTER 0 bsdf.py| like --like diffuse --set albedo=0.5", 1, "not the values of diffuse"),
+            ("validate --exec |python3 bsdf.py| like --like diffuse --set albedo=VALUE", 2, "albedo"),
+        ],
+    ),
     (
         "etalon render sphere-env --exec 'python3 examples/bsdf.py'",
         &[("render sphere-env -r 8 8 -s 2 --exec |FILTER 3 bsdf.py|", 2, "not finite")],

@@ -264,6 +264,10 @@ impl Model<'_> {
         precision: f64,
         remarks: &mut Vec<String>,
     ) -> Result<Option<Difference>> {
+        if let Some((value, pair)) = found.iter().zip(pairs).find(|(value, _)| !value.is_finite()) {
+            let [wo, wi] = pair.map(theta);
+            return Ok(Some(Difference::said(format!("{value} for wo at {wo} and wi at {wi}"))));
+        }
         let expected = self.candidates(model, pairs, found, 0)?.swap_remove(0);
         let rounding = self.rounding(model, pairs, &expected.values, precision)?;
         let compared = Comparison { pairs, found, rounding };
@@ -442,13 +446,13 @@ fn pairs(model: &dyn BatchBsdf, wos: &[Direction]) -> Result<Vec<Pair>> {
 fn deltas(bsdf: &dyn BatchBsdf, model: &dyn BatchBsdf, wos: &[Direction]) -> Result<Option<String>> {
     let channels = bsdf.properties().channels;
     for (wo, (found, expected)) in wos.iter().zip(bsdf.delta_lobes(wos)?.into_iter().zip(model.delta_lobes(wos)?)) {
-        let theta = rounded(wo[2].acos().to_degrees());
+        let theta = theta(*wo);
         let lit = |lobe: &&etalon_stats::bsdf::DeltaLobe| lobe.throughput[..channels].iter().any(|t| *t > 0.0);
         let (found, expected): (Vec<_>, Vec<_>) =
             (found.iter().filter(lit).collect(), expected.iter().filter(lit).collect());
         if found.len() != expected.len() {
             let (found, expected) = (found.len(), expected.len());
-            return Ok(Some(format!("for wo at {theta}° the number of delta lobes is {found}, not {expected}")));
+            return Ok(Some(format!("for wo at {theta} the number of delta lobes is {found}, not {expected}")));
         }
         for expected in expected {
             let distance = |w: Direction| (0..3).map(|axis| (w[axis] - expected.wi[axis]).powi(2)).sum::<f64>().sqrt();
@@ -456,13 +460,13 @@ fn deltas(bsdf: &dyn BatchBsdf, model: &dyn BatchBsdf, wos: &[Direction]) -> Res
             let side = if expected.wi[2] * wo[2] > 0.0 { "reflected" } else { "transmitted" };
             let Some(lobe) = same else {
                 return Ok(Some(format!(
-                    "no light is {side} to the direction of the model's delta lobe, for wo at {theta}°"
+                    "no light is {side} to the direction of the model's delta lobe, for wo at {theta}"
                 )));
             };
             for (t, model) in lobe.throughput[..channels].iter().zip(expected.throughput) {
                 if (t - model).abs() > EQUAL * model.abs() {
                     let (t, model) = (rounded(*t), rounded(model));
-                    return Ok(Some(format!("the factor of {side} radiance is {t}, not {model}, for wo at {theta}°")));
+                    return Ok(Some(format!("the factor of {side} radiance is {t}, not {model}, for wo at {theta}")));
                 }
             }
         }
@@ -505,10 +509,9 @@ impl Comparison<'_> {
         all.filter_map(move |((&found, &expected), (pair, rounding))| {
             let most = most.iter().filter(|(wo, _)| *wo == pair[0]).map(|(_, most)| *most).fold(0.0, f64::at_least);
             let larger = found.abs().at_least(expected.abs());
-            let is_seen = larger > 0.0 && light(larger, pair) >= seen * most || !found.is_finite();
-            let by = (found - expected).abs();
-            let differs = by.is_nan() || by > EQUAL * larger + rounding;
-            is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, differs))
+            let is_seen = larger > 0.0 && light(larger, pair) >= seen * most;
+            let is_equal = larger.is_finite() && (found - expected).abs() <= EQUAL * larger + rounding;
+            is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, !is_equal))
         })
     }
 
@@ -542,7 +545,6 @@ impl Comparison<'_> {
             return format!("{} everywhere", brightness(constant));
         }
         let all: Vec<OfPair> = self.differences(expected, SEEN).map(|(difference, _)| difference).collect();
-        let theta = |w: Direction| format!("{:.0}°", w[2].clamp(-1.0, 1.0).acos().to_degrees());
         let Some(worst) = self.largest(expected, BRIGHT).or_else(|| self.largest(expected, SEEN)) else {
             return String::new();
         };
@@ -558,6 +560,11 @@ impl Comparison<'_> {
         let [wo, wi] = worst.pair.map(theta);
         format!("{most} for wo at {wo} and wi at {wi}; in the median {at_near} for wo at {near} and {at_far} at {far}")
     }
+}
+
+/// The angle of a direction with the normal, in words.
+fn theta(w: Direction) -> String {
+    format!("{:.0}°", w[2].clamp(-1.0, 1.0).acos().to_degrees())
 }
 
 /// A factor of values in words.
