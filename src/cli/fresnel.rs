@@ -58,7 +58,7 @@ pub struct Fresnel {
     #[arg(help_heading = "Curves", long, value_name = "CURVE,...", value_delimiter = ',', action = ArgAction::Set)]
     #[arg(value_parser = choice(CURVES))]
     show: Option<Vec<Curve>>,
-    /// Draw light that enters the medium beside light that leaves it, for one dielectric
+    /// Draw light that enters a dielectric beside light that leaves it
     #[arg(help_heading = "Curves", long, conflicts_with_all = ["metal", "k", "angles"])]
     both: bool,
     /// Number of angles from 0 to 90 degrees; with --angles of indices

@@ -215,7 +215,7 @@ fn renderers_need_no_scene() {
         (&["converge"][..], "required"),
         (&["converge", "--renderer", &good], "--reference: without a scene"),
         (&["converge", "--renderer", &good, "--reference", "mis"], "is no file and no renderer"),
-        (&["converge", "--renderer", &good, "--reference", "good"], "it is the size of the images"),
+        (&["converge", "--renderer", &good, "--reference", "good"], "no file says how large the images are"),
         (&["converge", "--renderer", &good, "--reference", "ref.exr", "--alpha", "0.5"], "it changes a scene"),
         (&["converge", "cornell-lambert", "--junit", "j.xml"], "--renderer"),
     ] {
