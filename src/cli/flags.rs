@@ -154,9 +154,10 @@ mod tests {
     use std::path::Path;
 
     /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
-    const OF_CALLERS: [&str; 16] = [
+    const OF_CALLERS: [&str; 17] = [
         "SIGMA",
         "cells",
+        "chart",
         "dimension",
         "figure",
         "figure size",

@@ -40,7 +40,7 @@ pub struct Furnace {
     /// Values of parameters that do not vary [default: see --list]
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
-    /// Number of angles, and of values of the parameter [default: 32x32; of a program 16x16]
+    /// Angles, and values of the parameter [default: 32x32; of a program 16x16]
     #[arg(long, value_name = "ANGLESxVALUES")]
     size: Option<String>,
     /// Largest error of an albedo [default: 0.0001; of a program 0.01]

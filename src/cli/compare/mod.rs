@@ -113,13 +113,17 @@ impl Compare {
             let verdict =
                 if limit.holds(measured) { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject };
             let found = rounded(limit.metric.of(measured), 4).replace("NaN", "not defined");
-            let why = [left_out(measured), measured.explanation.as_ref().map(explained)];
-            let why: String = why.into_iter().flatten().map(|why| format!("; {why}")).collect();
+            let (title, most) = (limit.metric.title, limit.most);
+            let said = match left_out(measured) {
+                Some(pixels) => format!("{pixels}, which keeps no limit; {title} of the others is {found}"),
+                None => format!("{title} is {found}, at most {most} allowed"),
+            };
+            let why = measured.explanation.as_ref().map_or(String::new(), |why| format!("; {}", explained(why)));
             Check {
                 group: group.to_owned(),
                 name: limit.metric.name.into(),
                 verdict: Some(verdict),
-                message: format!("{} is {found}, at most {} allowed{why}", limit.metric.title, limit.most),
+                message: said + &why,
                 details: String::new(),
                 seconds: None,
             }
@@ -182,14 +186,18 @@ fn measure(a_path: &Path, a: &Image, b_path: &Path, b: &Image) -> Result<Measure
 
 /// Reads a share, as a fraction or in percent, between 0 and 1.
 fn share(text: &str) -> std::result::Result<f64, String> {
-    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
-    let value = number.trim().parse::<f64>().ok().map(|value| value * unit);
-    value.filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
+    fraction(text).filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
 }
 
 fn metric(name: &str) -> std::result::Result<&'static Metric, String> {
     let known = || METRICS.iter().map(|metric| metric.name).collect::<Vec<_>>().join(", ");
     Metric::named(name).ok_or_else(|| format!("no metric; known are {}", known()))
+}
+
+/// Reads a number, or a number of percent.
+fn fraction(text: &str) -> Option<f64> {
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    Some(number.trim().parse::<f64>().ok()? * unit)
 }
 
 /// Reads a limit, `flip=.05`.
@@ -202,7 +210,7 @@ fn limit(text: &str) -> std::result::Result<Limit, String> {
             metric.name
         ));
     }
-    let most = most.trim().parse::<f64>().ok().filter(|most| *most >= 0.0);
+    let most = fraction(most).filter(|most| *most >= 0.0);
     Ok(Limit { metric, most: most.ok_or("no number of 0 or more after =")? })
 }
 
@@ -218,6 +226,7 @@ mod tests {
     #[test]
     fn limits_are_of_errors() {
         let read = |text| super::limit(text).map(|limit| (limit.metric.name, limit.most));
+        assert_eq!(read("flip=5%"), Ok(("flip", 0.05)));
         assert_eq!([read("flip=.05"), read("hdr_flip= 1e-2")], [Ok(("flip", 0.05)), Ok(("flip", 0.01))]);
         assert!(["flip", "flip=", "flip=-1", "flip=nan", "ssim=.9", "x=1"].into_iter().all(|text| read(text).is_err()));
     }

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// tried: other masking, Fresnel formulas and widths. Another pdf is only remarked on.
     #[arg(long, value_name = "MODEL", requires = "program")]
     like: Option<String>,
-    /// Parameters of the program's BSDF [default: the values that it declares], and of --like
+    /// Parameters of the BSDF [default: those that it declares], and of --like
     #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf of the samples in a file: a grid in CSV, or a lat-long image

@@ -74,7 +74,9 @@ pub fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Image> {
 
 fn load(path: &Path, options: ReadOptions) -> Result<Decoded> {
     if path.is_dir() {
-        return Err(Error::input(path, "this is a directory, not an image file"));
+        return Err(
+            Error::input(path, "this is a directory, not an image file").with_hint("name its files: DIRECTORY/*")
+        );
     }
     let bytes = read_bounded(path, MAX_FILE_BYTES)?;
     let mut decoded = decode(path, bytes, options)?;

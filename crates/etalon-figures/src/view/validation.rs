@@ -76,12 +76,19 @@ pub fn drawing(validation: &Validation) -> Drawing {
     match validation.tests.as_slice() {
         [test] => validation_cells::drawing(test),
         tests => {
-            // Why first, then where counts of the first test that they reject differ.
+            // Why first, then the numbers of the test that is told first
             let is_shown = |test: &&Tested| {
                 let Outcome { counts, compared, .. } = &test.outcome;
                 test.outcome.is_rejected_by_p() && counts.is_some() || compared.is_some()
             };
-            let first = tests.iter().find(is_shown).map(validation_cells::pictured);
+            let causes = validation.causes();
+            let told = causes.iter().filter_map(|cause| {
+                tests
+                    .iter()
+                    .filter(is_shown)
+                    .find(|test| cause.strip_prefix(&*test.name).is_some_and(|rest| rest.starts_with(':')))
+            });
+            let first = told.chain(tests.iter().filter(is_shown)).next().map(validation_cells::pictured);
             let all = checks(validation).unwrap_or_else(|| p_values(validation));
             let rows = validation_cells::reasons(validation).into_iter().chain(first).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)
@@ -89,19 +96,29 @@ pub fn drawing(validation: &Validation) -> Drawing {
     }
 }
 
+/// The frame of the verdicts: its width, and the height of a row.
+const WIDE: f64 = 420.0;
+const ROW: f64 = 26.0;
+
 /// The verdict of each check of one BSDF for each angle of `wo`; `None` of other tests.
 fn checks(validation: &Validation) -> Option<Drawing> {
     validation.unseen?;
     let mut names: Vec<String> = Vec::new();
     let mut tests: Vec<(Verdict, Point)> = Vec::new();
     for Tested { name, outcome } in &validation.tests {
-        let (kind, angle) = name.rsplit_once('/')?;
-        let (angle, check) = (angle.parse().ok()?, kind.rsplit('/').next()?);
+        // A comparison with a model is of all angles
+        let Some((kind, Ok(angle))) = name.rsplit_once('/').map(|(kind, angle)| (kind, angle.parse())) else {
+            continue;
+        };
+        let check = kind.rsplit('/').next()?;
         let row = names.iter().position(|known| known == check).unwrap_or(names.len());
         if row == names.len() {
             names.push(check.to_owned());
         }
         tests.push((outcome.verdict, [angle, row as f64 + 0.5]));
+    }
+    if tests.is_empty() {
+        return None;
     }
     let mut angles: Vec<f64> = tests.iter().map(|(_, [angle, _])| *angle).collect();
     angles.sort_by(f64::total_cmp);
@@ -111,6 +128,7 @@ fn checks(validation: &Validation) -> Option<Drawing> {
         validation.accepted, validation.rejected, validation.inconclusive
     );
     let x = Axis::linear("angle of /{ω}o with the normal (degrees)").range(-10.0, 160.0).at(angles);
+    let height = ROW * (names.len() + 1) as f64;
     let panel = Panel::new(x, Axis::named("", names)).title(title);
     let kinds = [
         ("accepted", theme::ACCEPTED.faded(0.5), Marker::Disc, Verdict::Accept),
@@ -121,7 +139,7 @@ fn checks(validation: &Validation) -> Option<Drawing> {
         let of: Vec<Point> = tests.iter().filter(|(known, _)| *known == verdict).map(|(_, at)| *at).collect();
         if of.is_empty() { panel } else { panel.markers(name, colour, marker, of) }
     };
-    Some(Plot::new([kinds.into_iter().fold(panel, with)]).draw())
+    Some(Plot::new([kinds.into_iter().fold(panel, with)]).frame_size(WIDE, height).draw())
 }
 
 /// The run's p-values in ascending order against those of true claims, on linear and logarithmic axes.

@@ -117,7 +117,9 @@ class Call:
         try:
             value = self.function(*arguments)
         except Exception as error:
-            error.given = f", for ({', '.join(map(repr, row))})"
+            single = lambda cut: repr(row[cut]) if isinstance(cut, int) else f"({', '.join(map(repr, row[cut]))})"
+            given = ", ".join(map(single, self.cuts))
+            error.given = f", for {given}" if any(isinstance(cut, slice) for cut in self.cuts) else f", for ({given})"
             raise
         return self.read(value, False, 1)
 
