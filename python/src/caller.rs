@@ -136,13 +136,17 @@ pub fn run<T: Send>(py: Python<'_>, what: &str, work: impl FnOnce(Caller) -> eta
             if failure.is_some() {
                 continue;
             }
-            failure = job.and_then(|job| job(py).err());
+            let told = |error: PyErr| {
+                let is_key = error.is_instance_of::<PyKeyboardInterrupt>(py);
+                if is_key { progress.interrupted() } else { error }
+            };
+            // Ctrl-C may come while a callback runs, or between two
+            failure = job.and_then(|job| job(py).err()).map(told);
             if let Err(signal) = py.check_signals() {
                 // Work that asks for nothing looks at the flag
                 is_interrupted = true;
                 interrupt::flag().store(true, Ordering::Relaxed);
-                let is_key = signal.is_instance_of::<PyKeyboardInterrupt>(py);
-                failure.get_or_insert(if is_key { progress.interrupted() } else { signal });
+                failure.get_or_insert_with(|| told(signal));
             }
         }
         py.detach(|| worker.join()).unwrap_or_else(|panic| resume_unwind(panic))
