@@ -283,12 +283,11 @@ impl Model<'_> {
             if let Some(Material::Dielectric(eta)) = self.surface.map(|surface| surface.material) { eta } else { 1.0 };
         let mut variants: Vec<(usize, String, Option<f64>)> = Vec::new();
         for (f, (factor_name, factor)) in FACTORS.into_iter().enumerate() {
-            let factors = scaled(&vec![1.0; pairs.len()], pairs, factor, eta);
+            let factors = factors(pairs, factor, eta);
             let without: Vec<f64> = found.iter().zip(&factors).map(|(found, factor)| found / factor).collect();
-            for candidate in &self.candidates(model, pairs, &without, CHANGES)? {
+            for candidate in &self.candidates(model, pairs, &without, CHANGES - usize::from(f > 0))? {
                 let changes = candidate.changes.len() + usize::from(f > 0);
-                let is_simplest = variants.iter().all(|(least, ..)| changes <= *least);
-                if changes > CHANGES || !is_simplest {
+                if variants.iter().any(|(least, ..)| changes > *least) {
                     continue;
                 }
                 let values: Vec<f64> =
@@ -474,9 +473,9 @@ fn deltas(bsdf: &dyn BatchBsdf, model: &dyn BatchBsdf, wos: &[Direction]) -> Res
     Ok(None)
 }
 
-fn scaled(values: &[f64], pairs: &[Pair], factor: fn(Pair, f64) -> f64, index: f64) -> Vec<f64> {
-    let eta = |pair: &Pair| if pair[0][2] > 0.0 { index } else { 1.0 / index };
-    values.iter().zip(pairs).map(|(value, pair)| value * factor(*pair, eta(pair))).collect()
+/// The factor of each pair, for a surface of this index below over that above.
+fn factors(pairs: &[Pair], factor: fn(Pair, f64) -> f64, index: f64) -> Vec<f64> {
+    pairs.iter().map(|pair| factor(*pair, if pair[0][2] > 0.0 { index } else { 1.0 / index })).collect()
 }
 
 /// Values with what rounding may change of them.

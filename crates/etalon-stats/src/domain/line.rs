@@ -209,49 +209,60 @@ impl Axis for HalfLine {
     }
 }
 
+/// What the domains of numbers without an end have in common: all but their variables and mistakes, from their [`Axis`].
+macro_rules! unbounded {
+    () => {
+        fn measure(&self) -> f64 {
+            f64::INFINITY
+        }
+
+        #[inline]
+        fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
+            Some([self.to_unit(point.into())?, 0.5])
+        }
+
+        #[inline]
+        fn point_at(&self, [u, _]: [f64; 2]) -> Point {
+            self.at(u).into()
+        }
+
+        fn same(&self, a: Point, b: Point) -> bool {
+            near(a, b, self.extent())
+        }
+
+        fn is_even(&self) -> bool {
+            false
+        }
+
+        #[inline]
+        fn jacobian(&self, [u, _]: [f64; 2]) -> f64 {
+            self.slope(u)
+        }
+
+        fn is_plane(&self) -> bool {
+            false
+        }
+
+        fn axes(&self) -> [&str; 2] {
+            ["chart of x", ""]
+        }
+
+        fn coordinates(&self) -> [&str; 2] {
+            ["x", ""]
+        }
+
+        fn told(&self, _axis: usize, at: f64) -> String {
+            format!("x = {}", self.at(at))
+        }
+
+        fn region(&self, cell: &Cell) -> String {
+            region("x", self.range(cell.x))
+        }
+    };
+}
+
 impl Domain for HalfLine {
-    fn measure(&self) -> f64 {
-        f64::INFINITY
-    }
-
-    #[inline]
-    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
-        Some([self.to_unit(point.into())?, 0.5])
-    }
-
-    #[inline]
-    fn point_at(&self, [u, _]: [f64; 2]) -> Point {
-        self.at(u).into()
-    }
-
-    fn same(&self, a: Point, b: Point) -> bool {
-        near(a, b, self.extent())
-    }
-
-    fn is_even(&self) -> bool {
-        false
-    }
-
-    #[inline]
-    fn jacobian(&self, [u, _]: [f64; 2]) -> f64 {
-        self.slope(u)
-    }
-
-    fn is_plane(&self) -> bool {
-        false
-    }
-
-    fn axes(&self) -> [&str; 2] {
-        ["chart of x", ""]
-    }
-
-    fn coordinates(&self) -> [&str; 2] {
-        ["x", ""]
-    }
-
-    fn told(&self, _axis: usize, at: f64) -> String {
-        format!("x = {}", self.at(at))
-    }
+    unbounded!();
 
     fn variables(&self) -> Vec<Variable<'_>> {
         vec![Variable::new("the distance from the end", |x| (f64::from(x) - self.from).abs())]
@@ -260,10 +271,6 @@ impl Domain for HalfLine {
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let scaled = |scale: f64, x: Point| ((self.from + (f64::from(x) - self.from) / scale).into(), 1.0);
         vec![Mistake::scaled("with distances from the end that are {} times as large", scaled)]
-    }
-
-    fn region(&self, cell: &Cell) -> String {
-        region("x", self.range(cell.x))
     }
 }
 
@@ -317,48 +324,7 @@ impl Axis for RealLine {
 }
 
 impl Domain for RealLine {
-    fn measure(&self) -> f64 {
-        f64::INFINITY
-    }
-
-    #[inline]
-    fn to_chart(&self, point: Point) -> Option<[f64; 2]> {
-        Some([self.to_unit(point.into())?, 0.5])
-    }
-
-    #[inline]
-    fn point_at(&self, [u, _]: [f64; 2]) -> Point {
-        self.at(u).into()
-    }
-
-    fn same(&self, a: Point, b: Point) -> bool {
-        near(a, b, self.width)
-    }
-
-    fn is_even(&self) -> bool {
-        false
-    }
-
-    #[inline]
-    fn jacobian(&self, [u, _]: [f64; 2]) -> f64 {
-        self.slope(u)
-    }
-
-    fn is_plane(&self) -> bool {
-        false
-    }
-
-    fn axes(&self) -> [&str; 2] {
-        ["chart of x", ""]
-    }
-
-    fn coordinates(&self) -> [&str; 2] {
-        ["x", ""]
-    }
-
-    fn told(&self, _axis: usize, at: f64) -> String {
-        format!("x = {}", self.at(at))
-    }
+    unbounded!();
 
     fn variables(&self) -> Vec<Variable<'_>> {
         vec![Variable::new("|x|", |x| f64::from(x).abs())]
@@ -371,10 +337,6 @@ impl Domain for RealLine {
             Mistake::moved("shifted by {}", [-limit, limit], |by, x| (f64::from(x) - by).into()),
             Mistake::scaled("of numbers that are {} times as large", |scale, x| ((f64::from(x) / scale).into(), 1.0)),
         ]
-    }
-
-    fn region(&self, cell: &Cell) -> String {
-        region("x", self.range(cell.x))
     }
 }
 

@@ -30,6 +30,11 @@ fn made(domain: impl Domain + Send + 'static) -> std::result::Result<Named, &'st
     Ok(Arc::new(domain))
 }
 
+/// A domain without parameters.
+fn alone(parameters: &[f64], domain: impl Domain + Send + 'static) -> std::result::Result<Named, &'static str> {
+    if parameters.is_empty() { made(domain) } else { Err("no parameters") }
+}
+
 /// All domains.
 pub const DOMAINS: [Entry; 14] = [
     Entry {
@@ -38,7 +43,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`x y z`, a unit vector",
         measure: "steradian",
         example: "sphere",
-        make: |p| if p.is_empty() { made(Directions::sphere(Pole::Z)) } else { Err("no parameters") },
+        make: |p| alone(p, Directions::sphere(Pole::Z)),
     },
     Entry {
         name: "hemisphere",
@@ -46,7 +51,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`x y z`, a unit vector, z ≥ 0",
         measure: "steradian",
         example: "hemisphere",
-        make: |p| if p.is_empty() { made(Directions::hemisphere(Pole::Z)) } else { Err("no parameters") },
+        make: |p| alone(p, Directions::hemisphere(Pole::Z)),
     },
     Entry {
         name: "square",
@@ -54,7 +59,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`x y`, both from 0 to 1",
         measure: "unit area",
         example: "square",
-        make: |p| if p.is_empty() { made(Square) } else { Err("no parameters") },
+        make: |p| alone(p, Square),
     },
     Entry {
         name: "line",
@@ -62,7 +67,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`x`, from 0 to 1",
         measure: "unit length",
         example: "line",
-        make: |p| if p.is_empty() { made(Line::UNIT) } else { Err("no parameters") },
+        make: |p| alone(p, Line::UNIT),
     },
     Entry {
         name: "interval",
@@ -147,7 +152,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`x y`, a unit vector",
         measure: "radian",
         example: "circle",
-        make: |p| if p.is_empty() { made(Circle) } else { Err("no parameters") },
+        make: |p| alone(p, Circle),
     },
     Entry {
         name: "triangle",
@@ -175,7 +180,7 @@ pub const DOMAINS: [Entry; 14] = [
         coordinates: "`b0 b1 b2`, from 0 to 1, of sum 1",
         measure: "unit area of `b0 b1` (½ in all)",
         example: "simplex",
-        make: |p| if p.is_empty() { made(Simplex) } else { Err("no parameters") },
+        make: |p| alone(p, Simplex),
     },
     Entry {
         name: "discrete",
