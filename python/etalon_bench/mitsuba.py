@@ -36,7 +36,7 @@ Array = NDArray[Any]
 Sampler = dict[str, Any]
 
 # A sample's pdf may differ by so much from what `pdf` returns for its rounded direction
-ROUNDING = 1e-3
+ROUNDING = 1e-2
 # In nanometres, where a spectral variant is tested
 WAVELENGTHS = (450.0, 550.0, 650.0, 550.0)
 
