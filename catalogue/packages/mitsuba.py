@@ -109,8 +109,8 @@ BSDFS = [
     bsdfs("twosided, plastic", {"front": {"type": "plastic", **GLASS}}),
     bsdfs("bumpmap", tilted("bumpmap"), reciprocal=False),
     bsdfs("normalmap", tilted("normalmap"), reciprocal=False),
-    *(bsdfs(f"hair, {long} {azimuth} {scale}", {"longitudinal_roughness": long, "azimuthal_roughness": azimuth, "scale_deg": scale}, reciprocal=False)
-      for long, azimuth, scale in ((0.3, 0.3, 2.0), (0.7, 0.5, 0.0), (0.2, 0.9, 5.0))),
+    *(bsdfs(f"hair, {long} {azimuth} {tilt}", {"longitudinal_roughness": long, "azimuthal_roughness": azimuth, "scale_tilt": tilt}, reciprocal=False)
+      for long, azimuth, tilt in ((0.3, 0.3, 2.0), (0.7, 0.5, 0.0), (0.2, 0.9, 5.0))),
 ]  # fmt: skip
 
 SGGX = {"round": (0.5, 0.5, 0.5, 0, 0, 0), "flat": (0.05, 0.3, 1.0, 0.02, 0.05, 0.1), "fibre": (1.0, 1.0, 0.05, 0, 0, 0)}

@@ -50,10 +50,16 @@ def sphere(name, centre, radius, material, rows=200):
     shape(name, np.array(centre) + radius * points, triangles[(triangles[:, 0] != triangles[:, 1])], material)
 
 
+def window(aspect):
+    """LuxCore 2.11 asks for the film's row y at height - y - 1, a pixel away: the window is moved by as much."""
+    pixel = 2.0 / height
+    return [-aspect, aspect, -1.0 - pixel, 1.0 - pixel]
+
+
 camera = {"lookat.orig": [0.0, 0.75, 4.80234357], "lookat.target": [0.0, 0.75, 0.0], "up": [0.0, 1.0, 0.0], "autofocus.enable": False}
 if scene_name == "cornell-lambert":
     # The field of view is that of 1 on the screen; by default, 1 is half of the larger side. In the exported scene it is the smaller one.
-    camera |= {"type": "perspective", "fieldofview": 23.248791448697848, "screenwindow": [-width / height, width / height, -1.0, 1.0]}
+    camera |= {"type": "perspective", "fieldofview": 23.248791448697848, "screenwindow": window(width / height)}
     grey, red, blue = (0.6,) * 3, (0.6, 0.2, 0.2), (0.2, 0.2, 0.6)
     matte("grey", grey), matte("red", red), matte("blue", blue), matte("light", (0.0,) * 3, 10.0)
     quad("floor", [(-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)], "grey")
@@ -66,15 +72,15 @@ if scene_name == "cornell-lambert":
     sphere("one", (-0.4, 0.3, -0.3), 0.3, "grey"), sphere("two", (0.4, 0.3, 0.3), 0.3, "grey")
     depth = 6  # five scatterings, and the way to the light
 else:
-    camera |= {"type": "orthographic", "lookat.orig": [0.0, 0.0, 5.0], "lookat.target": [0.0, 0.0, 0.0], "screenwindow": [-1.0, 1.0, -1.0, 1.0]}
+    camera |= {"type": "orthographic", "lookat.orig": [0.0, 0.0, 5.0], "lookat.target": [0.0, 0.0, 0.0], "screenwindow": window(1.0)}
     matte("white", (1.0,) * 3)
     sphere("ball", (0, 0, 0), 1.0, "white")
     properties.Set(pyluxcore.Property("scene.lights.map.type", "infinite"))
     properties.Set(pyluxcore.Property("scene.lights.map.file", maps[0]))
     properties.Set(pyluxcore.Property("scene.lights.map.gamma", 1.0))
     properties.Set(pyluxcore.Property("scene.lights.map.gain", [1.0, 1.0, 1.0]))
-    # LuxCore's maps have their pole at +z, ours at +y; columns of the matrix
-    properties.Set(pyluxcore.Property("scene.lights.map.transformation", MATRIX))
+    # LuxCore's maps have their pole at +z, ours at +y: y and z change places
+    properties.Set(pyluxcore.Property("scene.lights.map.transformation", [1.0, 0, 0, 0, 0, 0, 1.0, 0, 0, 1.0, 0, 0, 0, 0, 0, 1.0]))
     depth = 2
 for key, value in camera.items():
     properties.Set(pyluxcore.Property(f"scene.camera.{key}", value))

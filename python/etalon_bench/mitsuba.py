@@ -208,20 +208,20 @@ def sampler(
     def ask(x: Array) -> Array:
         return _rows(lambda x: [pdf(x)], x)[0]
 
-    def draw(u: Array) -> Array | Samples:
-        def one(u: Any) -> Sequence[Any]:
-            drawn = sample(u)
-            return drawn if isinstance(drawn, tuple) else (drawn,)
+    def one(u: Any) -> Sequence[Any]:
+        drawn = sample(u)
+        return drawn if isinstance(drawn, tuple) else (drawn,)
 
+    def draw(u: Array) -> Array | Samples:
         x, *rest = _rows(one, _inside(u, zero))
         if not rest:
             return x
         valid = (rest[-1].reshape(len(x), -1) != 0).any(axis=1) & (rest[0] != 0)
         return Samples(x, _agreed(rest[0], ask(x)), valid)
 
-    trial = draw(np.full((1, dimension) if dimension > 1 else 1, 0.4))
-    own = 1.0 if not isinstance(trial, Samples) else "at-most-1"
-    return {"sample": draw, "pdf": ask, "domain": domain, "dimension": dimension, "mass": own if mass is None else mass}
+    may_fail = mass is None and len(_rows(one, np.full((1, dimension), 0.4))) == 3
+    mass = ("at-most-1" if may_fail else 1.0) if mass is None else mass
+    return {"sample": draw, "pdf": ask, "domain": domain, "dimension": dimension, "mass": mass}
 
 
 def _loaded(plugin: Any) -> Any:
