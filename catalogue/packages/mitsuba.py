@@ -39,7 +39,8 @@ def lazily(variant, name, domain, make, wrap, control="", **options):
 
 def samplers(name, domain, make, variants=VARIANTS, **options):
     wrap = lambda name, make, options: sampler(name, **{**make(), **options})
-    return [lazily(variant, name, domain, make, wrap, **options) for variant in variants]
+    # A scalar variant takes one sample after the other
+    return [lazily(variant, name, domain, make, wrap, **({"detect": 0.1} if variant.startswith("scalar") else {}) | options) for variant in variants]
 
 
 def bsdfs(name, dictionary, variants=VARIANTS[1:], zero=False, control="", **declared):
