@@ -75,7 +75,9 @@ def bsdf(plugin: Any, *, zero: bool = False, **declared: Any) -> Bsdf:
         def one(o: Any, lobe: Any, u: Any) -> list[Any]:
             bs, weight = plugin.sample(context, surface(o), lobe, mi.Point2f(u))
             asked = plugin.pdf(context, surface(o), bs.wo)
-            return [bs.wo, mi.unpolarized_spectrum(weight), bs.pdf, asked, bs.sampled_type, bs.eta]
+            # A plugin in Python need not set eta
+            eta = bs.eta if dr.width(bs.eta) else 1.0
+            return [bs.wo, mi.unpolarized_spectrum(weight), bs.pdf, asked, bs.sampled_type, eta]
 
         return _rows(one, wo, u[:, 0], u[:, 1:])
 
