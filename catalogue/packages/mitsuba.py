@@ -168,6 +168,7 @@ WARPS = [
 ]  # fmt: skip
 
 
+# The pdfs of cone and lune do not ask whether a direction is in them: the caller does
 def cone(cos):
     return etalon.sampler(lambda u: mi.warp.square_to_uniform_cone(u, cos), lambda w: dr_select(w.z >= cos, mi.warp.square_to_uniform_cone_pdf(w, cos)), "sphere")
 
@@ -178,7 +179,7 @@ def dr_select(condition, value):
 
 def lune():
     normals = [mi.Normal3f(n) for n in (N1, N2)]
-    return etalon.sampler(lambda u: mi.warp.square_to_uniform_spherical_lune(u, *normals), lambda w: mi.warp.square_to_uniform_spherical_lune_pdf(w, *normals), "sphere")
+    return etalon.sampler(lambda u: mi.warp.square_to_uniform_spherical_lune(u, *normals), lambda w: dr_select(mi.Bool(w @ normals[0] > 0) ^ mi.Bool(w @ normals[1] > 0), mi.warp.square_to_uniform_spherical_lune_pdf(w, *normals)), "sphere")
 
 
 def fibre(kappa, wi):
@@ -228,7 +229,7 @@ def spectrum(plugin):
 
 
 SPECTRA = {
-    "uniform": {"type": "uniform"},
+    "uniform": {"type": "uniform", "value": 1.0},
     "regular": {"type": "regular", "wavelength_min": 400, "wavelength_max": 700, "values": "0.1, 1, 0.3, 0.7"},
     "irregular": {"type": "irregular", "wavelengths": "380, 400, 550, 800", "values": "0.1, 1, 0.3, 0.7"},
     "blackbody": {"type": "blackbody", "temperature": 3000.0},
