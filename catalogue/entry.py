@@ -62,6 +62,17 @@ def program(name: str, command: Sequence[str], domain: str, *, control: str = ""
     return Entry(name, domain, check, control, convention)
 
 
+def library(name: str, control: str, parameters: list[float], scale: str) -> list[Entry]:
+    """The entries of a JavaScript library that packages/serve.mjs serves; the wrong control multiplies samples by `scale`."""
+    serve = ["node", str(Path(__file__).parent / "packages/serve.mjs"), name]
+    entries = [
+        program(f"{law}({', '.join(map(str, of))})", [*serve, law, json.dumps(of)], "by support")
+        for law, of in json.loads(subprocess.run([*serve, "list"], capture_output=True, text=True, check=True).stdout)
+    ]
+    served = [*serve, control, json.dumps(parameters)]
+    return [*entries, program("control/right", served, "real", control="right"), program("control/wrong", [*served, scale], "real", control="wrong")]
+
+
 def _of_result(result: eb.Result, figure: Path | None) -> dict[str, Any]:
     if figure and result.verdict != "accept":
         result.save(figure)
@@ -90,7 +101,7 @@ def run(entries: Sequence[Entry]) -> None:
     answers, sys.stdout = sys.stdout, sys.stderr
     names = [entry.name for entry in entries]
     if len(set(names)) < len(names) or {"right", "wrong"} - {entry.control for entry in entries}:
-        sys.exit("the client is at fault: names are not unique, or a control that is right or one that is wrong is missing")
+        sys.exit(f"the client is at fault: names {sorted(name for name in names if names.count(name) > 1)} are not unique, or a control that is right or one that is wrong is missing")
     for entry in sorted(entries, key=lambda entry: not entry.control):
         if not (entry.control or fnmatch(entry.name, options.only)):
             continue
