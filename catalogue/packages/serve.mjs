@@ -17,7 +17,7 @@ const libraries = {
       const [low, high] = d.support().map(end => end.value)
       return { seed: s => d.seed(s), draw: () => d.sample(), pdf: x => d.pdf(x), low, high, discrete: d.type() === 'discrete' }
     }
-    const list = () => Object.keys(dist).flatMap(name => {
+    const list = () => Object.keys(dist).filter(name => name !== 'InvalidDiscrete').flatMap(name => {
       // The default parameters, and others: all 2.3 times as large, or 0.4 times, where that is allowed.
       const usual = Object.values(new dist[name]().p).filter(x => typeof x === 'number')
       const variants = [2.3, 0.4].map(factor => usual.map(x => +(x * factor).toFixed(6))).filter(parameters => {
@@ -37,18 +37,18 @@ const libraries = {
       arcsine: [[-1, 2]], beta: [[0.5, 0.5], [2, 5], [0.3, 8], [200, 300]], betaprime: [[2, 3], [0.5, 0.7]], cauchy: [[0, 1], [100, 0.1]], chi: [[0.7], [4]],
       chisquare: [[0.5], [3], [60]], cosine: [[1, 2]], erlang: [[3, 2]], exponential: [[1], [1e-4]], f: [[3, 5], [0.8, 2]], frechet: [[2, 1, 0.5], [0.5, 3, -1]],
       gamma: [[0.1, 1], [0.9, 2], [3, 0.2], [1000, 1]], gumbel: [[0, 1]], invgamma: [[0.7, 1], [4, 2]], kumaraswamy: [[0.5, 0.5], [2, 5]], laplace: [[0, 1]],
-      levy: [[0, 1]], logistic: [[1, 0.5]], lognormal: [[0, 0.3], [0, 2]], normal: [[0, 1], [1000, 0.1]], 'pareto-type1': [[0.5, 1], [4, 2]],
-      'raised-cosine': [[1, 2]], rayleigh: [[1]], t: [[0.7], [3], [100]], triangular: [[-1, 3, 0], [0, 1, 0.999]], uniform: [[-1, 3]], weibull: [[0.4, 1], [5, 2]],
-      bernoulli: [[0.3]], binomial: [[10, 0.3], [1000, 0.02], [1000, 0.7]], 'discrete-uniform': [[-3, 40]], geometric: [[0.01], [0.9]], hypergeometric: [[60, 20, 15], [5000, 2000, 400]],
-      'negative-binomial': [[2.5, 0.3], [50, 0.5]], poisson: [[0.3], [9.9], [30.1], [400]]
+      levy: [[0, 1]], logistic: [[1, 0.5]], lognormal: [[0, 0.3], [0, 2]], normal: [[0, 1], [1000, 0.1]], pareto1: [[0.5, 1], [4, 2]],
+      rayleigh: [[1]], t: [[0.7], [3], [100]], triangular: [[-1, 3, 0], [0, 1, 0.999]], uniform: [[-1, 3]], weibull: [[0.4, 1], [5, 2]],
+      bernoulli: [[0.3]], binomial: [[10, 0.3], [1000, 0.02], [1000, 0.7]], discreteUniform: [[-3, 40]], geometric: [[0.01], [0.9]], hypergeometric: [[60, 20, 15], [5000, 2000, 400]],
+      negativeBinomial: [[2.5, 0.3], [50, 0.5]], poisson: [[0.3], [9.9], [30.1], [400]]
     }
-    const discrete = ['bernoulli', 'binomial', 'discrete-uniform', 'geometric', 'hypergeometric', 'negative-binomial', 'poisson']
+    const discrete = ['bernoulli', 'binomial', 'discreteUniform', 'geometric', 'hypergeometric', 'negativeBinomial', 'poisson']
     const make = (name, parameters) => {
-      const law = dists[name.replace(/-(.)/g, (_, c) => c.toUpperCase()).replace(/^paretoType1$/, 'paretoType1')]
-      const family = random[name.replace(/-(.)/g, (_, c) => c.toUpperCase())]
+      const law = dists[name]
+      const family = random[name]
       let draw = family.factory(...parameters, { seed: 1 })
       const isDiscrete = discrete.includes(name)
-      const [low, high] = isDiscrete ? [name === 'discrete-uniform' ? parameters[0] : 0, Infinity] : [0, 1].map(p => law.quantile(p, ...parameters))
+      const [low, high] = isDiscrete ? [name === 'discreteUniform' ? parameters[0] : 0, Infinity] : [0, 1].map(p => law.quantile(p, ...parameters))
       const pdf = (law.pmf || law.pdf).factory(...parameters)
       return { seed: s => { draw = family.factory(...parameters, { seed: s + 1 >>> 0 || 1 }) }, draw: () => draw(), pdf: x => pdf(x), low, high, discrete: isDiscrete }
     }
