@@ -4,7 +4,7 @@
 # version = "2.7.1"
 # setup = [
 #     "apt-get download -q libgsl-dev libgsl27 libgslcblas0 && for each in *.deb; do dpkg -x $each .; done",
-#     "g++ -O2 -I$CATALOGUE/../include -Iusr/include $CATALOGUE/packages/gsl.cpp -o gsl -Lusr/lib/x86_64-linux-gnu -Wl,-rpath,$PWD/usr/lib/x86_64-linux-gnu -lgsl -lgslcblas -lm",
+#     "g++ -O2 -I$CATALOGUE/../include -Iusr/include $CATALOGUE/packages/gsl.cpp -o gsl -Lusr/lib/x86_64-linux-gnu -Wl,--disable-new-dtags,-rpath,$PWD/usr/lib/x86_64-linux-gnu -lgsl -lgslcblas -lm",
 # ]
 # ///
 """GSL (Debian's package), and the C++ standard library's distributions (libstdc++), by gsl.cpp; densities are those of GSL."""
