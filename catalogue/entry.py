@@ -6,6 +6,7 @@ script's own way of calling the package; if one of them gets the other verdict, 
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import etalon_bench as eb
+
+# What a package prints, from C too, goes to standard error: standard output is for the rows.
+ANSWERS = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
 
 
 @dataclass(frozen=True)
@@ -92,13 +97,12 @@ def _run(entry: Entry, seed: int, figure: Path | None) -> dict[str, Any]:
 
 
 def run(entries: Sequence[Entry]) -> None:
-    """Runs the entries and prints a line of JSON for each; what the package itself prints goes to standard error."""
+    """Runs the entries and prints a line of JSON for each."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=lambda text: [int(seed) for seed in text.split(",")], default=[1, 2])
     parser.add_argument("--only", default="*", help="pattern of the names of entries; controls run in any case")
     parser.add_argument("--figures", type=Path, default=None, help="folder for figures of what is not accepted")
     options = parser.parse_args()
-    answers, sys.stdout = sys.stdout, sys.stderr
     names = [entry.name for entry in entries]
     if len(set(names)) < len(names) or {"right", "wrong"} - {entry.control for entry in entries}:
         sys.exit(f"the client is at fault: names {sorted(name for name in names if names.count(name) > 1)} are not unique, or a control that is right or one that is wrong is missing")
@@ -112,4 +116,4 @@ def run(entries: Sequence[Entry]) -> None:
             wanted = {"right": "accept", "wrong": "reject"}.get(entry.control, runs[-1]["verdict"])
             if runs[-1]["verdict"] != wanted:
                 sys.exit(f"the client is at fault: its control {entry.name} should {wanted}: {runs[-1]}")
-        print(json.dumps({"entry": entry.name, "domain": entry.domain, "control": entry.control, "convention": entry.convention, "runs": runs}), file=answers, flush=True)
+        print(json.dumps({"entry": entry.name, "domain": entry.domain, "control": entry.control, "convention": entry.convention, "runs": runs}), file=ANSWERS, flush=True)
