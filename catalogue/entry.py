@@ -6,6 +6,7 @@ script's own way of calling the package; if one of them gets the other verdict, 
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import etalon_bench as eb
+
+# What a package prints, from C too, goes to standard error: standard output is for the rows.
+ANSWERS = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,17 @@ def program(name: str, command: Sequence[str], domain: str, *, control: str = ""
     return Entry(name, domain, check, control, convention)
 
 
+def library(name: str, control: str, parameters: list[float], scale: str) -> list[Entry]:
+    """The entries of a JavaScript library that packages/serve.mjs serves; the wrong control multiplies samples by `scale`."""
+    serve = ["node", str(Path(__file__).parent / "packages/serve.mjs"), name]
+    entries = [
+        program(f"{law}({', '.join(map(str, of))})", [*serve, law, json.dumps(of)], "by support")
+        for law, of in json.loads(subprocess.run([*serve, "list"], capture_output=True, text=True, check=True).stdout)
+    ]
+    served = [*serve, control, json.dumps(parameters)]
+    return [*entries, program("control/right", served, "real", control="right"), program("control/wrong", [*served, scale], "real", control="wrong")]
+
+
 def _of_result(result: eb.Result, figure: Path | None) -> dict[str, Any]:
     if figure and result.verdict != "accept":
         result.save(figure)
@@ -81,16 +97,15 @@ def _run(entry: Entry, seed: int, figure: Path | None) -> dict[str, Any]:
 
 
 def run(entries: Sequence[Entry]) -> None:
-    """Runs the entries and prints a line of JSON for each; what the package itself prints goes to standard error."""
+    """Runs the entries and prints a line of JSON for each."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=lambda text: [int(seed) for seed in text.split(",")], default=[1, 2])
     parser.add_argument("--only", default="*", help="pattern of the names of entries; controls run in any case")
     parser.add_argument("--figures", type=Path, default=None, help="folder for figures of what is not accepted")
     options = parser.parse_args()
-    answers, sys.stdout = sys.stdout, sys.stderr
     names = [entry.name for entry in entries]
     if len(set(names)) < len(names) or {"right", "wrong"} - {entry.control for entry in entries}:
-        sys.exit("the client is at fault: names are not unique, or a control that is right or one that is wrong is missing")
+        sys.exit(f"the client is at fault: names {sorted(name for name in names if names.count(name) > 1)} are not unique, or a control that is right or one that is wrong is missing")
     for entry in sorted(entries, key=lambda entry: not entry.control):
         if not (entry.control or fnmatch(entry.name, options.only)):
             continue
@@ -101,4 +116,4 @@ def run(entries: Sequence[Entry]) -> None:
             wanted = {"right": "accept", "wrong": "reject"}.get(entry.control, runs[-1]["verdict"])
             if runs[-1]["verdict"] != wanted:
                 sys.exit(f"the client is at fault: its control {entry.name} should {wanted}: {runs[-1]}")
-        print(json.dumps({"entry": entry.name, "domain": entry.domain, "control": entry.control, "convention": entry.convention, "runs": runs}), file=answers, flush=True)
+        print(json.dumps({"entry": entry.name, "domain": entry.domain, "control": entry.control, "convention": entry.convention, "runs": runs}), file=ANSWERS, flush=True)

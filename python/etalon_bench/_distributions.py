@@ -55,7 +55,8 @@ def of_torch(distribution: Any) -> Arguments:
         return distribution.log_prob(torch.as_tensor(x, dtype=example.dtype)).exp()
 
     if support.is_discrete:
-        return {"sample": samples, "pdf": density, "domain": f"discrete:{4 * int(example.max()) + 16}", "dimension": 0}
+        last = 1 if support is torch.distributions.constraints.boolean else getattr(support, "upper_bound", 4 * int(example.max()) + 16)
+        return {"sample": samples, "pdf": density, "domain": f"discrete:{int(last) + 1}", "dimension": 0}
     low, high = (float(getattr(support, name, end)) for name, end in (("lower_bound", -np.inf), ("upper_bound", np.inf)))
     domain = _domain(low, high, *np.quantile(np.asarray(example, dtype=float), [0.25, 0.5, 0.75]))
     return {"sample": samples, "pdf": density, "domain": domain, "dimension": 0}
