@@ -173,6 +173,17 @@ def envmap():
         print(f"  within 0.2° of the upper pole {(pdf < 0).mean():.1%} of pdfs are negative, down to {pdf.min():.2g}")
 
 
+def hair():
+    """E[weight] of `hair` at 0° against the integral of `eval`, and how often a coordinate of a sample is exactly 0."""
+    plugin = mi.load_dict({"type": "hair", "longitudinal_roughness": 0.3, "azimuthal_roughness": 0.3, "scale_tilt": 2.0})
+    d, solid = grid()
+    f, pdf = values(plugin, direction(0), d)
+    _, wi, weight = drawn(plugin, direction(0), 4_000_000)
+    print(f"E[weight] {weight[:, 0].mean():.5f} ± {weight[:, 0].std() / len(weight) ** 0.5:.5f}, integral of eval {(f[:, 0] * solid).sum():.5f}, of the pdf {(pdf * solid).sum():.5f}; y = 0 in {(wi[:, 1] == 0).mean():.2e}")
+    _, wi, _ = drawn(plugin, direction(85), 1_000_000)
+    print(f"at 85° y = 0 in {(wi[:, 1] == 0).mean():.2e} of samples")
+
+
 def nan():
     """NaN at single random numbers."""
     for u in ((0.5, 0.5), (0.5, 0.6)):
@@ -197,7 +208,7 @@ def variants():
         print(f"{name}: eval {difference[:, 0].max():.2g}, pdf {difference[:, 1].max():.2g} relative, {(difference[:, 1] > 0.01).sum()} of 60 pdfs differ")
 
 
-CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, nan, variants]
+CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants]
 for case in CASES:
     if len(sys.argv) == 1 or case.__name__ in sys.argv[1:]:
         print(f"\n{case.__name__}: {case.__doc__}")
