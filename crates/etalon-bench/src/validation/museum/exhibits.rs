@@ -156,7 +156,9 @@ fn pdfs() -> Vec<Exhibit> {
                 };
                 (direction_sampler(draw), direction_density(|w: DVec3| henyey_greenstein(w.z, G)))
             })
-            .mistake("g is compared with ε without its sign: for every negative g directions are uniform"),
+            .mistake(
+                "the sign of g is ignored where g is compared with ε: for every negative g directions are uniform",
+            ),
         ),
         Exhibit::new(
             "idaholab/mytrim#21",

@@ -60,7 +60,7 @@ pub struct Shown {
     pub seen: Seen,
     /// What found it: a check of BSDFs, `exact` or `chi-square` of a sampler, `compare` of images, `means` of estimators.
     pub check: Option<&'static str>,
-    /// p of the plain chi-square test, with the fault and without it; NaN if the pdf is.
+    /// p of the plain chi-square test, with the fault and without it.
     pub plain: Option<f64>,
     pub plain_sound: Option<f64>,
     pub would_find: Option<&'static str>,
