@@ -16,7 +16,7 @@ type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
 
 /// A test with a name.
 pub struct Case {
-    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
+    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/30`).
     pub name: String,
     pub(super) test: Box<Test>,
     /// Computes values that the test shares with others, so that parallel tests do not repeat it.
