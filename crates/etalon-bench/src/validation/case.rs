@@ -20,7 +20,7 @@ type Plain = dyn Fn(u64) -> Result<Option<f64>> + Send + Sync;
 
 /// A test with a name.
 pub struct Case {
-    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
+    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/30`).
     pub name: String,
     pub(super) test: Box<Test>,
     pub(super) plain: Option<Box<Plain>>,
