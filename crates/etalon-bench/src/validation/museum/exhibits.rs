@@ -320,7 +320,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "inside rough glass the half vector points inwards, and F is that of the other side: no total reflection",
             ),
         )
-        .missed("light of both sides against `--like` a rough dielectric; a bound of the albedo from below"),
+        .missed("a comparison of the values with the model of a rough dielectric; a bound of the albedo from below"),
         Exhibit::new(
             "adobe/openpbr-bsdf#15",
             Thread,
@@ -332,7 +332,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "an early exit of Smith's G₁ is 0 for directions below the surface: glass does not transmit",
             ),
         )
-        .missed("`--like` a rough dielectric; the remark that nothing is transmitted, as a rejection"),
+        .missed("a comparison of the values with the model of a rough dielectric"),
         Exhibit::new(
             "bevyengine/bevy#23203",
             Thread,
