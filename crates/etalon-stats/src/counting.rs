@@ -1,7 +1,7 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Check, Integration, InvalidPdf, Probe, Shares};
+use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
@@ -9,6 +9,7 @@ use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_infinite, 
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
+use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::power::FEWEST;
@@ -80,13 +81,18 @@ impl Counting<'_> {
     /// that they found. Where the second samples still show it, the missing part of the integrals is estimated from them and
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
     pub fn run(&self, pilot: &[Probe], round: u64, ends: impl Fn(&Counted) -> bool) -> Result<Counted> {
-        let Source { domain, sampler, density, seed, cancelled } = *self.source;
+        let Source { domain, leaves, sampler, density, seed, cancelled } = *self.source;
         let Self { subdivision, labels, atoms, looks, .. } = *self;
         let all = looks.samples();
-        let mut integration = Integration::with_parts(domain, density, subdivision, pilot, cancelled)?;
+        let [_, stream] = streams(round, 0);
+        let slack = SLACK * subdivision.grid.len() as f64;
+        let wanted = Wanted { subdivision, samples: all as f64, fewest: FEWEST, slack, seed, stream };
+        let mut integration = match leaves {
+            Some(leaves) => Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?),
+            None => Integration::with_parts(domain, density, subdivision, pilot, cancelled)?,
+        };
         if let Integration::Refined(refinement) = &mut integration {
-            let [_, checks] = streams(round, 0);
-            let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
+            let found = refinement.check(pilot.len() as u64, seed, stream)?.found;
             refinement.learn(&found)?;
         }
         let attempts = if sampler.finite_len().is_some() { 1 } else { ATTEMPTS };
@@ -160,18 +166,29 @@ impl Counting<'_> {
         counted: &mut Counted,
     ) -> Result<Option<Check>> {
         let integrals = integration.integrals();
-        let Integration::Refined(refinement) = integration else {
-            counted.integral = Integral::exact(&integrals);
-            return Ok(None);
+        let (tally, scale) = (&counted.tally, self.scale(&integrals.values));
+        let refinement = match integration {
+            Integration::Exact(..) => {
+                counted.integral = Integral::exact(&integrals);
+                return Ok(None);
+            }
+            Integration::Lattices(_) => {
+                counted.integral = Integral::of_standard_errors(&integrals, tally, self.risk);
+                let missed = |cell: usize| self.missed(tally, cell);
+                let error = |cell: usize| (scale * integrals.errors[cell]).hypot(missed(cell));
+                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
+                let all_missed: f64 = (0..self.subdivision.grid.len()).map(missed).sum();
+                counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
+                return Ok(None);
+            }
+            Integration::Refined(refinement) => refinement,
         };
-        let tally = &counted.tally;
         let probes = (tally.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
         let check = refinement.check(probes, self.source.seed, checks)?;
         counted.integral = Integral::measured(&integrals, &check, tally, self.risk);
         counted.invalid = integrals.invalid.or(check.invalid);
 
         // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
-        let scale = self.scale(&integrals.values);
         let found = |cell: usize| {
             let [difference, error] = check.difference(cell);
             scale * (difference.abs() - CHANCE * error).at_least(0.0) + self.missed(tally, cell)
@@ -233,6 +250,8 @@ const INVERSE: f64 = 1e-6;
 /// Where samples come from.
 pub struct Source<'a> {
     pub domain: &'a dyn Domain,
+    /// The domain, where it has more than two dimensions.
+    pub leaves: Option<&'a Leaves<'a>>,
     pub sampler: &'a dyn Sampler,
     pub density: &'a dyn Density,
     pub seed: u64,
@@ -345,22 +364,30 @@ impl Source<'_> {
         Ok((u, samples))
     }
 
-    /// The chart coordinates of samples, atoms left out, with the pdf there.
-    pub fn probes(&self, stream: u64, count: u64) -> Result<Vec<Probe>> {
+    /// The first samples of a stream, atoms left out.
+    pub fn drawn(&self, stream: u64, count: u64) -> Result<Vec<Point>> {
         let of_batch = |batch| {
             let (_, samples) = self.batch(stream, batch, count)?;
             let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
-            let spread: Vec<Point> = spread.collect();
-            let charts = self.domain.charts(&spread)?;
+            Ok(spread.collect::<Vec<Point>>())
+        };
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The chart coordinates of samples, with the pdf there.
+    pub fn probes(&self, samples: &[Point]) -> Result<Vec<Probe>> {
+        let of_batch = |samples: &[Point]| {
+            let charts = self.domain.charts(samples)?;
             let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
-                spread.into_iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
+                samples.iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
             let (pdfs, per_area) = self.densities(&points, &charts)?;
             let probe = |(i, (at, pdf)): (usize, ([f64; 2], f64))| Probe { at, density: per_area.of(i, pdf) };
             let probes = charts.into_iter().zip(pdfs).enumerate().map(probe);
             // A pdf that is infinite at a single point says nothing of its surroundings.
             Ok(probes.filter(|probe| probe.density != f64::INFINITY).collect::<Vec<_>>())
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        let batches = samples.par_chunks(BATCH as usize).map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
@@ -463,6 +490,8 @@ impl Source<'_> {
                 Integration::Refined(_) if density == f64::INFINITY => 1.0,
                 Integration::Refined(refinement) if refinement.reaches(cell, density) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
+                Integration::Lattices(lattices) if density == f64::INFINITY || lattices.reaches(cell, density) => 1.0,
+                Integration::Lattices(lattices) => lattices.share_within(&probe),
             };
             if within < 1.0 {
                 tally.missed[cell].add(Share::new(1.0 - within));

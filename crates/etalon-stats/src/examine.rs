@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
+use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::mistakes::{self, Clearness, Kinds, Named};
@@ -169,13 +170,24 @@ pub fn examine(
     if round == 0 {
         domain.check()?;
     }
-    let source = Source { domain, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
+    let source = Source { domain, leaves: None, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();
     let corners = if finite.is_none() { exact::corners(domain, sampler, density)? } else { Corners::default() };
     let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
-    let pilot = source.probes(streams(round, 0)[0], pilots)?;
+    let drawn = source.drawn(streams(round, 0)[0], pilots)?;
+    let atoms = density.atoms();
+    let looks_for = |dof| finite.map_or_else(|| protocol.looks(dof), |len| Looks::one(len - pilots));
+    // A domain of many dimensions becomes the leaves of a tree.
+    let leaves = domain.space().map(|space| {
+        let bits = Subdivision::bits(looks_for(protocol.cells + atoms.len()).samples());
+        Leaves::new(domain, space, &drawn, bits)
+    });
+    let leaves = leaves.transpose()?;
+    let domain = leaves.as_ref().map_or(domain, |leaves| leaves);
+    let source = Source { domain, leaves: leaves.as_ref(), ..source };
+    let pilot = source.probes(&drawn)?;
     // Integrals and counts of a density that changes are meaningless, as are the counts of samples that repeat.
     let unusable = exact::repeatable(domain, density, &pilot)?.or_else(|| exact::repeated(domain, &pilot));
     if let Some(violation) = unusable {
@@ -184,19 +196,24 @@ pub fn examine(
     }
 
     // Choose cells, the number of samples and the looks at them. The first of samples at hand say nothing: they may be sorted.
-    let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
-    let looks_for = |dof| finite.map_or_else(|| protocol.looks(dof), |len| Looks::one(len - pilots));
-    let grid = cells(domain, &pilot, shape, looks_for(shape[0] * shape[1] + atoms.len()).samples());
+    let grid = match &leaves {
+        Some(leaves) => leaves.grid(protocol.cells),
+        None => cells(domain, &pilot, shape, looks_for(shape[0] * shape[1] + atoms.len()).samples()),
+    };
     let looks = looks_for(grid.len() + atoms.len());
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
-    let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, looks.samples());
+    let subdivision = match &leaves {
+        Some(leaves) => Subdivision::even(&grid, leaves.bits()),
+        None => Subdivision::new(&grid, domain.is_plane(), &charts, looks.samples()),
+    };
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
     let labels = Labels::new(&subdivision, looks.samples());
 
     // Integrate the density over the cells, and count samples in them until a look rejects.
     let test = Test {
         domain,
+        is_in_leaves: leaves.is_some(),
         density,
         protocol,
         pilot: &pilot,
@@ -229,7 +246,7 @@ pub fn examine(
             None => {
                 let clearness = mistakes::clearness(&counts);
                 let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
-                let found = || mistakes::of_counts(domain, density, &counts, NAMES, kinds).unwrap_or_default();
+                let found = || test.mistake(&counts, kinds).unwrap_or_default();
                 let is_settled = |named: &Named| clearness == Clearness::Certain && !named.is_fitted;
                 let mut named = named.borrow_mut();
                 samples >= mistakes::TOLD
@@ -245,6 +262,8 @@ pub fn examine(
 /// A test, prepared before samples are counted.
 struct Test<'a> {
     domain: &'a dyn Domain,
+    /// Whether the domain has more than two dimensions.
+    is_in_leaves: bool,
     density: &'a dyn Density,
     protocol: &'a Protocol,
     pilot: &'a [Probe],
@@ -288,6 +307,14 @@ impl Test<'_> {
     /// Whether the density has an unknown mass, so that it is tested up to a factor.
     fn is_normalized(&self) -> bool {
         self.density.mass() == Mass::Unknown
+    }
+
+    /// The mistake that explains most of the counts. In more than two dimensions none is tried: each takes integrals of its own.
+    fn mistake(&self, counts: &Counts, kinds: Kinds) -> Result<Option<Named>> {
+        if self.is_in_leaves {
+            return Ok(None);
+        }
+        mistakes::of_counts(self.domain, self.density, counts, NAMES, kinds)
     }
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
@@ -455,9 +482,9 @@ impl Test<'_> {
         if is_suspect && mass.is_some() {
             let mistake = match is_unnamed {
                 true => None,
-                false => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
+                false => self.mistake(&counts, Kinds::All)?,
             };
-            if mistake.is_none() {
+            if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
             mistakes.extend(mistake.map(|named| named.name));

@@ -192,7 +192,8 @@ impl Scales {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..subdivision.axes[axis].bits() {
-                let (mut test, at_ends) = halve(name, &mut observed, &mut values, &mut errors);
+                let (mut test, at_ends) =
+                    halve(name, shares.are_independent, &mut observed, &mut values, &mut errors);
                 let width = 2 * (ends.len() - 1) / test.parts;
                 test.locate(|pair| {
                     let interval = [ends[pair * width], ends[(pair + 1) * width]];
@@ -214,8 +215,8 @@ impl Scales {
         let (mut observed, mut values, mut errors) =
             (observed.cells.clone(), shares.values.cells.clone(), shares.errors.cells.clone());
         for depth in (1..=subdivision.depth).rev() {
-            let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
-            let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
+            let (columns, _) = halve("cells", false, &mut observed, &mut values, &mut errors);
+            let (rows, _) = halve("cells", false, &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
             let pairs = if columns.worst.0 >= rows.worst.0 { parts / 2 } else { parts / 4 };
             let mut test = ScaleTest { parts, ..columns.plus(&rows) };
@@ -247,6 +248,7 @@ impl Scales {
 /// axis. It leaves the sums over the parts for the next scale.
 fn halve(
     of: &str,
+    are_independent: bool,
     observed: &mut Vec<u64>,
     values: &mut Vec<f64>,
     errors: &mut Vec<f64>,
@@ -264,8 +266,8 @@ fn halve(
                 ends.extend(end_of(of, parts, end, counts, expected));
             }
         }
-        (observed[pair], values[pair], errors[pair]) =
-            (counts[0] + counts[1], expected[0] + expected[1], errors[first] + errors[second]);
+        let both = if are_independent { errors[first].hypot(errors[second]) } else { errors[first] + errors[second] };
+        (observed[pair], values[pair], errors[pair]) = (counts[0] + counts[1], expected[0] + expected[1], both);
     }
     observed.truncate(parts / 2);
     values.truncate(parts / 2);
@@ -310,7 +312,7 @@ mod tests {
                 observed[(u.sqrt() * 64.0) as usize] += 1;
             }
             let mut values: Vec<f64> = (0..64).map(|i| f64::from(2 * i + 1) / 4096.0).collect();
-            let (test, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
+            let (test, _) = halve("x", false, &mut observed, &mut values, &mut vec![0.0; 64]);
             test.at_level(None, 3840).p
         };
         let found = uniformity(&(0..400).map(run).collect::<Vec<_>>());
