@@ -28,6 +28,8 @@ const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 const SLACK: f64 = 0.0025;
 /// Share of the pdf that samples may find above what the nodes predict before it is integrated again.
 const MISSED: f64 = 1e-4;
+/// The share of the variance of counts that known standard errors of the integrals, which the test takes into account, may have.
+const MOST_NOISE: f64 = 0.1;
 /// Standard errors of a measured difference that count as chance.
 const CHANCE: f64 = 2.0;
 /// Attempts at counting, each with fresh samples.
@@ -59,6 +61,8 @@ pub struct Counting<'a> {
 /// Counts and integrals.
 pub struct Counted {
     pub values: Vec<f64>,
+    /// The standard errors of the cells' integrals, as far as the test takes them into account.
+    pub errors: Vec<f64>,
     /// The integrals over the parts of the cells and of the axes, and the share of samples that they are known to miss; `None`
     /// where the cells' integrals were corrected by samples, which do not tell the parts.
     pub shares: Option<(Shares, f64)>,
@@ -85,8 +89,7 @@ impl Counting<'_> {
         let Self { subdivision, labels, atoms, looks, .. } = *self;
         let all = looks.samples();
         let [_, stream] = streams(round, 0);
-        let slack = SLACK * subdivision.grid.len() as f64;
-        let wanted = Wanted { subdivision, samples: all as f64, fewest: FEWEST, slack, seed, stream };
+        let wanted = Wanted { subdivision, samples: all as f64, seed, stream };
         let mut integration = match leaves {
             Some(leaves) => Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?),
             None => Integration::with_parts(domain, density, subdivision, pilot, cancelled)?,
@@ -148,6 +151,10 @@ impl Counting<'_> {
         Counted {
             integral: Integral { error: f64::INFINITY, ..Integral::exact(&integrals) },
             values: integrals.values.iter().map(|value| scale * value).collect(),
+            errors: match integration {
+                Integration::Lattices(_) => integrals.errors.iter().map(|error| scale * error).collect(),
+                _ => vec![0.0; integrals.errors.len()],
+            },
             shares: Some((integration.shares(self.subdivision).times(scale), 0.0)),
             uncertain: false,
             invalid: integrals.invalid,
@@ -175,8 +182,9 @@ impl Counting<'_> {
             Integration::Lattices(_) => {
                 counted.integral = Integral::of_standard_errors(&integrals, tally, self.risk);
                 let missed = |cell: usize| self.missed(tally, cell);
-                let error = |cell: usize| (scale * integrals.errors[cell]).hypot(missed(cell));
-                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
+                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, missed);
+                let noise = noise(tally.samples, &counted.values, |cell| counted.errors[cell]);
+                counted.uncertain |= noise.may_exceed(MOST_NOISE * counted.values.len() as f64);
                 let all_missed: f64 = (0..self.subdivision.grid.len()).map(missed).sum();
                 counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
                 return Ok(None);
@@ -226,16 +234,22 @@ impl Counting<'_> {
     /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it
     /// is not declared, has the errors of all.
     fn is_uncertain(&self, samples: u64, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
-        let n = samples as f64;
-        // Cells that expect less than this are pooled.
-        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).at_least(FEWEST);
-        let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
+        let term = |value: f64, error: f64| noise(samples, &[value], |_| error);
+        let of_cells = noise(samples, values, &error);
         let of_none = self.whole.map_or(0.0, |whole| {
             let squares: f64 = (0..values.len()).map(|cell| error(cell).powi(2)).sum();
             term(whole - values.iter().sum::<f64>(), squares.sqrt())
         });
         (of_cells + of_none).may_exceed(SLACK * values.len() as f64)
     }
+}
+
+/// What errors of the shares of cells add to the statistic.
+fn noise(samples: u64, values: &[f64], error: impl Fn(usize) -> f64) -> f64 {
+    let n = samples as f64;
+    // Cells that expect less than this are pooled.
+    let term = |(cell, value): (usize, &f64)| (n * error(cell)).powi(2) / (n * value).at_least(FEWEST);
+    values.iter().enumerate().map(term).sum()
 }
 
 /// Samples taken at a time: many enough for a program in another process, few enough to stay in the cache.

@@ -14,7 +14,7 @@ use crate::mass::Integral;
 use crate::mistakes::{self, Clearness, Kinds, Named};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
-use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
+use crate::power::{ChiSquare, FEWEST, POWER, chi_square_below, chi_square_of_uncertain, detectable, samples_for};
 use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
@@ -286,8 +286,9 @@ struct Findings {
     /// Samples that count: without "no sample" where its probability is not known.
     samples: u64,
     mass: Option<Integral>,
-    /// The test of the cells.
+    /// The test of the cells, and the share of the variance of their counts that errors of the integrals add.
     test: Option<ChiSquare>,
+    noise: f64,
     /// Whether only one outcome can occur.
     certain: bool,
     structure: Structure,
@@ -320,7 +321,7 @@ impl Test<'_> {
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
     fn find(&self, counted: &Counted, states_power: bool) -> Findings {
         let Self { domain, density, protocol, corners, subdivision, labels, atoms, looks, .. } = *self;
-        let Counted { values, shares, integral, uncertain, invalid, tally, .. } = counted;
+        let Counted { values, errors, shares, integral, uncertain, invalid, tally, .. } = counted;
         let level = protocol.own_level();
         // Leave "no sample" out where its probability is not known.
         let none = if self.is_normalized() { 0 } else { tally.none };
@@ -369,7 +370,15 @@ impl Test<'_> {
         // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
         let certain =
             expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
-        let test = chi_square(&observed, &expected).filter(|_| !certain);
+        // "No sample" has the errors of all cells, if its probability is not declared.
+        let of_none = errors.iter().fold(0.0, |all: f64, error| all.hypot(*error));
+        let of_none = if density.mass() == Mass::AtMostOne { of_none } else { 0.0 };
+        let of_atoms = std::iter::repeat_n(&0.0, atoms.len());
+        let variances = errors.iter().chain(of_atoms).chain([&of_none]).map(|error| (n * error).powi(2));
+        let variances: Vec<f64> = variances.collect();
+        let test = chi_square_of_uncertain(&observed, &expected, &variances).filter(|_| !certain);
+        let noise = variances.iter().zip(&expected).filter(|(_, e)| **e >= FEWEST).map(|(variance, e)| variance / e);
+        let noise = noise.sum::<f64>() / expected.len() as f64;
         let parts = structure::Counted {
             subdivision,
             domain,
@@ -413,6 +422,7 @@ impl Test<'_> {
             samples,
             mass: is_pdf.then_some(mass),
             test,
+            noise,
             certain,
             structure: structure.unwrap_or_default(),
             p,
@@ -424,7 +434,7 @@ impl Test<'_> {
     /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
     fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
+        let Findings { counts, samples, mass, test, noise, certain, structure, p, mut violation, .. } =
             self.find(&counted, true);
         let Counted { uncertain, integral, tally, far, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
@@ -446,7 +456,7 @@ impl Test<'_> {
         let level = looks.share(tally.samples) * CELLS * protocol.own_level();
         let detectable = match test {
             _ if certain => Some(detectable_share(samples as f64)),
-            _ => test.map(|test| detectable(test.dof, level, samples)),
+            _ => test.map(|test| detectable(test.dof, level, samples) * (1.0 + noise).sqrt()),
         };
         let inconclusive_reason = match detectable {
             _ if uncertain => Some(

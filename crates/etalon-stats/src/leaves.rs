@@ -23,18 +23,17 @@ struct Stretch {
 impl Stretch {
     fn new(mut pilot: Vec<f64>) -> Self {
         const PARTS: usize = 32;
-        /// The outermost parts are halved so often.
-        const HALVINGS: i32 = 5;
-        const SAMPLES: usize = 16;
         pilot.sort_by(f64::total_cmp);
+        // The outermost parts are halved until they hold one sample: a density that ends there would hide in a wider part.
+        let halvings = (pilot.len() / PARTS).checked_ilog2().map_or(0, |halvings| halvings as i32);
         let halved = |k: i32| 0.5f64.powi(k) / PARTS as f64;
-        let ends = (1..=HALVINGS).rev().map(halved).chain((1..PARTS).map(|i| i as f64 / PARTS as f64));
-        let shares = ends.chain((1..=HALVINGS).map(|k| 1.0 - halved(k)));
+        let ends = (1..=halvings).rev().map(halved).chain((1..PARTS).map(|i| i as f64 / PARTS as f64));
+        let shares = ends.chain((1..=halvings).map(|k| 1.0 - halved(k)));
         let line = |share: f64| {
-            let above = (share * pilot.len() as f64) as usize;
+            let above = (share * pilot.len() as f64).round() as usize;
             (share, 0.5 * (pilot[above - 1] + pilot[above]))
         };
-        let is_known = |share: &f64| share.at_most(1.0 - share) * pilot.len() as f64 >= SAMPLES as f64;
+        let is_known = |share: &f64| (1..pilot.len()).contains(&((share * pilot.len() as f64).round() as usize));
         let inner: Vec<(f64, f64)> = shares.filter(is_known).map(line).collect();
         let all: Vec<(f64, f64)> = [(0.0, 0.0)].into_iter().chain(inner).chain([(1.0, 1.0)]).collect();
         // Samples that share a coordinate, as indices do, leave the axis as it is.
@@ -73,7 +72,8 @@ pub struct Leaves<'a> {
     /// The axis and the coordinate at which each inner node is cut: those of node i are nodes 2i and 2i + 1, the root is 1.
     cuts: Vec<(usize, f64)>,
     leaves: Vec<Sides>,
-    /// The leaves that hold samples of the pilot, unstretched: the box around all of them.
+    /// The places of the pilot's samples in the cube, and the box around them.
+    pilot: Vec<Place>,
     sampled: Sides,
     /// Weights of the coordinates in the place of a sample in its leaf's interval, which tells samples apart.
     steps: Vec<f64>,
@@ -84,11 +84,12 @@ impl<'a> Leaves<'a> {
     pub fn new(domain: &'a dyn Domain, space: Space<'a>, pilot: &[Point], bits: u32) -> Result<Self> {
         let dimension = space.axes.len();
         let places = space.functions.to_cube(pilot)?.into_iter().map(inside);
-        let mut places: Vec<Place> = places.filter(|place| !place[0].is_nan()).collect();
-        let along = |axis: usize| places.iter().map(move |place| place[axis]);
+        let pilot: Vec<Place> = places.filter(|place| !place[0].is_nan()).collect();
+        let along = |axis: usize| pilot.iter().map(move |place| place[axis]);
         let ends = |axis| [along(axis).fold(1.0, f64::at_most), along(axis).fold(0.0, f64::at_least)];
         let sampled = (0..dimension).map(ends).collect();
         let axes: Vec<Stretch> = (0..dimension).map(|axis| Stretch::new(along(axis).collect())).collect();
+        let mut places = pilot.clone();
         for place in &mut places {
             place.iter_mut().zip(&axes).for_each(|(u, axis)| *u = axis.stretched(*u).0);
         }
@@ -106,7 +107,7 @@ impl<'a> Leaves<'a> {
             leaves = leaves.into_iter().flat_map(halves).collect();
         }
         let leaves = leaves.into_iter().map(|(sides, _)| sides).collect();
-        Ok(Self { domain, space, axes, cuts, leaves, sampled, steps: steps(dimension) })
+        Ok(Self { domain, space, axes, cuts, leaves, pilot, sampled, steps: steps(dimension) })
     }
 
     pub fn len(&self) -> usize {
@@ -145,11 +146,15 @@ impl<'a> Leaves<'a> {
         self.sampled.iter().zip(place).all(|([from, to], u)| (*from..=*to).contains(u))
     }
 
-    /// The leaf at a place of the cube, a number from 0 to 1, and what makes a density there one per length of the chart.
-    fn find(&self, place: &Place) -> (usize, f64, f64) {
-        let (mut stretched, mut factor, mut inside) = (*place, self.len() as f64, 0.0);
-        for ((v, axis), step) in stretched.iter_mut().zip(&self.axes).zip(&self.steps) {
-            inside += step * *v;
+    /// The places of the pilot's samples in the cube.
+    pub fn pilot(&self) -> &[Place] {
+        &self.pilot
+    }
+
+    /// The leaf at a place of the cube, the stretched place, and what makes a density there one per length of the chart.
+    pub fn find(&self, place: &Place) -> (usize, Place, f64) {
+        let (mut stretched, mut factor) = (*place, self.len() as f64);
+        for (v, axis) in stretched.iter_mut().zip(&self.axes) {
             let slope;
             (*v, slope) = axis.stretched(*v);
             factor /= slope;
@@ -161,7 +166,15 @@ impl<'a> Leaves<'a> {
         }
         let leaf = node - self.len();
         let volume: f64 = self.leaves[leaf].iter().map(|[from, to]| to - from).product();
-        (leaf, inside.fract(), factor * volume)
+        (leaf, stretched, factor * volume)
+    }
+
+    /// A stretched place of a leaf, from 0 to 1 along its sides.
+    pub fn within(&self, leaf: usize, mut stretched: Place) -> Place {
+        for (v, [from, to]) in stretched.iter_mut().zip(&self.leaves[leaf]) {
+            *v = (*v - from) / (to - from);
+        }
+        stretched
     }
 }
 
@@ -212,7 +225,8 @@ impl Domain for Leaves<'_> {
             if place[0].is_nan() {
                 return [f64::NAN; 2];
             }
-            let (leaf, inside, factor) = self.find(place);
+            let (leaf, _, factor) = self.find(place);
+            let inside = self.steps.iter().zip(place).map(|(step, u)| step * u).sum::<f64>().fract();
             let [from, to] = [leaf, leaf + 1].map(|leaf| leaf as f64 / self.len() as f64);
             [(from + inside * (to - from)).at_most(to.next_down()), factor * jacobians.next().unwrap_or(f64::NAN)]
         };

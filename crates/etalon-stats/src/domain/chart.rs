@@ -232,7 +232,8 @@ impl<F: ChartFunctions> Domain for Chart<F> {
             return measure;
         }
         let shape = if self.is_plane() { [8, 8] } else { [64, 1] };
-        let integrals = (self.dimension <= 2).then(|| integrate(self, &density(|_: Point| 1.0), &Grid::equal(shape, None)));
+        let integrals =
+            (self.dimension <= 2).then(|| integrate(self, &density(|_: Point| 1.0), &Grid::equal(shape, None)));
         integrals.and_then(Result::ok).map_or(f64::INFINITY, |integrals| {
             let [value, error] = [integrals.values, integrals.errors].map(|all| all.iter().sum::<f64>());
             if error < 0.01 * value { value } else { f64::INFINITY }
@@ -257,7 +258,9 @@ impl<F: ChartFunctions> Domain for Chart<F> {
     }
 
     fn jacobian(&self, chart: [f64; 2]) -> f64 {
-        self.functions.jacobian(&places(&[chart])).map_or(f64::NAN, |values| values.first().copied().unwrap_or(f64::NAN))
+        self.functions
+            .jacobian(&places(&[chart]))
+            .map_or(f64::NAN, |values| values.first().copied().unwrap_or(f64::NAN))
     }
 
     fn charts(&self, points: &[Point]) -> Result<Vec<[f64; 2]>> {

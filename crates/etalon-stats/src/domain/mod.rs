@@ -178,7 +178,11 @@ pub trait Domain: Sync {
 
 /// The names of so many coordinates.
 fn names(width: usize) -> Vec<&'static str> {
-    let all = if width <= 4 { ["x", "y", "z", "w", "", "", "", ""] } else { ["x0", "x1", "x2", "x3", "x4", "x5", "x6", "x7"] };
+    let all = if width <= 4 {
+        ["x", "y", "z", "w", "", "", "", ""]
+    } else {
+        ["x0", "x1", "x2", "x3", "x4", "x5", "x6", "x7"]
+    };
     all[..width].to_vec()
 }
 

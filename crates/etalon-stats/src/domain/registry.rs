@@ -1,8 +1,8 @@
 //! The domains by name: what users choose from.
 
 use super::{
-    solid, Barycentric, Circle, Directions, Discrete, Disk, Domain, HalfLine, Indexed, Line, Plane, Pole, Product, RealLine,
-    Rectangle, Simplex, Square, Triangle,
+    Barycentric, Circle, Directions, Discrete, Disk, Domain, HalfLine, Indexed, Line, Plane, Pole, Product, RealLine,
+    Rectangle, Simplex, Square, Triangle, solid,
 };
 use crate::error::{Error, Result};
 use std::sync::Arc;
@@ -308,7 +308,8 @@ mod tests {
 
     #[test]
     fn every_domain_has_a_chart_that_is_right() {
-        const MORE: [&str; 5] = ["box:0,1,-1,1,2,5", "box:0,1,0,1,0,1,0,1,0,1,-2,3", "simplex:4", "simplex:7", "2*simplex:7"];
+        const MORE: [&str; 5] =
+            ["box:0,1,-1,1,2,5", "box:0,1,0,1,0,1,0,1,0,1,-2,3", "simplex:4", "simplex:7", "2*simplex:7"];
         let more = MORE.map(str::to_owned);
         for (i, entry) in DOMAINS.iter().enumerate() {
             let names = [entry.example.to_owned(), entry.name.to_owned(), format!("3*{}", entry.example)];

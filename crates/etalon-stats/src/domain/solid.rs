@@ -70,7 +70,11 @@ pub fn rotations() -> Chart<impl ChartFunctions> {
         let [x, y, z, w] = q.map(|x| if is_second { -x / length } else { x / length });
         let is_unit = (length - 1.0).abs() <= OFF;
         let turn = (x.atan2(y) / TAU).rem_euclid(1.0);
-        known([is_unit.then_some(z * z + w * w), Some(turn), Some(z.atan2(w) / PI)].map(|u| nearly_within(u?)).into_iter())
+        known(
+            [is_unit.then_some(z * z + w * w), Some(turn), Some(z.abs().atan2(w) / PI)]
+                .map(|u| nearly_within(u?))
+                .into_iter(),
+        )
     };
     let from_cube = |at: Place| {
         let [first, second] = [(1.0 - at[0]).sqrt(), at[0].sqrt()];
