@@ -3,7 +3,7 @@
 
 use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted};
 use crate::diagnosis::tuple;
-use crate::domain::{Domain, Point};
+use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_infinite, outside};
 use crate::extremes::Extremes;
@@ -32,6 +32,8 @@ const MISSED: f64 = 1e-4;
 const MOST_NOISE: f64 = 0.1;
 /// Standard errors of a measured difference that count as chance.
 const CHANCE: f64 = 2.0;
+/// Samples at which a density in many dimensions is to be within reach of its integrals, at most.
+const KNOWN: u64 = 1 << 18;
 /// Attempts at counting, each with fresh samples.
 const ATTEMPTS: u64 = 3;
 
@@ -89,9 +91,12 @@ impl Counting<'_> {
         let Self { subdivision, labels, atoms, looks, .. } = *self;
         let all = looks.samples();
         let [_, stream] = streams(round, 0);
-        let wanted = Wanted { subdivision, samples: all as f64, seed, stream };
+        let in_leaves = |leaves: &Leaves, known: &[Place]| {
+            let wanted = Wanted { subdivision, samples: all as f64, known, seed, stream };
+            Ok(Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?))
+        };
         let mut integration = match leaves {
-            Some(leaves) => Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?),
+            Some(leaves) => in_leaves(leaves, leaves.pilot())?,
             None => Integration::with_parts(domain, density, subdivision, pilot, cancelled)?,
         };
         if let Integration::Refined(refinement) = &mut integration {
@@ -120,6 +125,14 @@ impl Counting<'_> {
             }
             counted.tally = counted.tally.plus(self.source.tally(stream, from..all, &counters)?);
             let check = self.check(&integration, checks, corrections.as_deref(), &mut counted)?;
+            if let Some(leaves) =
+                leaves.filter(|_| counted.uncertain && attempt < attempts && counted.invalid.is_none())
+            {
+                // Samples have found places that the integrals miss.
+                integration = in_leaves(leaves, &leaves.places(&self.source.drawn(stream, all.min(KNOWN))?)?)?;
+                attempt += 1;
+                continue;
+            }
             let (Integration::Refined(refinement), Some(check)) = (&mut integration, check) else {
                 return Ok(counted);
             };

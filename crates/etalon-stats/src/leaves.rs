@@ -83,18 +83,17 @@ impl<'a> Leaves<'a> {
     /// 2ᵇ leaves for `bits` b, or fewer where the samples of the pilot are few.
     pub fn new(domain: &'a dyn Domain, space: Space<'a>, pilot: &[Point], bits: u32) -> Result<Self> {
         let dimension = space.axes.len();
-        let places = space.functions.to_cube(pilot)?.into_iter().map(inside);
-        let pilot: Vec<Place> = places.filter(|place| !place[0].is_nan()).collect();
+        let pilot = places(&space, pilot)?;
         let along = |axis: usize| pilot.iter().map(move |place| place[axis]);
         let ends = |axis| [along(axis).fold(1.0, f64::at_most), along(axis).fold(0.0, f64::at_least)];
         let sampled = (0..dimension).map(ends).collect();
         let axes: Vec<Stretch> = (0..dimension).map(|axis| Stretch::new(along(axis).collect())).collect();
-        let mut places = pilot.clone();
-        for place in &mut places {
+        let mut stretched = pilot.clone();
+        for place in &mut stretched {
             place.iter_mut().zip(&axes).for_each(|(u, axis)| *u = axis.stretched(*u).0);
         }
-        let bits = bits.min((places.len() / FEWEST).checked_ilog2().unwrap_or(0));
-        let (mut cuts, mut leaves) = (vec![(0, 0.0)], vec![(vec![[0.0, 1.0]; dimension], places)]);
+        let bits = bits.min((pilot.len() / FEWEST).checked_ilog2().unwrap_or(0));
+        let (mut cuts, mut leaves) = (vec![(0, 0.0)], vec![(vec![[0.0, 1.0]; dimension], stretched)]);
         for _ in 0..bits {
             let halves = |(mut below, samples): (Sides, Vec<Place>)| {
                 let (axis, at) = cut(&below, &samples);
@@ -151,6 +150,11 @@ impl<'a> Leaves<'a> {
         &self.pilot
     }
 
+    /// The places of samples in the cube, of those that are in the domain.
+    pub fn places(&self, samples: &[Point]) -> Result<Vec<Place>> {
+        places(&self.space, samples)
+    }
+
     /// The leaf at a place of the cube, the stretched place, and what makes a density there one per length of the chart.
     pub fn find(&self, place: &Place) -> (usize, Place, f64) {
         let (mut stretched, mut factor) = (*place, self.len() as f64);
@@ -176,6 +180,11 @@ impl<'a> Leaves<'a> {
         }
         stretched
     }
+}
+
+fn places(space: &Space, samples: &[Point]) -> Result<Vec<Place>> {
+    let places = space.functions.to_cube(samples)?.into_iter().map(inside);
+    Ok(places.filter(|place| !place[0].is_nan()).collect())
 }
 
 /// Where a box is cut: across its longest side, at the median of its samples; across another, if these agree along it.

@@ -42,7 +42,7 @@ pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf
 pub use domain::{
     Axis, Barycentric, Chart, ChartFunctions, Circle, Cube, DOMAINS, Directions, Discrete, Disk, Domain, Entry,
     HalfLine, Indexed, Line, Named, Place, Plane, Point, Pole, Product, RealLine, Rectangle, Simplex, Space, Square,
-    Triangle, chart, known, named, place,
+    Triangle, ball, chart, cuboid, known, named, place, rotations, simplex, space,
 };
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};

@@ -110,6 +110,8 @@ pub(crate) struct Wanted<'a, 'g> {
     pub subdivision: &'a Subdivision<'g>,
     /// The number of samples.
     pub samples: f64,
+    /// Places of samples, at which the density is to be within reach.
+    pub known: &'a [Place],
     /// Of the random shifts.
     pub seed: u64,
     pub stream: u64,
@@ -134,8 +136,8 @@ impl Lattices {
         let whole = vec![[0.0, 1.0]; leaves.space.axes.len()];
         let mut open: Vec<Piece> = (0..leaves.len()).map(|leaf| Piece::new(leaf, whole.clone(), Vec::new())).collect();
         let mut pilot = Vec::new();
-        let (values, _, _) = densities(leaves, density, leaves.pilot(), &vec![1.0; leaves.pilot().len()])?;
-        for (place, value) in leaves.pilot().iter().zip(values) {
+        let (values, ..) = densities(leaves, density, wanted.known, &vec![1.0; wanted.known.len()])?;
+        for (place, value) in wanted.known.iter().zip(values).filter(|(_, value)| value.is_finite()) {
             let (leaf, at, factor) = leaves.find(place);
             open[leaf].known.push(pilot.len());
             pilot.push(Known { at: leaves.within(leaf, at), density: factor * value });

@@ -108,13 +108,24 @@ pub struct Chart<F> {
     /// The volume, in the coordinates of points, of a set of μ = 1.
     unit: f64,
     is_product: bool,
+    /// Why a point may lie outside.
+    hint: fn(Point) -> String,
 }
 
 impl<F: ChartFunctions> Chart<F> {
     /// The chart to the unit cube of so many dimensions, from one to six.
     pub fn new(functions: F, dimension: usize) -> Self {
         let axes = (0..dimension).map(|axis| format!("u{axis}")).collect();
-        Self { functions, dimension, axes, width: OnceLock::new(), even: None, unit: 1.0, is_product: false }
+        Self {
+            functions,
+            dimension,
+            axes,
+            width: OnceLock::new(),
+            even: None,
+            unit: 1.0,
+            is_product: false,
+            hint: |_| String::new(),
+        }
     }
 
     /// Names the coordinates of the unit cube.
@@ -131,6 +142,11 @@ impl<F: ChartFunctions> Chart<F> {
     /// Says that a set of μ = 1 has another volume in the coordinates of points.
     pub(super) fn in_units_of(self, unit: f64) -> Self {
         Self { unit, ..self }
+    }
+
+    /// Says why a point may lie outside.
+    pub(super) fn with_hint(self, hint: fn(Point) -> String) -> Self {
+        Self { hint, ..self }
     }
 
     /// Says that each coordinate of the cube tells one of points.
@@ -288,6 +304,10 @@ impl<F: ChartFunctions> Domain for Chart<F> {
     fn space(&self) -> Option<Space<'_>> {
         let Self { functions, is_product, .. } = self;
         (self.dimension > 2).then(|| Space { functions, axes: self.axes.clone(), is_product: *is_product })
+    }
+
+    fn hint(&self, outside: Point) -> String {
+        (self.hint)(outside)
     }
 
     fn axes(&self) -> [&str; 2] {

@@ -18,6 +18,7 @@ pub use line::{Axis, Circle, HalfLine, Line, RealLine};
 pub use plane::{Disk, Plane, Product, Rectangle, Square};
 pub use point::Point;
 pub use registry::{DOMAINS, Entry, Named, known, named};
+pub use solid::{ball, cuboid, rotations, simplex, space};
 pub use triangle::{Barycentric, Simplex, Triangle};
 
 use crate::error::Result;

@@ -14,6 +14,11 @@ fn point(coordinates: &[f64]) -> Point {
     Point::of(coordinates).unwrap_or(f64::NAN.into())
 }
 
+/// The length of a point.
+fn length(at: Point) -> String {
+    format!(": its length is {:.6}", at.coordinates().iter().map(|x| x * x).sum::<f64>().sqrt())
+}
+
 /// The vectors whose numbers lie on these axes.
 fn product<A: Axis + Clone>(axes: Vec<A>) -> Chart<impl ChartFunctions> {
     let [of_point, of_place, of_slope] = [axes.clone(), axes.clone(), axes];
@@ -58,6 +63,7 @@ pub fn ball(radius: f64) -> Chart<impl ChartFunctions> {
     };
     of_closures(3, move |at: Point| to_cube(at.into()), from_cube, move |_| volume)
         .even(volume)
+        .with_hint(length)
         .with_axes(["(r/R)³", "(1 + cos theta)/2", "phi/2π"].map(str::to_owned).to_vec())
 }
 
@@ -84,6 +90,7 @@ pub fn rotations() -> Chart<impl ChartFunctions> {
     of_closures(3, move |at: Point| to_cube(at.into()), from_cube, |_| 1.0)
         .even(1.0)
         .in_units_of(PI * PI)
+        .with_hint(length)
         .with_axes(["z² + w²", "angle of (y, x)/2π", "angle of (w, z)/π"].map(str::to_owned).to_vec())
 }
 
@@ -117,5 +124,6 @@ pub fn simplex(weights: usize) -> Chart<impl ChartFunctions> {
     of_closures(dimension, to_cube, from_cube, move |_| volume)
         .even(volume)
         .in_units_of((weights as f64).sqrt())
+        .with_hint(|at| format!(": its sum is {:.6}", at.coordinates().iter().sum::<f64>()))
         .with_axes((0..dimension).map(|axis| format!("share left by b{axis}")).collect())
 }
