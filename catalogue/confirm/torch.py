@@ -28,3 +28,7 @@ for parameters in ((0, 1, 0.3), (0, 1, -0.3), (0, 1, 0)):
             print(f"GeneralizedPareto{parameters}, float64: {name}: {call()}")
         except RuntimeError as error:
             print(f"GeneralizedPareto{parameters}, float64: {name}: RuntimeError: {error}")
+
+for kind in (torch.float32, torch.float64):
+    law = D.Binomial(1000, torch.tensor(0.7, dtype=kind))
+    print(f"Binomial(1000, 0.7), {kind}: the probabilities of 0 to 1000 add up to {float(law.log_prob(torch.arange(1001, dtype=kind)).double().exp().sum()):.6f}")

@@ -39,7 +39,6 @@ ENTRIES = [
     surface("icosphere, weights", ball, weight=np.arange(len(ball.faces), dtype=float)),
     seeded("volume_rectangular", lambda n: (sampling.volume_rectangular([1, 2, 3], n) / [1, 2, 3] + 0.5)[:, :2], ones, "square"),
     seeded("volume_rectangular, third axis", lambda n: sampling.volume_rectangular([1, 2, 3], n)[:, 2] / 3 + 0.5, ones, "line"),
-    seeded("volume_mesh of a box", lambda n: np.resize(sampling.volume_mesh(box, 2 * n), (n, 3))[:, 1] / 2 + 0.5, ones, "line"),
     seeded("random_quaternion", lambda n: np.array([trimesh.transformations.quaternion_matrix(trimesh.transformations.random_quaternion())[:3, 1] for _ in range(n)]), uniform, "sphere"),
     seeded("random_rotation_matrix", lambda n: np.array([trimesh.transformations.random_rotation_matrix()[:3, 2] for _ in range(n)]), uniform, "sphere"),
     seeded("unitize of normal", lambda n: trimesh.unitize(np.random.normal(size=(n, 3))), uniform, "sphere"),

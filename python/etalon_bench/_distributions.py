@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +21,8 @@ def of_scipy(distribution: Any, by: Literal["rvs", "ppf"] = "rvs") -> Arguments:
         distribution: such as `scipy.stats.gamma(2.0)`.
         by: what draws samples: `rvs`, with a generator of its own, or `ppf` of a random number.
     """
+    place: Callable[[Any], Any]
+    pdf: Callable[[Any], Any]
     if hasattr(distribution, "pmf"):
         first, last = int(distribution.ppf(1e-9)), int(distribution.isf(1e-9))
 
@@ -42,8 +46,7 @@ def of_torch(distribution: Any) -> Arguments:
 
     Make the parameters tensors of double precision, so that samples are: single precision repeats values, which is found.
     """
-    import torch
-
+    torch: Any = importlib.import_module("torch")
     example = distribution.sample((1 << 12,))
     support = distribution.support
 
