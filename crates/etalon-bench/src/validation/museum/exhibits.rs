@@ -254,9 +254,13 @@ fn pdfs() -> Vec<Exhibit> {
             Diff,
             PlantedFault::of("pdf/bounded-bytes", Discrete { outcomes: 31 }, |faulty| {
                 let draw = move |u: &[f64]| {
-                    let scaled = u.iter().map(|u| 31 * (256.0 * u) as u32);
+                    let mut scaled = u.iter().map(|u| 31 * (256.0 * u) as u32);
                     let kept = |scaled: &u32| faulty || scaled % 256 >= 256 % 31;
-                    scaled.clone().find(kept).or(scaled.last()).map(|scaled| Sample::new((scaled / 256) as usize))
+                    scaled
+                        .clone()
+                        .find(kept)
+                        .or_else(|| scaled.next_back())
+                        .map(|scaled| Sample::new((scaled / 256) as usize))
                 };
                 (sampler(4, draw), density(|_: usize| 1.0 / 31.0))
             })
@@ -465,7 +469,7 @@ fn lights() -> Vec<Exhibit> {
             PlantedFault::of("light/ellipsoid-area", SPHERE, |faulty| {
                 // Thomsen's formula for three equal axes of length 1
                 const P: f64 = 1.6075;
-                let mean = if faulty { 3f64.powf(1.0 / P) / 3.0 } else { (3f64 / 3.0).powf(1.0 / P) };
+                let mean = if faulty { 3f64.powf(1.0 / P) / 3.0 } else { 1.0 };
                 let draw = |u: [f64; 2]| Some(polar(1.0 - 2.0 * u[0], u[1]));
                 (direction_sampler(draw), direction_density(move |_: DVec3| 0.5 / (TAU * mean)))
             })
