@@ -17,7 +17,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 /// The unit vector at that cosine with +z and that azimuth in turns.
-pub(super) fn polar(cos: f64, turns: f64) -> DVec3 {
+pub fn polar(cos: f64, turns: f64) -> DVec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
     let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
