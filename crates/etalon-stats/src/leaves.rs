@@ -312,3 +312,34 @@ impl Domain for Leaves<'_> {
         if is_box { words } else { format!("part of {}", if words.is_empty() { "the whole" } else { &words }) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::named;
+
+    #[test]
+    fn places_of_a_leaf_are_found_in_it_and_leaves_fill_the_cube() {
+        for name in ["ball", "3*simplex:7"] {
+            let domain = named(name).unwrap();
+            let space = || domain.space().unwrap();
+            let along = |i: usize| move |step: &f64| (0.5 + step * (i as f64 + 1.0)).fract();
+            let spread: Vec<Place> =
+                (0..4096).map(|i| place(&steps(space().axes.len()).iter().map(along(i)).collect::<Vec<_>>())).collect();
+            let pilot = space().functions.from_cube(&spread).unwrap();
+            let leaves = Leaves::new(&*domain, space(), &pilot, 8).unwrap();
+            let volume = |sides: &Sides| sides.iter().map(|[from, to]| to - from).product::<f64>();
+            assert!(leaves.len() == 256 && (leaves.leaves.iter().map(volume).sum::<f64>() - 1.0).abs() < 1e-12);
+            for (leaf, at) in spread.iter().take(leaves.len()).enumerate() {
+                let (place, factor) = leaves.place(leaf, at.iter().copied());
+                let (found, stretched, again) = leaves.find(&place);
+                assert!(
+                    found == leaf && (again / factor - 1.0).abs() < 1e-9,
+                    "{name} {leaf}: {found} {again} {factor}"
+                );
+                let within = leaves.within(leaf, stretched);
+                assert!(within.iter().zip(at).take(3).all(|(a, b)| (a - b).abs() < 1e-9));
+            }
+        }
+    }
+}

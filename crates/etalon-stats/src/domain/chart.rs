@@ -280,7 +280,7 @@ impl<F: ChartFunctions> Domain for Chart<F> {
     }
 
     fn charts(&self, points: &[Point]) -> Result<Vec<[f64; 2]>> {
-        Ok(self.functions.to_cube(points)?.into_iter().map(|at| inside(at)).map(|[x, y, ..]| [x, y]).collect())
+        Ok(self.functions.to_cube(points)?.into_iter().map(inside).map(|[x, y, ..]| [x, y]).collect())
     }
 
     fn points_at(&self, charts: &[[f64; 2]]) -> Result<Vec<Point>> {

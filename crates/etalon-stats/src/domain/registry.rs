@@ -286,7 +286,7 @@ pub fn named(text: &str) -> Result<Named> {
 #[cfg(test)]
 mod tests {
     use super::super::chart::check_chart;
-    use super::super::{ChartFunctions, Place, place};
+    use super::super::{ChartFunctions, Place, Point, place};
     use super::*;
 
     /// A domain of one or two dimensions by the functions of its chart.
