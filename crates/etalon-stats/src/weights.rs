@@ -318,7 +318,7 @@ fn groups(expected: &[Expected], pilot: &[Sums], scale: f64, count: f64) -> (Vec
 
 /// The sums of the places of each group.
 fn grouped<T: Copy + Default>(group: &[usize], groups: usize, places: &[T], plus: impl Fn(T, T) -> T) -> Vec<T> {
-    let mut all = vec![T::default(); groups];
+    let mut all = vec![T::default(); groups.max(1)];
     group.iter().zip(places).for_each(|(&group, &place)| all[group] = plus(all[group], place));
     all
 }

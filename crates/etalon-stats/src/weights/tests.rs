@@ -134,7 +134,7 @@ fn level_and_power_are_as_stated_with_few_and_many_samples() {
     ];
     for (name, sampler) in &right {
         println!("{name}");
-        for (samples, seeds) in [(Some(2_000), 1000), (Some(50_000), 200), (None, 100)] {
+        for (samples, seeds) in [(Some(2_000), 600), (Some(50_000), 200), (None, 50)] {
             let [share, _] = rejected(&**sampler, samples, seeds);
             // 99.9 % of right tests at 1 % are within this limit
             let limit = 0.01 + 3.1 * (0.01 * 0.99 / seeds as f64).sqrt() + 1.0 / seeds as f64;
