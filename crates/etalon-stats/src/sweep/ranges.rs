@@ -4,18 +4,20 @@ use super::shrink::{ROUNDS, round_values};
 use super::space::{Space, Strategy};
 use crate::bsdf::Parameter;
 use crate::error::Result;
-use crate::examine::Protocol;
+use crate::examine::{Protocol, SampleCount};
 use crate::extremes::Extremes;
 use crate::multiple::any_of;
 use crate::outcome::Outcome;
 
 /// Combinations of special values of the parameters, and values inside their ranges, that are tested at most.
 const VALUES: [(Strategy, u64); 2] = [(Strategy::Edges, 16), (Strategy::Random, 8)];
+/// The error that is detected at each of them, times that of a test of one.
+const COARSER: f64 = 2.5;
 /// Bisections by which the end of what fails is found.
 const BISECTIONS: usize = 8;
 
-/// One round of a test over the ranges of `parameters`: `examine` has their values, and a protocol whose level is the share of one test. What
-/// fails is made as simple as it can be, and its ends are looked for along each parameter.
+/// One round of a test over the ranges of `parameters`: `examine` has their values, and a protocol whose level is the share of one test, for an
+/// error 2.5 times as large. What fails is made as simple as it can be, and its ends are looked for along each parameter.
 ///
 /// # Errors
 /// Those of `examine`.
@@ -51,7 +53,11 @@ pub fn over_ranges(
             all.push(values);
         }
     }
-    let inner = Protocol { tests: protocol.tests * all.len(), ..*protocol };
+    let samples = match protocol.samples {
+        SampleCount::Detect(w) => SampleCount::Detect((COARSER * w).at_most(1.0)),
+        fixed @ SampleCount::Fixed(_) => fixed,
+    };
+    let inner = Protocol { tests: protocol.tests * all.len(), samples, ..*protocol };
     let fails = |outcome: &Outcome| outcome.violation.is_some() || outcome.p.is_some_and(|p| p < inner.own_level());
     let examine = |values: &[f64]| examine(values, &inner, round);
     let named = |values: &[f64]| {
@@ -75,6 +81,7 @@ pub fn over_ranges(
     }
     let (mut values, mut found) = worst.unwrap_or_default();
     let p = found.p.map(|p| any_of(p, all.len()));
+    found.remarks.iter_mut().for_each(|remark| *remark = format!("{}: {remark}", named(&values)));
     if fails(&found) {
         (values, found) = shrunk(parameters, values, found, &examine, fails)?;
         let region = region(parameters, &values, &|values| Ok(fails(&examine(values)?)))?;
