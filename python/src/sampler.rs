@@ -9,8 +9,8 @@ use etalon::study::validation::{Case, run as validate};
 use etalon_stats::bsdf::Parameter;
 use etalon_stats::sweep::over_ranges;
 use etalon_stats::{
-    Atom, Chart, ChartFunctions, Density, Domain, Extremes as _, Mass, Outcome, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount,
-    Sampler, Verdict, examine, explain,
+    Atom, Chart, ChartFunctions, Density, Domain, Extremes as _, Mass, Outcome, Point, Protocol, SINGLE_PRECISION,
+    Sample, SampleCount, Sampler, Verdict, examine, explain,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -222,11 +222,15 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain,
         // As the command line runs it: the random numbers depend on the name, too
         let own = space.clone();
         let test = move |protocol: &Protocol, round| -> etalon::Result<Outcome> {
-            let of = |functions: &Functions, protocol: &Protocol| examine(own.domain(), functions, functions, protocol, round);
+            let of = |functions: &Functions, protocol: &Protocol| {
+                examine(own.domain(), functions, functions, protocol, round)
+            };
             if parameters.is_empty() {
                 return Ok(of(&functions, protocol)?);
             }
-            Ok(over_ranges(&parameters, protocol, round, |values, protocol, _| of(&functions.with(&at, values)?, protocol))?)
+            Ok(over_ranges(&parameters, protocol, round, |values, protocol, _| {
+                of(&functions.with(&at, values)?, protocol)
+            })?)
         };
         let case = Case::new(name, test);
         let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
@@ -399,12 +403,7 @@ fn nowhere(space: &Space) -> Option<Sample> {
 }
 
 /// The samples that a function has returned: an array of points, or `Samples`.
-fn samples(
-    space: &Space,
-    returned: &Bound<'_, PyAny>,
-    n: usize,
-    weighted: bool,
-) -> PyResult<Vec<Option<Sample>>> {
+fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize, weighted: bool) -> PyResult<Vec<Option<Sample>>> {
     let [x, pdf, valid, atom, weight] = match returned.cast::<PyTuple>() {
         Err(_) => [Some(returned.clone()), None, None, None, None],
         Ok(parts) if parts.len() == 5 => {

@@ -377,9 +377,9 @@ impl Source<'_> {
             let inside = |from: f64, to: f64, i: i32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(INSIDE);
             places.extend((0..INSIDE * INSIDE).map(|i| [inside(x0, x1, i % INSIDE), inside(y0, y1, i / INSIDE)]));
             let sides = |from: f64, to: f64, d: f64| [from - d, 0.5 * (from + to), to + d];
-            let around = (2..CLOSEST).map(|k| 0.5f64.powi(k)).flat_map(|d| {
-                sides(x0, x1, d).into_iter().flat_map(move |x| sides(y0, y1, d).map(|y| [x, y]))
-            });
+            let around = (2..CLOSEST)
+                .map(|k| 0.5f64.powi(k))
+                .flat_map(|d| sides(x0, x1, d).into_iter().flat_map(move |x| sides(y0, y1, d).map(|y| [x, y])));
             places.extend(around);
         }
         let plane = self.domain.is_plane();

@@ -53,8 +53,7 @@ pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake, Variable};
 pub use outcome::{Compared, Counts, Finding, Outcome, Verdict, causes, decide};
 pub use sampler::{
-    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,
-    target,
+    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
 };
 pub use scales::Scale;
 

@@ -11,8 +11,8 @@ use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Point;
 use crate::error::{Error, Result, poll};
 use crate::estimate::Estimate;
-use crate::examine::{Protocol, SUSPECT, SampleCount, cells, shape};
 use crate::exact::{corners, outside, repeated};
+use crate::examine::{Protocol, SUSPECT, SampleCount, cells, shape};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::mass::{Bound, Integral};
@@ -32,7 +32,7 @@ const PILOT: u64 = 1 << 14;
 const SAMPLES: [u64; 2] = [1 << 14, 1 << 22];
 /// Cells are put together until they hold as much as so many samples of equal weights, and so many squares of equal size.
 const EFFECTIVE: f64 = 50.0;
-const EFFECTIVE_SQUARES: f64 = 200.0;
+const EFFECTIVE_SQUARES: f64 = 100.0;
 /// A sample with a larger share of the squares of its group makes their sum, and so the variance, uncertain; the share of the target in
 /// such groups that makes the test inconclusive.
 const LARGEST: f64 = 0.1;
@@ -291,35 +291,58 @@ impl Places<'_> {
     }
 }
 
-/// Places that are put together for `count` samples, by what `pilot` of `pilots` samples says of them: the group of each, and the number of
-/// groups.
-fn groups(expected: &[Expected], pilot: &[Sums], scale: f64, count: f64) -> (Vec<usize>, usize) {
+/// What decides whether places can be tested together, for a number of samples: what is expected of them, its variance, Σ w² and Σ w⁴.
+#[derive(Clone, Copy, Default)]
+struct Size([f64; 4]);
+
+impl Size {
+    fn plus(self, other: Self) -> Self {
+        Self([0, 1, 2, 3].map(|k| self.0[k] + other.0[k]))
+    }
+
+    fn is_enough(self) -> bool {
+        let [value, variance, squares, fourth] = self.0;
+        value > 0.0 && value * value >= EFFECTIVE * variance && squares * squares >= EFFECTIVE_SQUARES * fourth
+    }
+}
+
+/// The group of each place for `count` samples, by what a pilot of `pilots` samples says, and the number of groups. Places of too few
+/// samples are put together; those that are too few even so have none.
+fn groups(expected: &[Expected], pilot: &[Sums], pilots: f64, count: f64) -> (Vec<Option<usize>>, usize) {
     let most = pilot.iter().filter_map(Sums::ratio).fold(0.0, f64::at_least);
-    let ratio = |place: usize| pilot[place].ratio().unwrap_or(most);
-    let mut order: Vec<usize> = (0..expected.len()).collect();
-    order.sort_by(|&a, &b| (expected[a].value / ratio(a)).total_cmp(&(expected[b].value / ratio(b))));
-    let (mut group, mut known) = (vec![0; expected.len()], 0usize);
-    let (mut value, mut variance, mut squares, mut fourth) = (0.0, 0.0, 0.0, 0.0);
+    let size = |(of, sums): (&Expected, &Sums)| {
+        let (value, error, [_, squares, _, fourth]) = (count * of.value, count * count * of.variance, sums.powers);
+        Size([value, sums.ratio().unwrap_or(most) * value + error, squares * count / pilots, fourth * count / pilots])
+    };
+    let sizes: Vec<Size> = expected.iter().zip(pilot).map(size).collect();
+    let effective = |place: &usize| sizes[*place].0[0].powi(2) / sizes[*place].0[1].at_least(f64::MIN_POSITIVE);
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    // Those that are enough by themselves come first.
+    order.sort_by(|a, b| effective(a).total_cmp(&effective(b)));
+    order.sort_by_key(|&place| !sizes[place].is_enough());
+    let (mut group, mut open, mut last, mut known) = (vec![None; sizes.len()], Size::default(), Size::default(), 0);
     for place in order {
-        let of_place = expected[place];
-        value += count * of_place.value;
-        variance += count * ratio(place) * of_place.value + count * count * of_place.variance;
-        squares += scale * pilot[place].powers[1];
-        fourth += scale * pilot[place].powers[3];
-        group[place] = known;
-        if value > 0.0 && value * value >= EFFECTIVE * variance && squares * squares >= EFFECTIVE_SQUARES * fourth {
-            known += 1;
-            (value, variance, squares, fourth) = (0.0, 0.0, 0.0, 0.0);
+        open = open.plus(sizes[place]);
+        group[place] = Some(known);
+        if open.is_enough() {
+            (last, open, known) = (open, Size::default(), known + 1);
         }
     }
-    group.iter_mut().for_each(|group| *group = (*group).min(known.saturating_sub(1)));
-    (group, known)
+    let joins = known > 0 && last.plus(open).is_enough();
+    let end = |group: Option<usize>| if group == Some(known) { joins.then(|| known - 1) } else { group };
+    (group.into_iter().map(end).collect(), known)
 }
 
 /// The sums of the places of each group.
-fn grouped<T: Copy + Default>(group: &[usize], groups: usize, places: &[T], plus: impl Fn(T, T) -> T) -> Vec<T> {
-    let mut all = vec![T::default(); groups.max(1)];
-    group.iter().zip(places).for_each(|(&group, &place)| all[group] = plus(all[group], place));
+fn grouped<T: Copy + Default>(
+    group: &[Option<usize>],
+    groups: usize,
+    places: &[T],
+    plus: impl Fn(T, T) -> T,
+) -> Vec<T> {
+    let mut all = vec![T::default(); groups];
+    let known = group.iter().zip(places).filter_map(|(group, place)| Some(((*group)?, *place)));
+    known.for_each(|(group, place)| all[group] = plus(all[group], place));
     all
 }
 
@@ -337,7 +360,8 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     let pilot = Places { source, grid: &whole, atoms: &atoms }.tally(streams(round, 0)[0], PILOT, true)?;
     let at_corners = if is_target { None } else { corners(domain, sampler, density)?.violation };
     let mut probes: Vec<Probe> = pilot.at.iter().map(|(at, _)| Probe { at: *at, density: 0.0 }).collect();
-    let violation = pilot.violation.clone().or(repeated(domain, &probes)).or(at_corners.filter(|_| !density.is_stochastic()));
+    let violation =
+        pilot.violation.clone().or(repeated(domain, &probes)).or(at_corners.filter(|_| !density.is_stochastic()));
     if violation.is_some() {
         return Ok(Outcome { violation, ..Outcome::open(PILOT) });
     }
@@ -378,9 +402,20 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
 
     // Weights that vary take more samples for the same error.
     let share = expected.iter().zip(&of_pilot).filter_map(|(place, sums)| Some(place.value / sums.ratio()?));
-    let count = needed(share.sum::<f64>().within(1e-6, 1.0));
+    let mut count = needed(share.sum::<f64>().within(1e-6, 1.0));
+    let grouping = |count: u64| {
+        let (group, number) = groups(&expected, &of_pilot, pilot.samples(), count as f64);
+        let lost = group.iter().zip(&expected).filter(|(group, _)| group.is_none());
+        let lost = lost.map(|(_, place)| place.value).sum::<f64>() / total;
+        (group, number, lost)
+    };
+    // So do those of which few are large.
+    let is_fixed = matches!(protocol.samples, SampleCount::Fixed(_));
+    while !is_fixed && count < SAMPLES[1] && grouping(count).2 > UNCONTROLLED {
+        count = (2 * count).min(SAMPLES[1]);
+    }
+    let (group, number, lost) = grouping(count);
     let n = count as f64;
-    let (group, number) = groups(&expected, &of_pilot, n / pilot.samples(), n);
     let found = places.tally(streams(round, 1)[0], count, false)?;
 
     // Test the groups.
@@ -388,7 +423,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     let sums = grouped(&group, number, &found.places, Sums::plus);
     let wanted = grouped(&group, number, &expected, Expected::plus);
     let all = found.places.iter().fold(Sums::default(), |all, sums| all.plus(*sums));
-    let (mut statistic, mut effective, mut uncontrolled, mut variance) = (0.0, 0.0, 0.0, 0.0);
+    let (mut statistic, mut effective, mut uncontrolled, mut variance) = (0.0, 0.0, lost, 0.0);
     for ((sums, wanted), pilot) in sums.iter().zip(&wanted).zip(&pilots) {
         let ratio = sums.ratio().or(pilot.ratio()).or(all.ratio()).unwrap_or(f64::NAN);
         let of_weights = ratio * n * wanted.value;
@@ -427,7 +462,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     // Say what is wrong.
     let detectable = (number > 0).then(|| (noncentrality(number, level) / effective).sqrt());
     let reason = match detectable {
-        None => Some("too few samples: all cells had to be put together".to_owned()),
+        None => Some("too few samples, or too few of large weights".to_owned()),
         _ if !known => {
             let share = 100.0 * uncontrolled;
             Some(format!("single weights decide on {share:.0} % of the domain: their variance cannot be trusted"))
@@ -455,8 +490,10 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     };
     let is_suspect = p.is_some_and(|p| p < SUSPECT);
     let mut told = Vec::new();
-    let factor = all.powers[0] / (n * total);
-    if is_target && (factor - 1.0).abs() * n * total > CLEAR * variance.sqrt() {
+    let (mean, whole) =
+        (sums.iter().map(|sums| sums.powers[0]).sum::<f64>(), wanted.iter().map(|of| n * of.value).sum::<f64>());
+    let factor = mean / whole;
+    if is_target && (mean - whole).abs() > CLEAR * variance.sqrt() {
         told.push(format!("the mean of all weights is {factor:.4} times the integral of the target"));
     }
     if p_of_carried.is_some_and(|p| p < SUSPECT) {
@@ -469,7 +506,10 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     }));
     let spread = is_target.then(|| found.variance());
     let remark = spread.map(|spread| {
-        format!("the variance of the weights is {:.4} ± {:.4} times their squared mean", spread.value, spread.half_width)
+        format!(
+            "the variance of the weights is {:.4} ± {:.4} times their squared mean",
+            spread.value, spread.half_width
+        )
     });
     let samples = found.samples() as u64;
     let nowhere = "sums of weights differ from what is expected, in no place clearly".to_owned();

@@ -178,7 +178,9 @@ impl Arguments {
                         return Ok(of(&client, protocol)?);
                     }
                     let with = |values: &[f64]| client.with(values).map_err(etalon_stats::Error::from);
-                    Ok(over_ranges(client.parameters(), protocol, round, |values, protocol, _| of(&with(values)?, protocol))?)
+                    Ok(over_ranges(client.parameters(), protocol, round, |values, protocol, _| {
+                        of(&with(values)?, protocol)
+                    })?)
                 };
                 Ok(Subject::Cases(vec![Case::new(name, test)]))
             }

@@ -35,7 +35,13 @@ fn examples_compile_as_c_and_as_cpp_and_are_tested() {
     let folder = tempdir().unwrap();
     let binary = folder.path().join("client").display().to_string();
     for (compiler, language) in [("gcc", &C99[..]), ("clang", &C99), ("g++", &CPP11), ("clang++", &CPP11)] {
-        for (name, wrong) in [("cosine.c", true), ("sampler.c", false), ("half_disk.c", false), ("bsdf.c", false), ("reservoir.c", false)] {
+        for (name, wrong) in [
+            ("cosine.c", true),
+            ("sampler.c", false),
+            ("half_disk.c", false),
+            ("bsdf.c", false),
+            ("reservoir.c", false),
+        ] {
             if !compiles_by(compiler, language, name, &binary) {
                 continue;
             }

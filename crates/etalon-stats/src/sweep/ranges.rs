@@ -89,7 +89,9 @@ pub fn over_ranges(
         found.mistake = Some(found.mistake.map_or(place.clone(), |mistake| format!("{place}: {mistake}")));
         found.remarks.push(format!("{failed} of {} values of the parameters failed", all.len()));
     } else {
-        found.remarks.push(format!("tested for {} values of the parameters, corners of their ranges among them", all.len()));
+        found
+            .remarks
+            .push(format!("tested for {} values of the parameters, corners of their ranges among them", all.len()));
     }
     let detectable = Some(detectable);
     Ok(Outcome { p: p.or(found.p), samples, seconds, detectable, inconclusive_reason: undecided, ..found })
@@ -127,11 +129,7 @@ fn with(values: &[f64], axis: usize, value: f64) -> Vec<f64> {
 }
 
 /// Where it fails around `values`, along each parameter: "for g ≥ 0.95".
-fn region(
-    parameters: &[Parameter],
-    values: &[f64],
-    fails: &dyn Fn(&[f64]) -> Result<bool>,
-) -> Result<String> {
+fn region(parameters: &[Parameter], values: &[f64], fails: &dyn Fn(&[f64]) -> Result<bool>) -> Result<String> {
     let mut regions = Vec::new();
     for (axis, parameter) in parameters.iter().enumerate() {
         let middle = |a: f64, b: f64| if parameter.is_logarithmic() { (a * b).sqrt() } else { 0.5 * (a + b) };
@@ -158,5 +156,9 @@ fn region(
             [Some(least), Some(most)] => Some(format!("{least} ≤ {name} ≤ {most}")),
         });
     }
-    Ok(if regions.is_empty() { "over the whole of its ranges".to_owned() } else { format!("for {}", regions.join(", ")) })
+    Ok(if regions.is_empty() {
+        "over the whole of its ranges".to_owned()
+    } else {
+        format!("for {}", regions.join(", "))
+    })
 }

@@ -273,7 +273,8 @@ impl Client {
         // Numbers are atoms, and names parameters.
         let is_atom = |line: &&String| line.split_ascii_whitespace().next().is_none_or(|word| real(word).is_some());
         let (of_atoms, others): (Vec<&String>, Vec<&String>) = greeting.lines.iter().partition(is_atom);
-        let parameters: Vec<Parameter> = others.into_iter().map(|line| parameter(&name, line)).collect::<Result<_>>()?;
+        let parameters: Vec<Parameter> =
+            others.into_iter().map(|line| parameter(&name, line)).collect::<Result<_>>()?;
         let values = parameters.iter().map(|parameter| parameter.value).collect();
         let connection = Shared { state: Arc::new(Mutex::new(State::new(connection))), values };
         let own = match description.chart {
