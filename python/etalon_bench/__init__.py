@@ -13,6 +13,7 @@ whole run. The program `etalon` is installed with the package.
 """
 
 from ._bsdfs import Bsdf, BsdfSamples, assert_bsdf, assert_furnace, check_bsdf, furnace
+from ._distributions import of_scipy, of_torch
 from ._images import assert_images, compare_images
 from ._result import Result
 from ._samplers import (
@@ -42,4 +43,6 @@ __all__ = [
     "furnace",
     "min_discrepancy_of_pdfs_detectable",
     "min_num_samples_for_sampler_test",
+    "of_scipy",
+    "of_torch",
 ]
