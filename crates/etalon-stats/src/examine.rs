@@ -172,6 +172,10 @@ pub fn examine(
         domain.check()?;
     }
     let source = Source { domain, leaves: None, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
+    if domain.space().is_some() && !density.narrow().is_empty() {
+        let message = "narrow places have one or two coordinates; the domain has more".to_owned();
+        return Err(Error::parameter("narrow", message, "declare none"));
+    }
     if density.is_target() || density.is_stochastic() {
         let outcome = weights::examine(&source, protocol, round)?;
         return Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome });

@@ -6,7 +6,7 @@
 //! Samples of their own decide which cells are put together: cells chosen by the sums that are tested would hold what chance made small.
 
 use crate::counting::{BATCH, Source, streams};
-use crate::cubature::{Integration, InvalidPdf, Probe, first_invalid, values_at};
+use crate::cubature::{Integration, InvalidPdf, Lattices, Probe, Wanted, first_invalid, values_at};
 use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Point;
 use crate::error::{Error, Result, poll};
@@ -14,7 +14,8 @@ use crate::estimate::Estimate;
 use crate::exact::{corners, outside, repeated};
 use crate::examine::{Protocol, SUSPECT, SampleCount, cells, shape};
 use crate::extremes::Extremes;
-use crate::grid::{Cell, Grid};
+use crate::grid::{Cell, Grid, Subdivision};
+use crate::leaves::Leaves;
 use crate::mass::{Bound, Integral};
 use crate::outcome::{Counts, Outcome};
 use crate::power::{chi_square_tail, noncentrality, samples_for};
@@ -238,13 +239,21 @@ impl Places<'_> {
         Ok(tally)
     }
 
-    /// The integrals of the target over all places, and a value that it cannot have.
-    fn expected(&self, pilot: &[Probe], points: u64, round: u64) -> Result<(Vec<Expected>, Option<InvalidPdf>)> {
-        let Source { domain, density, seed, cancelled, .. } = *self.source;
-        let (mut places, invalid) = if density.is_stochastic() {
-            self.by_random_points(points, round)?
+    /// The integrals of the target over all places for about `samples` samples, and a value that it cannot have.
+    fn expected(&self, pilot: &[Probe], samples: u64, round: u64) -> Result<(Vec<Expected>, Option<InvalidPdf>)> {
+        let Source { domain, leaves, density, seed, cancelled, .. } = *self.source;
+        let (mut places, invalid) = if density.is_stochastic() && leaves.is_none() {
+            // A stochastic pdf is asked for as often as it is sampled.
+            self.by_random_points((samples / self.grid.len() as u64).max(1 << 6), round)?
         } else {
-            let mut integration = Integration::new(domain, density, self.grid, pilot, cancelled)?;
+            let mut integration = match leaves {
+                Some(leaves) => {
+                    let (subdivision, stream) = (&Subdivision::even(self.grid, leaves.bits()), streams(round, 2)[1]);
+                    let wanted = Wanted { subdivision, samples: samples as f64, known: leaves.pilot(), seed, stream };
+                    Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?)
+                }
+                None => Integration::new(domain, density, self.grid, pilot, cancelled)?,
+            };
             if let Integration::Refined(refinement) = &mut integration {
                 let found = refinement.check(PILOT, seed, streams(round, 2)[1])?.found;
                 refinement.learn(&[found, self.source.narrow()?].concat())?;
@@ -355,10 +364,15 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     }
     let (is_target, atoms) = (density.is_target(), density.atoms());
 
-    // Choose the cells by samples that are not counted.
-    let whole = Grid::equal([1, 1], None);
-    let pilot = Places { source, grid: &whole, atoms: &atoms }.tally(streams(round, 0)[0], PILOT, true)?;
+    // Choose the cells by samples that are not counted. A domain of many dimensions becomes the leaves of a tree.
     let at_corners = if is_target { None } else { corners(domain, sampler, density)?.violation };
+    let [stream, _] = streams(round, 0);
+    let leaves = domain.space().map(|space| Leaves::new(domain, space, &source.drawn(stream, PILOT)?, CELLS.ilog2()));
+    let leaves = leaves.transpose()?;
+    let domain = leaves.as_ref().map_or(domain, |leaves| leaves);
+    let source = &Source { domain, leaves: leaves.as_ref(), ..*source };
+    let whole = Grid::equal([1, 1], None);
+    let pilot = Places { source, grid: &whole, atoms: &atoms }.tally(stream, PILOT, true)?;
     let mut probes: Vec<Probe> = pilot.at.iter().map(|(at, _)| Probe { at: *at, density: 0.0 }).collect();
     let violation =
         pilot.violation.clone().or(repeated(domain, &probes)).or(at_corners.filter(|_| !density.is_stochastic()));
@@ -366,7 +380,10 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
         return Ok(Outcome { violation, ..Outcome::open(PILOT) });
     }
     let shape = shape(domain, CELLS.min(protocol.cells));
-    let grid = cells(domain, &probes, shape, SAMPLES[0]);
+    let grid = match &leaves {
+        Some(leaves) => leaves.grid(CELLS.min(protocol.cells)),
+        None => cells(domain, &probes, shape, SAMPLES[0]),
+    };
     let places = Places { source, grid: &grid, atoms: &atoms };
     let mut of_pilot = vec![Sums::default(); grid.len()];
     for (at, weight) in &pilot.at {
@@ -374,7 +391,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
         *sums = sums.plus(Sums::of(*weight));
     }
     of_pilot.extend(&pilot.places[1..]);
-    if !density.is_stochastic() {
+    if !density.is_stochastic() && leaves.is_none() {
         let charts: Vec<[f64; 2]> = probes.iter().map(|probe| probe.at).collect();
         let (_, values) = values_at(domain, density, &charts)?;
         probes.iter_mut().zip(values).for_each(|(probe, value)| probe.density = value);
@@ -388,8 +405,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
             ((equal / share) as u64).clamp(SAMPLES[0], SAMPLES[1])
         }
     };
-    // A stochastic pdf is asked for as often as it is sampled.
-    let (expected, invalid) = places.expected(&probes, (needed(1.0) / grid.len() as u64).max(1 << 6), round)?;
+    let (expected, invalid) = places.expected(&probes, needed(1.0), round)?;
     let total: f64 = expected.iter().map(|place| place.value).sum();
     if !total.is_finite() && invalid.is_none() {
         let message = format!("its integral is {total}");
