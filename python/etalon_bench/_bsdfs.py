@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -10,6 +9,7 @@ from typing import Any, Literal, NamedTuple
 from . import _native
 from ._plan import function, plan
 from ._result import Result, asserting
+from ._samplers import ranges
 
 
 class BsdfSamples(NamedTuple):
@@ -205,11 +205,7 @@ def furnace(
             raise ValueError("parameters: wanted a function that makes the BSDF for their values")
         return Result(_native.furnace(_Bsdfs(name, lambda: one, []), tabulated))
     function(bsdf, "bsdf")
-    ranges = [(key, float(value), float(low), float(high)) for key, (value, low, high) in (parameters or {}).items()]
-    for key, value, low, high in ranges:
-        if not (low <= value <= high and math.isfinite(low) and math.isfinite(high)):
-            raise ValueError(f"parameters: {key} = {value} is not from {low} to {high}, or these are not finite")
-    return Result(_native.furnace(_Bsdfs(name, bsdf, ranges), tabulated))
+    return Result(_native.furnace(_Bsdfs(name, bsdf, ranges(parameters)), tabulated))
 
 
 assert_furnace = asserting(furnace, "assert_furnace")

@@ -30,15 +30,19 @@ pub struct Program {
     state: Mutex<State>,
 }
 
-struct State {
-    connection: Box<dyn Connection>,
+pub(super) struct State {
+    pub connection: Box<dyn Connection>,
     /// The values of the parameters that were set last, and what the program answered.
     set: Option<(Vec<f64>, String)>,
 }
 
 impl State {
+    pub fn new(connection: impl Connection + 'static) -> Self {
+        Self { connection: Box::new(connection), set: None }
+    }
+
     /// Sets the parameters unless they are set; returns the answer.
-    fn set(&mut self, values: &[f64]) -> Result<&str> {
+    pub fn set(&mut self, values: &[f64]) -> Result<&str> {
         if values.is_empty() {
             return Ok("");
         }
@@ -59,12 +63,12 @@ impl Program {
         let name = greeting.take("name").unwrap_or_else(|| "exec".to_owned());
         let properties = declared(Properties { map: None, ..Properties::default() }, &greeting)?;
         let parameters = greeting.lines.iter().map(|line| parameter(&greeting.program, line)).collect::<Result<_>>()?;
-        let state = Mutex::new(State { connection: Box::new(connection), set: None });
+        let state = Mutex::new(State::new(connection));
         Ok(Self { name, parameters, properties, state })
     }
 }
 
-fn parameter(program: &str, line: &str) -> Result<Parameter> {
+pub(super) fn parameter(program: &str, line: &str) -> Result<Parameter> {
     let read = || {
         let [name, value, from, to] = line.split_ascii_whitespace().collect::<Vec<_>>().try_into().ok()?;
         let [value, from, to] = [real(value)?, real(from)?, real(to)?];

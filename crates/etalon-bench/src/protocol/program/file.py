@@ -14,7 +14,7 @@ from types import ModuleType
 ROWS = 11  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
 WIDTHS = {}  # of points of the domains, by name: `etalon` fills it in
 CHART = ("to_cube", "from_cube", "jacobian")
-DECLARED = ("mass", "table", "precision", "dimension")
+DECLARED = ("mass", "table", "precision", "dimension", "stochastic")
 DECLARED_OF_BSDFS = ("scatters", "eta", "reciprocal", "energy", "map", "precision", "dimension")
 
 
@@ -207,8 +207,42 @@ def declaration(module, names):
     return words
 
 
+def weighted(read, of_weights):
+    """Reads pairs of points and weights as rows that end with the weight."""
+
+    def read_pair(value, by_arrays, n):
+        if value is None and not by_arrays:
+            return None
+        if not isinstance(value, tuple) or len(value) != 2:
+            wanted = "wanted sample(u) and pdf(w), or a sample that returns (point, weight)"
+            raise Refused(f"it has no function pdf; {wanted}, and it returned {repr(value)[:100]}", 2)
+        points, weights = read(value[0], by_arrays, n), of_weights(value[1], by_arrays, n)
+        return [[*point, *weight] for point, weight in zip(points, weights)] if by_arrays else [*points, *weights]
+
+    return read_pair
+
+
+def ranges_of(module):
+    """The file's parameters: of each, its value, which is that of the variable unless it is said, and the ends of its range."""
+    declared = getattr(module, "parameters", {})
+    return {name: ends if len(ends) == 3 else (getattr(module, name), *ends) for name, ends in declared.items()}
+
+
+def declared_ranges(parameters):
+    return "".join(f"\n{name} {value!r} {low!r} {high!r}" for name, (value, low, high) in parameters.items())
+
+
+def set_values(module, parameters, values):
+    for name, value in zip(parameters, values):
+        setattr(module, name, value)
+
+
 class SamplerFile:
     def __init__(self, module, domain):
+        self.module, self.parameters = module, ranges_of(module)
+        set_values(module, self.parameters, [value for value, *_ in self.parameters.values()])
+        has_pdf, target = hasattr(module, "pdf"), getattr(module, "target", None)
+        density, name = (module.pdf, "pdf") if has_pdf else (target, "target")
         count = parameters(module.sample, "sample")
         if count == 0:
             raise Refused("sample takes no argument; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
@@ -223,11 +257,14 @@ class SamplerFile:
                 points = [point for point in points if point is not None]
                 if not points:
                     raise Refused("sample returned None for all of the first samples: is a return missing?")
-                width = len(points[0])
+                width = len(points[0]) - (not has_pdf)
+                points = [point[:width] for point in points]
+                pdf = None
                 try:
-                    pdf, _ = first(forms(module.pdf, "pdf", [width], numbers_of("pdf", [1]), points))
+                    if density is not None:
+                        pdf, _ = first(forms(density, name, [width], numbers_of(name, [1]), points))
                 except Exception:
-                    self.compare(width, expected_width(module.pdf, "pdf", width), points[0], sample.by_arrays)
+                    self.compare(width, expected_width(density, name, width), points[0], sample.by_arrays)
                     raise
             except Exception as error:
                 # Further than any attempt whose samples make no sense
@@ -236,6 +273,8 @@ class SamplerFile:
             return dimension, sample, pdf
 
         read = maybe(numbers_of("sample", [3, 2, 1, 4, 5, 6, 7, 8]))
+        if not has_pdf:
+            read = weighted(numbers_of("sample", [4, 3, 2, 1, 5, 6, 7, 8]), numbers_of("the weight of sample", [1]))
         attempts = (
             lambda d=d, form=form: attempt(d, form)
             for d in dimensions
@@ -244,7 +283,7 @@ class SamplerFile:
         dimension, sample, pdf = first(attempts)
         self.functions = {"sample": sample, "pdf": pdf}
         found = sample(uniform(1024, dimension))
-        points = [point for point in found if point is not None]
+        points = [point if has_pdf else point[:-1] for point in found if point is not None]
         own = self.chart(module, points)
         if self.domain is None and not own:
             self.domain = guessed(points)
@@ -253,11 +292,16 @@ class SamplerFile:
             wanted = " or ".join(map(str, widths))
             raise Refused(f"sample returns {len(points[0])} coordinates; a point of the domain {self.domain} has {wanted}")
         words = declaration(module, DECLARED)
-        if len(points) < len(found) and not hasattr(module, "mass"):
+        if not has_pdf:
+            words.append("weights=yes" if target is None else "weights=target")
+        narrow = getattr(module, "narrow", None)
+        if narrow:
+            words.append("narrow=" + ";".join(",".join(map(str, place)) for place in narrow))
+        if has_pdf and len(points) < len(found) and not hasattr(module, "mass"):
             words.append("mass=at-most-1")
         if not hasattr(module, "dimension"):
             words.append(f"dimension={dimension}")
-        self.greeting = " ".join([own or f"domain={self.domain}", *words])
+        self.greeting = " ".join([own or f"domain={self.domain}", *words]) + declared_ranges(self.parameters)
 
     def chart(self, module, points):
         """The chart of the file's own, declared for the greeting; None if it has none."""
@@ -293,6 +337,9 @@ class SamplerFile:
     def answer(self, verb, rows):
         return self.functions[verb](rows)
 
+    def set(self, values):
+        set_values(self.module, self.parameters, values)
+
 
 def widths_of(domain):
     """How many coordinates points of a domain may have; none if it is not known here."""
@@ -320,7 +367,7 @@ class BsdfFile:
         count = parameters(module.sample, "sample")
         if count is not None and count < 2:
             raise Refused(f"sample takes {count} arguments; wanted sample(wo, u)")
-        self.module, self.parameters = module, getattr(module, "parameters", {})
+        self.module, self.parameters = module, ranges_of(module)
         wos = [[0.6 * x, 0.6 * y, (1 - 0.36 * (x * x + y * y)) ** 0.5] for x, y in uniform(ROWS, 2)]
         pairs = [[*wo, *wi] for wo, wi in zip(wos, reversed(wos))]
         name = "value" if hasattr(module, "value") else "eval"
@@ -341,8 +388,7 @@ class BsdfFile:
         words = declaration(module, DECLARED_OF_BSDFS)
         if own is None:
             words.insert(0, f"dimension={dimension}")
-        lines = [f"\n{name} {value!r} {low!r} {high!r}" for name, (value, low, high) in self.parameters.items()]
-        self.greeting = " ".join(["kind=bsdf", f"channels={self.channels}", *words]) + "".join(lines)
+        self.greeting = " ".join(["kind=bsdf", f"channels={self.channels}", *words]) + declared_ranges(self.parameters)
 
     def scattered(self, value, by_arrays, n):
         """What `sample` returned as rows of wi, the weight or [], the pdf or []; None where there is no sample."""
@@ -377,8 +423,7 @@ class BsdfFile:
         return [*wi, *(weight or [f * abs(wi[2]) / p for f in value]), p] if p != 0 else None
 
     def set(self, values):
-        for name, value in zip(self.parameters, values):
-            setattr(self.module, name, value)
+        set_values(self.module, self.parameters, values)
 
 
 def loaded(path, domain):
@@ -389,9 +434,9 @@ def loaded(path, domain):
     sys.modules[module.__name__] = module
     with open(path, "rb") as file:
         exec(compile(file.read(), path, "exec"), module.__dict__)
-    missing = [name for name in ("sample", "pdf") if not hasattr(module, name)]
     is_bsdf = hasattr(module, "value") or module.__dict__.get("eval")
-    if missing:
+    missing = [name for name in ("sample", "pdf") if not hasattr(module, name)]
+    if missing and (is_bsdf or missing != ["pdf"]):
         raise Refused(
             f"it has no function {' and no function '.join(missing)}; wanted sample(u) and pdf(w) for a sampler, "
             "sample(wo, u), pdf(wo, wi) and value(wo, wi) for a BSDF"
