@@ -27,8 +27,9 @@ impl Sampler for Scattering<'_> {
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         let of = |sample: BsdfSample| match sample.density {
-            Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
-            Probability::Unknown => Sample::new(sample.wi),
+            // `formula` compares that of a light, which has roundings.
+            Probability::Pdf(pdf) if !self.0.is_light() => Sample::with_pdf(sample.wi, pdf),
+            Probability::Pdf(_) | Probability::Unknown => Sample::new(sample.wi),
             Probability::Delta(_) => Sample::atom(sample.wi),
         };
         out.extend(self.0.sample(u)?.into_iter().map(|sample| sample.map(of)));
