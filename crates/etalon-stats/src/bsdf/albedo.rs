@@ -82,9 +82,6 @@ impl Claim {
 /// The p-value is the largest probability with which the integral has the error found: see [`Uncertainty`]. Where nothing
 /// is left to chance, as for delta lobes alone, there is none.
 pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
-    if matches!(subject.properties.kind, Kind::Light { .. }) {
-        return Ok(None);
-    }
     let pilot = Pilot::new(subject)?;
     if let Some(unresolved) = pilot.unresolved(subject)? {
         return Ok(Some(unresolved));
