@@ -20,8 +20,8 @@ typedef struct {
     const char *keys;                          /* optional: "mass=0.5" and the like */
 } etalon_sampler;
 
-typedef struct { /* a domain of your own, by a chart to the unit square or interval: docs/src/domains.md */
-    int dimension, coordinates; /* of the unit cube, 1 or 2; of points, 1 to 4 */
+typedef struct { /* a domain of your own, by a chart to the unit cube: docs/src/domains.md */
+    int dimension, coordinates; /* of the unit cube, 1 to 6; of points, 1 to 8 */
     int (*to_cube)(const double *x, double *u);    /* 1, and the place of x in the cube; 0 if x is not in the domain */
     void (*from_cube)(const double *u, double *x); /* its inverse */
     double (*jacobian)(const double *u);           /* area (length) of the domain per area of the cube */
@@ -85,13 +85,17 @@ static inline int etalon_next(char *line, char *verb, unsigned long *count, unsi
 
 /* The coordinates of a point of a domain. */
 static inline int etalon_coordinates(const char *domain) {
-    const char *two[] = {"square", "plane", "box", "disk", "circle", "triangle"}, *three[] = {"sphere", "hemisphere", "simplex", "triangle:"};
+    const char *names[] = {"square", "plane", "disk", "circle", "triangle", "sphere", "hemisphere", "simplex", "triangle:", "space", "ball", "rotations"};
     const char *star = strchr(domain, '*'), *name = star ? star + 1 + strspn(star + 1, " ") : domain;
     int n = 1;
-    for (int i = 0; i < 6; i++)
-        if (!strncmp(name, two[i], strlen(two[i]))) n = 2;
-    for (int i = 0; i < 4; i++)
-        if (!strncmp(name, three[i], strlen(three[i]))) n = 3;
+    for (int i = 0; i < 12; i++)
+        if (!strncmp(name, names[i], strlen(names[i]))) n = i < 5 ? 2 : i < 11 ? 3 : 4;
+    if (!strncmp(name, "simplex:", 8)) n = atoi(name + 8);
+    if (!strncmp(name, "box:", 4)) {
+        n = 1;
+        for (const char *at = name; *at; at++) n += *at == ',';
+        n /= 2;
+    }
     return star ? n + 1 : n;
 }
 
@@ -99,7 +103,7 @@ static inline int etalon_coordinates(const char *domain) {
 static inline int etalon_serve_chart(const etalon_chart *c, const char *verb, unsigned long count) {
     const int is_to_cube = !strcmp(verb, "to_cube"), is_from_cube = !strcmp(verb, "from_cube");
     for (; count > 0; count--) {
-        double u[2], x[4];
+        double u[6], x[8];
         if (!etalon_read(is_to_cube ? x : u, is_to_cube ? c->coordinates : c->dimension))
             return 2;
         const int inside = !is_to_cube || c->to_cube(x, u);
@@ -116,7 +120,7 @@ static inline int etalon_serve_sampler_on(const etalon_sampler *s, const etalon_
     const int n = c ? c->coordinates : etalon_coordinates(s->domain ? s->domain : "");
     char line[ETALON_LINE], verb[16];
     unsigned long count, seed, first = 1;
-    if (s->dimension < 0 || s->dimension > ETALON_MOST || n < 1 || n > 4 || (c && (c->dimension < 1 || c->dimension > 2)))
+    if (s->dimension < 0 || s->dimension > ETALON_MOST || n < 1 || n > 8 || (c && (c->dimension < 1 || c->dimension > 6)))
         return etalon_fail("a dimension out of range", s->name);
     while (etalon_next(line, verb, &count, &seed, &first)) {
         const int is_sample = !strcmp(verb, "sample"), is_invert = !strcmp(verb, "invert") && s->invert;
@@ -133,7 +137,7 @@ static inline int etalon_serve_sampler_on(const etalon_sampler *s, const etalon_
             return etalon_fail("an unknown request", line);
         if (is_sample && s->dimension == 0 && s->seed) s->seed(seed);
         for (; count > 0; count--) {
-            double u[ETALON_MOST], x[4];
+            double u[ETALON_MOST], x[8];
             if (is_sample ? s->dimension > 0 && !etalon_read(u, s->dimension) : !etalon_read(x, n))
                 return 2;
             const int found = is_sample ? s->sample(u, x) : is_invert ? s->invert(x, u) : 1;

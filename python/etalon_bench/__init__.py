@@ -26,6 +26,7 @@ from ._bsdfs import (
     check_phase,
     furnace,
 )
+from ._distributions import of_scipy, of_torch
 from ._images import assert_images, compare_images
 from ._result import Result
 from ._samplers import (
@@ -61,4 +62,6 @@ __all__ = [
     "furnace",
     "min_discrepancy_of_pdfs_detectable",
     "min_num_samples_for_sampler_test",
+    "of_scipy",
+    "of_torch",
 ]

@@ -30,34 +30,34 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class Chart:
-    """A domain by the functions of its chart: they map the domain one to one to the unit square, or to the interval from 0 to 1.
+    """A domain by the functions of its chart: they map the domain one to one to the unit square, or to another cube of 1 to 6 dimensions.
 
     All three are tested first: they must invert each other, and the Jacobian must agree with differences of `from_cube`.
 
     Attributes:
-        to_cube: points, shape (n, d) or (n,), to coordinates of the unit square, shape (n, 2) or of the interval, shape (n,); other
+        to_cube: points, shape (n, d) or (n,), to coordinates of the cube, shape (n, dimension), or (n,) of the interval; other
             numbers, or NaN, where a point is not in the domain.
         from_cube: the inverse.
-        jacobian: the area (or length) of the domain per area of the square, at coordinates of the square; shape (n,).
-        dimension: 2 for the square, 1 for the interval.
-        names: of the coordinates of the square, in messages and figures.
+        jacobian: the area (length, volume) of the domain per area of the cube, at coordinates of the cube; shape (n,).
+        dimension: of the cube: 2 for the square, 1 for the interval, at most 6.
+        names: of the coordinates of the cube, in messages and figures.
     """
 
     to_cube: Callable[..., Any]
     from_cube: Callable[..., Any]
     jacobian: Callable[..., Any]
     dimension: int = 2
-    names: tuple[str, str] = ("u0", "u1")
+    names: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         for name in ("to_cube", "from_cube", "jacobian"):
             function(getattr(self, name), name)
-        if self.dimension not in (1, 2):
-            raise ValueError(f"dimension: {self.dimension}; wanted 1 or 2")
-        names = tuple(self.names)
-        if not 1 <= len(names) <= 2:
+        if self.dimension not in range(1, 7):
+            raise ValueError(f"dimension: {self.dimension}; wanted 1 to 6")
+        names = list(self.names) or [f"u{axis}" for axis in range(self.dimension)]
+        if len(names) != self.dimension:
             raise ValueError(f"names: {self.names}; wanted one for each coordinate")
-        object.__setattr__(self, "names", (*names, "")[:2])
+        object.__setattr__(self, "names", names)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ use crate::found::Found;
 use etalon::protocol::sampler::Space;
 use etalon::study::validation::{Case, run as validate};
 use etalon_stats::{
-    Atom, Chart, ChartFunctions, Density, Domain, Mass, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount,
-    Sampler, Verdict, examine, explain,
+    Atom, Chart, ChartFunctions, Density, Domain, Mass, Place, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount,
+    Sampler, Verdict, examine, explain, place,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -74,10 +74,10 @@ pub struct DeclaredChart {
     to_cube: Py<PyAny>,
     from_cube: Py<PyAny>,
     jacobian: Py<PyAny>,
-    /// Of the unit cube: 1 or 2.
+    /// Of the unit cube: 1 to 6.
     dimension: usize,
     /// Of the coordinates of the cube.
-    names: (String, String),
+    names: Vec<String>,
 }
 
 impl DeclaredDomain {
@@ -88,7 +88,7 @@ impl DeclaredDomain {
         };
         let [to_cube, from_cube, jacobian] = [to_cube, from_cube, jacobian].map(Arc::new);
         let functions = OwnChart { caller: caller.clone(), to_cube, from_cube, jacobian, dimension };
-        let chart = Chart::new(functions, dimension).with_axes([names.0, names.1]);
+        let chart = Chart::new(functions, dimension).with_axes(names);
         chart.check()?;
         Ok(Space::new("of its own chart", chart))
     }
@@ -113,7 +113,7 @@ impl OwnChart {
     fn at_places<T: Send + 'static>(
         &self,
         function: &Arc<Py<PyAny>>,
-        cube: &[[f64; 2]],
+        cube: &[Place],
         read: impl FnOnce(&Bound<'_, PyAny>, usize) -> PyResult<T> + Send + 'static,
     ) -> etalon_stats::Result<T> {
         let (function, d, n) = (Arc::clone(function), self.dimension, cube.len());
@@ -123,7 +123,7 @@ impl OwnChart {
 }
 
 impl ChartFunctions for OwnChart {
-    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<[f64; 2]>> {
+    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<Place>> {
         let Some(first) = points.first() else { return Ok(Vec::new()) };
         let (width, n, d) = (first.coordinates().len(), points.len(), self.dimension);
         let (function, coordinates) = (Arc::clone(&self.to_cube), coordinates(points));
@@ -131,23 +131,23 @@ impl ChartFunctions for OwnChart {
             let returned = numbers(&function.bind(py).call1((array(py, coordinates, width)?,))?, "to_cube")?;
             let shapes: [&[usize]; 2] = [&[n, d], &[n]];
             let cube: Vec<f64> = returned.of_shape(if d == 1 { &shapes } else { &shapes[..1] })?;
-            Ok(cube.chunks_exact(d).map(|place| [place[0], place.get(1).copied().unwrap_or(0.5)]).collect())
+            Ok(cube.chunks_exact(d).map(place).collect())
         })
     }
 
-    fn from_cube(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<Point>> {
+    fn from_cube(&self, cube: &[Place]) -> etalon_stats::Result<Vec<Point>> {
         self.at_places(&self.from_cube, cube, |returned, n| {
             let points: Numbers<f64> = numbers(returned, "from_cube")?;
             let width = match points.shape[..] {
                 [rows] if rows == n => 1,
-                [rows, width @ 1..=4] if rows == n => width,
-                _ => return Err(points.wrong_shape(&format!("({n},) or ({n}, 2 to 4)"))),
+                [rows, width @ 1..=8] if rows == n => width,
+                _ => return Err(points.wrong_shape(&format!("({n},) or ({n}, 2 to 8)"))),
             };
             Ok(points.values.chunks_exact(width).filter_map(Point::of).collect())
         })
     }
 
-    fn jacobian(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<f64>> {
+    fn jacobian(&self, cube: &[Place]) -> etalon_stats::Result<Vec<f64>> {
         self.at_places(&self.jacobian, cube, |returned, n| numbers(returned, "jacobian")?.of_shape(&[&[n]]))
     }
 }

@@ -12,6 +12,8 @@ import pytest
 import etalon_bench as eb
 
 mi = pytest.importorskip("mitsuba", reason="skipped: Mitsuba 3 is not installed")
+mi.set_variant("llvm_ad_mono")
+from etalon_bench import mitsuba  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
@@ -19,41 +21,30 @@ def scalar():
     mi.set_variant("llvm_ad_mono")
 
 
-def inside(u):
-    """Random numbers in single precision: one next to 1 must not become 1."""
-    return np.minimum(u, 1 - 2**-24).T.astype(np.float32)
+@pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"])
+def test_adapter_in_scalar_and_vectorized_variants(variant):
+    mi.set_variant(variant)
+    cosine = mitsuba.warp("square_to_cosine_hemisphere", domain="hemisphere")
+    assert eb.check_sampler(**cosine)
+    assert eb.check_sampler(**cosine | {"pdf": lambda w: cosine["pdf"](w) * (1 + 0.1 * w[:, 0])}).verdict == "reject"
+    normals = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, 0.3)
+    samplers = [
+        mitsuba.phase({"type": "hg", "g": -0.5}, (0.48, 0.36, 0.8)),
+        mitsuba.microfacets(normals, (0.48, 0.36, 0.8)),
+        mitsuba.emitter({"type": "constant"}),
+        mitsuba.texture({"type": "bitmap", "bitmap": mi.Bitmap(np.array([[1, 2], [0, 5]], np.float32)), "raw": True}),
+    ]
+    assert all(eb.check_sampler(**sampler, detect=0.1) for sampler in samplers)
+    assert eb.check_sampler(**mitsuba.microfacets(normals, (0.6, 0, 0.8), zero=True)).verdict == "reject"
 
 
-WARPS = {
-    "uniform_hemisphere": ("square_to_uniform_hemisphere", "hemisphere"),
-    "cosine_hemisphere": ("square_to_cosine_hemisphere", "hemisphere"),
-    "uniform_sphere": ("square_to_uniform_sphere", "sphere"),
-}
-
-
-@pytest.mark.parametrize("name", WARPS)
-def test_warps(name):
-    warp, domain = WARPS[name]
-
-    def sample(u):
-        return np.array(getattr(mi.warp, warp)(mi.Point2f(inside(u)))).T
-
-    def pdf(w):
-        value = getattr(mi.warp, f"{warp}_pdf")(mi.Vector3f(w.T.astype(np.float32)))
-        return np.broadcast_to(np.array(value), len(w))
-
-    assert eb.check_sampler(sample, pdf, domain)
-    assert eb.check_sampler(sample, lambda w: pdf(w) * (1 + 0.1 * w[:, 0]), domain).verdict == "reject"
-
-
-def test_von_mises_fisher():
-    def sample(u):
-        return np.array(mi.warp.square_to_von_mises_fisher(mi.Point2f(inside(u)), 20.0)).T
-
-    def pdf(w):
-        return np.array(mi.warp.square_to_von_mises_fisher_pdf(mi.Vector3f(w.T.astype(np.float32)), 20.0))
-
-    assert eb.check_sampler(sample, pdf, "sphere")
+def test_adapter_declares_what_a_bsdf_is():
+    glass = mitsuba.bsdf({"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0})
+    assert (glass.scatters, glass.channels, glass.precision, glass.eta) == ("both", 1, "single", pytest.approx(1.5))
+    directions, probability, factor = glass.lobes(np.array([[0.6, 0, 0.8]]))
+    assert sorted(np.sign(directions[0, :, 2])) == [-1, 1] and probability.sum() == pytest.approx(1)
+    assert factor.sum() == pytest.approx(probability[0, directions[0, :, 2] > 0][0] + probability[0, directions[0, :, 2] < 0][0] / 1.5**2)
+    assert mitsuba.bsdf({"type": "diffuse"}, energy="conserved:0.6").energy == "conserved:0.6"
 
 
 def normals(examples, command):

@@ -269,4 +269,4 @@ def test_domains_that_make_no_sense():
         with pytest.raises(ValueError, match="domain"):
             eb.check_sampler(half_disk, uniform_on_half_disk, domain)
     with pytest.raises(ValueError, match="dimension"):
-        eb.Chart(to_cube, from_cube, jacobian, dimension=3)
+        eb.Chart(to_cube, from_cube, jacobian, dimension=7)

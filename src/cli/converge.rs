@@ -208,7 +208,7 @@ impl Converge {
             let rows = output::csv(&view::replicate_rows(&result))?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
             // Panels are those of the curves
-            saving.add(view::images(&result).write(&images, &style.with_all_panels()));
+            saving.add(view::images(&result, usize::MAX).write(&images, &style.with_all_panels()));
         }
         let checks = Checks {
             title: format!("etalon converge {}", result.scene),

@@ -21,7 +21,7 @@ use std::time::Instant;
     after_long_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
                   input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
-                  with maps of the errors if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
+                  with their errors over the inputs if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
                   fresnel:eta=0.999..1.001,cos=0.1..1"
 )]
@@ -78,7 +78,7 @@ impl Stability {
         let (target, style) = (global.target(), self.style.style()?);
         let name = output::name_of_run("stability", &self.families);
         let stem = target.stem(&name, "", &output::STUDY)?;
-        let maps_stem = target.stem(&name, "-maps", &output::DRAWING)?;
+        let errors_stem = target.stem(&name, "-errors", &output::DRAWING)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;
@@ -101,7 +101,7 @@ impl Stability {
             &output::csv(&result.rows)?,
         ));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            saving.add(view::maps(&result.sweeps).write(&maps_stem, &style));
+            saving.add(view::errors(&result.sweeps).write(&errors_stem, &style));
         }
         saving.add(self.reports.write(&checks(&result, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();

@@ -256,12 +256,63 @@ fn one_fault_is_explained() {
 }
 
 #[test]
+fn a_fault_of_the_museum_is_told_and_drawn() {
+    let folder = tempdir().unwrap();
+    let ran = etalon(folder.path(), &["validate", "--museum", "pdf/reservoir-merge", "map/upside-down"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for said in ["mmp/pbrt-v4#250: after a merge", "says: the sample ", "flip A upside down", "2 of 2 faults found"] {
+        assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
+    }
+    let table =
+        std::fs::read_to_string(folder.path().join("out/museum-pdf-reservoir-merge+map-upside-down.csv")).unwrap();
+    assert!(table.starts_with("name,source,seen,story,verdict,check,named,") && table.lines().count() == 3, "{table}");
+    assert!(folder.path().join("out/exhibit-pdf-reservoir-merge.png").is_file());
+    let list = json(folder.path(), &["validate", "--museum", "--list", "light"]);
+    assert!(list["tests"].as_array().unwrap().len() >= 4);
+}
+
+/// The page has the table that the command prints: which faults nothing finds, first; by which check, with a name or not, and
+/// what the plain test says.
+#[test]
+#[ignore = "takes a minute or two: cargo test -- --ignored"]
+fn the_museum_is_as_its_page_says() {
+    let folder = tempdir().unwrap();
+    let found = json(folder.path(), &["validate", "--museum"]);
+    let row = |test: &serde_json::Value| {
+        let is_found = test["verdict"] == "reject";
+        let accepts = |key: &str| test[key].as_f64().map(|p| p >= 1e-3);
+        let plain = match (accepts("plain"), accepts("plain_sound")) {
+            (Some(_), Some(false)) => "rejects both",
+            (Some(true), _) => "misses",
+            (Some(false), _) => "finds",
+            (None, _) => "–",
+        };
+        assert_eq!(test["sound"], "accept", "{test}");
+        let check = if is_found { test["check"].as_str().unwrap() } else { "**nothing**" };
+        let named = if test["named"].is_null() { "–" } else { "yes" };
+        [test["name"].as_str().unwrap(), test["source"].as_str().unwrap(), check, named, plain].map(str::to_owned)
+    };
+    let ran: Vec<[String; 5]> = found["tests"].as_array().unwrap().iter().map(row).collect();
+    let page = include_str!("../../docs/src/museum.md");
+    let table = page.split("| fault |").nth(1).unwrap().split("\n\n").next().unwrap();
+    let told = table.lines().skip(2).map(|line| {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let source = cells[1].trim_start_matches('[').split(']').next().unwrap();
+        [cells[0], source, cells[2], cells[3], cells[5]].map(str::to_owned)
+    });
+    assert_eq!(told.collect::<Vec<_>>(), ran);
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let folder = tempdir().unwrap();
     for bad in [
         &["validate", "--planted", "warps"][..],
         &["validate", "--planted", "--samples", "0"],
         &["validate", "--planted", "--figures"],
+        &["validate", "--museum", "warps"],
+        &["validate", "--museum", "--planted"],
+        &["validate", "--museum", "--figures"],
     ] {
         assert_eq!(etalon(folder.path(), bad).code, 2, "{bad:?}");
     }

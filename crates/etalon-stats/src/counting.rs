@@ -1,14 +1,15 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Check, Integration, InvalidPdf, Probe, Shares};
+use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted};
 use crate::diagnosis::tuple;
-use crate::domain::{Domain, Point};
+use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_infinite, outside};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
+use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::power::FEWEST;
@@ -27,8 +28,12 @@ const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 const SLACK: f64 = 0.0025;
 /// Share of the pdf that samples may find above what the nodes predict before it is integrated again.
 const MISSED: f64 = 1e-4;
+/// The share of the variance of counts that known standard errors of the integrals, which the test takes into account, may have.
+const MOST_NOISE: f64 = 0.1;
 /// Standard errors of a measured difference that count as chance.
 const CHANCE: f64 = 2.0;
+/// Samples at which a density in many dimensions is to be within reach of its integrals, at most.
+const KNOWN: u64 = 1 << 18;
 /// Attempts at counting, each with fresh samples.
 const ATTEMPTS: u64 = 3;
 
@@ -58,6 +63,8 @@ pub struct Counting<'a> {
 /// Counts and integrals.
 pub struct Counted {
     pub values: Vec<f64>,
+    /// The standard errors of the cells' integrals, as far as the test takes them into account.
+    pub errors: Vec<f64>,
     /// The integrals over the parts of the cells and of the axes, and the share of samples that they are known to miss; `None`
     /// where the cells' integrals were corrected by samples, which do not tell the parts.
     pub shares: Option<(Shares, f64)>,
@@ -80,13 +87,20 @@ impl Counting<'_> {
     /// that they found. Where the second samples still show it, the missing part of the integrals is estimated from them and
     /// added. Counted samples are always fresh: they had no influence on the integrals that they are compared with.
     pub fn run(&self, pilot: &[Probe], round: u64, ends: impl Fn(&Counted) -> bool) -> Result<Counted> {
-        let Source { domain, sampler, density, seed, cancelled } = *self.source;
+        let Source { domain, leaves, sampler, density, seed, cancelled } = *self.source;
         let Self { subdivision, labels, atoms, looks, .. } = *self;
         let all = looks.samples();
-        let mut integration = Integration::with_parts(domain, density, subdivision, pilot, cancelled)?;
+        let [_, stream] = streams(round, 0);
+        let in_leaves = |leaves: &Leaves, known: &[Place]| {
+            let wanted = Wanted { subdivision, samples: all as f64, known, seed, stream };
+            Ok(Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?))
+        };
+        let mut integration = match leaves {
+            Some(leaves) => in_leaves(leaves, leaves.pilot())?,
+            None => Integration::with_parts(domain, density, subdivision, pilot, cancelled)?,
+        };
         if let Integration::Refined(refinement) = &mut integration {
-            let [_, checks] = streams(round, 0);
-            let found = refinement.check(pilot.len() as u64, seed, checks)?.found;
+            let found = refinement.check(pilot.len() as u64, seed, stream)?.found;
             refinement.learn(&found)?;
         }
         let attempts = if sampler.finite_len().is_some() { 1 } else { ATTEMPTS };
@@ -111,6 +125,14 @@ impl Counting<'_> {
             }
             counted.tally = counted.tally.plus(self.source.tally(stream, from..all, &counters)?);
             let check = self.check(&integration, checks, corrections.as_deref(), &mut counted)?;
+            if let Some(leaves) =
+                leaves.filter(|_| counted.uncertain && attempt < attempts && counted.invalid.is_none())
+            {
+                // Samples have found places that the integrals miss.
+                integration = in_leaves(leaves, &leaves.places(&self.source.drawn(stream, all.min(KNOWN))?)?)?;
+                attempt += 1;
+                continue;
+            }
             let (Integration::Refined(refinement), Some(check)) = (&mut integration, check) else {
                 return Ok(counted);
             };
@@ -142,6 +164,10 @@ impl Counting<'_> {
         Counted {
             integral: Integral { error: f64::INFINITY, ..Integral::exact(&integrals) },
             values: integrals.values.iter().map(|value| scale * value).collect(),
+            errors: match integration {
+                Integration::Lattices(_) => integrals.errors.iter().map(|error| scale * error).collect(),
+                _ => vec![0.0; integrals.errors.len()],
+            },
             shares: Some((integration.shares(self.subdivision).times(scale), 0.0)),
             uncertain: false,
             invalid: integrals.invalid,
@@ -160,18 +186,30 @@ impl Counting<'_> {
         counted: &mut Counted,
     ) -> Result<Option<Check>> {
         let integrals = integration.integrals();
-        let Integration::Refined(refinement) = integration else {
-            counted.integral = Integral::exact(&integrals);
-            return Ok(None);
+        let (tally, scale) = (&counted.tally, self.scale(&integrals.values));
+        let refinement = match integration {
+            Integration::Exact(..) => {
+                counted.integral = Integral::exact(&integrals);
+                return Ok(None);
+            }
+            Integration::Lattices(_) => {
+                counted.integral = Integral::of_standard_errors(&integrals, tally, self.risk);
+                let missed = |cell: usize| self.missed(tally, cell);
+                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, missed);
+                let noise = noise(tally.samples, &counted.values, |cell| counted.errors[cell]);
+                counted.uncertain |= noise.may_exceed(MOST_NOISE * counted.values.len() as f64);
+                let all_missed: f64 = (0..self.subdivision.grid.len()).map(missed).sum();
+                counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
+                return Ok(None);
+            }
+            Integration::Refined(refinement) => refinement,
         };
-        let tally = &counted.tally;
         let probes = (tally.samples / SAMPLES_PER_CHECK).clamp(CHECKS[0], CHECKS[1]);
         let check = refinement.check(probes, self.source.seed, checks)?;
         counted.integral = Integral::measured(&integrals, &check, tally, self.risk);
         counted.invalid = integrals.invalid.or(check.invalid);
 
         // The error of a cell's integral: what the rules say of it, and what probes and samples say beyond chance.
-        let scale = self.scale(&integrals.values);
         let found = |cell: usize| {
             let [difference, error] = check.difference(cell);
             scale * (difference.abs() - CHANCE * error).at_least(0.0) + self.missed(tally, cell)
@@ -209,16 +247,22 @@ impl Counting<'_> {
     /// Whether errors of the integrals over the cells add more than [`SLACK`] to the statistic; that over "no sample", if it
     /// is not declared, has the errors of all.
     fn is_uncertain(&self, samples: u64, values: &[f64], error: impl Fn(usize) -> f64) -> bool {
-        let n = samples as f64;
-        // Cells that expect less than this are pooled.
-        let term = |value: f64, error: f64| (n * error).powi(2) / (n * value).at_least(FEWEST);
-        let of_cells: f64 = values.iter().enumerate().map(|(cell, value)| term(*value, error(cell))).sum();
+        let term = |value: f64, error: f64| noise(samples, &[value], |_| error);
+        let of_cells = noise(samples, values, &error);
         let of_none = self.whole.map_or(0.0, |whole| {
             let squares: f64 = (0..values.len()).map(|cell| error(cell).powi(2)).sum();
             term(whole - values.iter().sum::<f64>(), squares.sqrt())
         });
         (of_cells + of_none).may_exceed(SLACK * values.len() as f64)
     }
+}
+
+/// What errors of the shares of cells add to the statistic.
+fn noise(samples: u64, values: &[f64], error: impl Fn(usize) -> f64) -> f64 {
+    let n = samples as f64;
+    // Cells that expect less than this are pooled.
+    let term = |(cell, value): (usize, &f64)| (n * error(cell)).powi(2) / (n * value).at_least(FEWEST);
+    values.iter().enumerate().map(term).sum()
 }
 
 /// Samples taken at a time: many enough for a program in another process, few enough to stay in the cache.
@@ -233,6 +277,8 @@ const INVERSE: f64 = 1e-6;
 /// Where samples come from.
 pub struct Source<'a> {
     pub domain: &'a dyn Domain,
+    /// The domain, where it has more than two dimensions.
+    pub leaves: Option<&'a Leaves<'a>>,
     pub sampler: &'a dyn Sampler,
     pub density: &'a dyn Density,
     pub seed: u64,
@@ -345,22 +391,30 @@ impl Source<'_> {
         Ok((u, samples))
     }
 
-    /// The chart coordinates of samples, atoms left out, with the pdf there.
-    pub fn probes(&self, stream: u64, count: u64) -> Result<Vec<Probe>> {
+    /// The first samples of a stream, atoms left out.
+    pub fn drawn(&self, stream: u64, count: u64) -> Result<Vec<Point>> {
         let of_batch = |batch| {
             let (_, samples) = self.batch(stream, batch, count)?;
             let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
-            let spread: Vec<Point> = spread.collect();
-            let charts = self.domain.charts(&spread)?;
+            Ok(spread.collect::<Vec<Point>>())
+        };
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The chart coordinates of samples, with the pdf there.
+    pub fn probes(&self, samples: &[Point]) -> Result<Vec<Probe>> {
+        let of_batch = |samples: &[Point]| {
+            let charts = self.domain.charts(samples)?;
             let (points, charts): (Vec<Point>, Vec<[f64; 2]>) =
-                spread.into_iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
+                samples.iter().zip(charts).filter(|(_, at)| !at[0].is_nan()).unzip();
             let (pdfs, per_area) = self.densities(&points, &charts)?;
             let probe = |(i, (at, pdf)): (usize, ([f64; 2], f64))| Probe { at, density: per_area.of(i, pdf) };
             let probes = charts.into_iter().zip(pdfs).enumerate().map(probe);
             // A pdf that is infinite at a single point says nothing of its surroundings.
             Ok(probes.filter(|probe| probe.density != f64::INFINITY).collect::<Vec<_>>())
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
+        let batches = samples.par_chunks(BATCH as usize).map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
     }
 
@@ -463,6 +517,8 @@ impl Source<'_> {
                 Integration::Refined(_) if density == f64::INFINITY => 1.0,
                 Integration::Refined(refinement) if refinement.reaches(cell, density) => 1.0,
                 Integration::Refined(refinement) => refinement.share_within(&probe),
+                Integration::Lattices(lattices) if density == f64::INFINITY || lattices.reaches(cell, density) => 1.0,
+                Integration::Lattices(lattices) => lattices.share_within(&probe),
             };
             if within < 1.0 {
                 tally.missed[cell].add(Share::new(1.0 - within));

@@ -8,12 +8,13 @@ use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
+use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::mistakes::{self, Clearness, Kinds, Named};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome, decide};
-use crate::power::{ChiSquare, FEWEST, POWER, chi_square, chi_square_below, detectable, samples_for};
+use crate::power::{ChiSquare, FEWEST, POWER, chi_square_below, chi_square_of_uncertain, detectable, samples_for};
 use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
@@ -169,13 +170,24 @@ pub fn examine(
     if round == 0 {
         domain.check()?;
     }
-    let source = Source { domain, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
+    let source = Source { domain, leaves: None, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();
     let corners = if finite.is_none() { exact::corners(domain, sampler, density)? } else { Corners::default() };
     let pilots = finite.map_or(PILOT, |len| PILOT.min(len / 4));
-    let pilot = source.probes(streams(round, 0)[0], pilots)?;
+    let drawn = source.drawn(streams(round, 0)[0], pilots)?;
+    let atoms = density.atoms();
+    let looks_for = |dof| finite.map_or_else(|| protocol.looks(dof), |len| Looks::one(len - pilots));
+    // A domain of many dimensions becomes the leaves of a tree.
+    let leaves = domain.space().map(|space| {
+        let bits = Subdivision::bits(looks_for(protocol.cells + atoms.len()).samples());
+        Leaves::new(domain, space, &drawn, bits)
+    });
+    let leaves = leaves.transpose()?;
+    let domain = leaves.as_ref().map_or(domain, |leaves| leaves);
+    let source = Source { domain, leaves: leaves.as_ref(), ..source };
+    let pilot = source.probes(&drawn)?;
     // Integrals and counts of a density that changes are meaningless, as are the counts of samples that repeat.
     let unusable = exact::repeatable(domain, density, &pilot)?.or_else(|| exact::repeated(domain, &pilot));
     if let Some(violation) = unusable {
@@ -184,19 +196,24 @@ pub fn examine(
     }
 
     // Choose cells, the number of samples and the looks at them. The first of samples at hand say nothing: they may be sorted.
-    let atoms = density.atoms();
     let shape = shape(domain, protocol.cells);
-    let looks_for = |dof| finite.map_or_else(|| protocol.looks(dof), |len| Looks::one(len - pilots));
-    let grid = cells(domain, &pilot, shape, looks_for(shape[0] * shape[1] + atoms.len()).samples());
+    let grid = match &leaves {
+        Some(leaves) => leaves.grid(protocol.cells),
+        None => cells(domain, &pilot, shape, looks_for(shape[0] * shape[1] + atoms.len()).samples()),
+    };
     let looks = looks_for(grid.len() + atoms.len());
     let charts: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();
-    let subdivision = Subdivision::new(&grid, domain.is_plane(), &charts, looks.samples());
+    let subdivision = match &leaves {
+        Some(leaves) => Subdivision::even(&grid, leaves.bits()),
+        None => Subdivision::new(&grid, domain.is_plane(), &charts, looks.samples()),
+    };
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
     let labels = Labels::new(&subdivision, looks.samples());
 
     // Integrate the density over the cells, and count samples in them until a look rejects.
     let test = Test {
         domain,
+        is_in_leaves: leaves.is_some(),
         density,
         protocol,
         pilot: &pilot,
@@ -229,7 +246,7 @@ pub fn examine(
             None => {
                 let clearness = mistakes::clearness(&counts);
                 let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
-                let found = || mistakes::of_counts(domain, density, &counts, NAMES, kinds).unwrap_or_default();
+                let found = || test.mistake(&counts, kinds).unwrap_or_default();
                 let is_settled = |named: &Named| clearness == Clearness::Certain && !named.is_fitted;
                 let mut named = named.borrow_mut();
                 samples >= mistakes::TOLD
@@ -245,6 +262,8 @@ pub fn examine(
 /// A test, prepared before samples are counted.
 struct Test<'a> {
     domain: &'a dyn Domain,
+    /// Whether the domain has more than two dimensions.
+    is_in_leaves: bool,
     density: &'a dyn Density,
     protocol: &'a Protocol,
     pilot: &'a [Probe],
@@ -267,8 +286,9 @@ struct Findings {
     /// Samples that count: without "no sample" where its probability is not known.
     samples: u64,
     mass: Option<Integral>,
-    /// The test of the cells.
+    /// The test of the cells, and the share of the variance of their counts that errors of the integrals add.
     test: Option<ChiSquare>,
+    noise: f64,
     /// Whether only one outcome can occur.
     certain: bool,
     structure: Structure,
@@ -290,10 +310,18 @@ impl Test<'_> {
         self.density.mass() == Mass::Unknown
     }
 
+    /// The mistake that explains most of the counts. In more than two dimensions none is tried: each takes integrals of its own.
+    fn mistake(&self, counts: &Counts, kinds: Kinds) -> Result<Option<Named>> {
+        if self.is_in_leaves {
+            return Ok(None);
+        }
+        mistakes::of_counts(self.domain, self.density, counts, NAMES, kinds)
+    }
+
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
     fn find(&self, counted: &Counted, states_power: bool) -> Findings {
         let Self { domain, density, protocol, corners, subdivision, labels, atoms, looks, .. } = *self;
-        let Counted { values, shares, integral, uncertain, invalid, tally, .. } = counted;
+        let Counted { values, errors, shares, integral, uncertain, invalid, tally, .. } = counted;
         let level = protocol.own_level();
         // Leave "no sample" out where its probability is not known.
         let none = if self.is_normalized() { 0 } else { tally.none };
@@ -342,7 +370,15 @@ impl Test<'_> {
         // A deterministic distribution (a mirror, a black map): only impossible samples can show that it is wrong.
         let certain =
             expected.iter().filter(|e| **e >= 1.0).count() == 1 && expected.iter().all(|e| *e >= 1.0 || *e < 1e-300);
-        let test = chi_square(&observed, &expected).filter(|_| !certain);
+        // "No sample" has the errors of all cells, if its probability is not declared.
+        let of_none = errors.iter().fold(0.0, |all: f64, error| all.hypot(*error));
+        let of_none = if density.mass() == Mass::AtMostOne { of_none } else { 0.0 };
+        let of_atoms = std::iter::repeat_n(&0.0, atoms.len());
+        let variances = errors.iter().chain(of_atoms).chain([&of_none]).map(|error| (n * error).powi(2));
+        let variances: Vec<f64> = variances.collect();
+        let test = chi_square_of_uncertain(&observed, &expected, &variances).filter(|_| !certain);
+        let noise = variances.iter().zip(&expected).filter(|(_, e)| **e >= FEWEST).map(|(variance, e)| variance / e);
+        let noise = noise.sum::<f64>() / expected.len() as f64;
         let parts = structure::Counted {
             subdivision,
             domain,
@@ -386,6 +422,7 @@ impl Test<'_> {
             samples,
             mass: is_pdf.then_some(mass),
             test,
+            noise,
             certain,
             structure: structure.unwrap_or_default(),
             p,
@@ -397,7 +434,7 @@ impl Test<'_> {
     /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
     fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, certain, structure, p, mut violation, .. } =
+        let Findings { counts, samples, mass, test, noise, certain, structure, p, mut violation, .. } =
             self.find(&counted, true);
         let Counted { uncertain, integral, tally, far, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
@@ -419,7 +456,7 @@ impl Test<'_> {
         let level = looks.share(tally.samples) * CELLS * protocol.own_level();
         let detectable = match test {
             _ if certain => Some(detectable_share(samples as f64)),
-            _ => test.map(|test| detectable(test.dof, level, samples)),
+            _ => test.map(|test| detectable(test.dof, level, samples) * (1.0 + noise).sqrt()),
         };
         let inconclusive_reason = match detectable {
             _ if uncertain => Some(
@@ -455,9 +492,9 @@ impl Test<'_> {
         if is_suspect && mass.is_some() {
             let mistake = match is_unnamed {
                 true => None,
-                false => mistakes::of_counts(domain, density, &counts, NAMES, Kinds::All)?,
+                false => self.mistake(&counts, Kinds::All)?,
             };
-            if mistake.is_none() {
+            if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
             mistakes.extend(mistake.map(|named| named.name));

@@ -336,6 +336,11 @@ pub fn subdivided(ends: &[f64], parts: usize) -> Vec<f64> {
     ends.windows(2).flat_map(within).chain(ends.last().copied()).collect()
 }
 
+/// How often a whole can be halved into that many parts.
+fn halvings(parts: f64) -> u32 {
+    if parts >= 1.0 { parts.log2() as u32 } else { 0 }
+}
+
 /// The axes of the chart and the cells of a grid in subdivision parts.
 ///
 /// The parts of a cell are numbered such that numbers 2i and 2i + 1 are halves of one rectangle at every level: first along
@@ -357,10 +362,20 @@ impl<'a> Subdivision<'a> {
         Self { grid, axes: Vec::new(), depth: 0, cells: Vec::new() }
     }
 
+    /// An axis of 2ᵇ equal parts, for `bits` b, which are whole: their coordinates have no rounding.
+    pub fn even(grid: &'a Grid, bits: u32) -> Self {
+        let axis = Axis { finite: true, ..Axis::new(Vec::new(), bits) };
+        Self { axes: vec![axis], ..Self::coarse(grid) }
+    }
+
+    /// The halvings of an axis into parts that `samples` samples fill.
+    pub fn bits(samples: u64) -> u32 {
+        halvings(samples as f64 / SAMPLES_PER_PART).min(AXIS_BITS)
+    }
+
     /// Parts that `samples` samples fill, given some others at `pilot`.
     pub fn new(grid: &'a Grid, plane: bool, pilot: &[[f64; 2]], samples: u64) -> Self {
-        let halvings = |parts: f64| if parts >= 1.0 { parts.log2() as u32 } else { 0 };
-        let bits = halvings(samples as f64 / SAMPLES_PER_PART).min(AXIS_BITS);
+        let bits = Self::bits(samples);
         let axis = |axis: usize| Axis::new(pilot.iter().map(|at| at[axis]).collect(), bits);
         let of_cell = samples as f64 / (SAMPLES_PER_PART * grid.len() as f64);
         // A cell's parts expect half as many samples: their chi-squares sum over many more of them.

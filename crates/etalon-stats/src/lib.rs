@@ -23,6 +23,7 @@ mod exact;
 mod examine;
 mod extremes;
 mod grid;
+mod leaves;
 mod looks;
 mod mass;
 mod mistakes;
@@ -40,8 +41,8 @@ pub mod welch;
 pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
 pub use domain::{
     Axis, Barycentric, Chart, ChartFunctions, Circle, Cube, DOMAINS, Directions, Discrete, Disk, Domain, Entry,
-    HalfLine, Indexed, Line, Named, Plane, Point, Pole, Product, RealLine, Rectangle, Simplex, Square, Triangle, chart,
-    known, named,
+    HalfLine, Indexed, Line, Named, Place, Plane, Point, Pole, Product, RealLine, Rectangle, Simplex, Space, Square,
+    Triangle, ball, chart, cuboid, known, named, place, rotations, simplex, space,
 };
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};

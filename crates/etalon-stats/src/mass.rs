@@ -4,6 +4,7 @@ use crate::bounded::mean_interval;
 use crate::counting::{Share, Tally};
 use crate::cubature::{Check, Integrals};
 use crate::extremes::Extremes;
+use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
 
 /// What the bound of an error rests on.
@@ -71,6 +72,19 @@ impl Integral {
             if within_reach == 0.0 { 0.0 } else { within_reach / (1.0 - missed[i]) }
         });
         Self { value, error: (most - value).at_least(value - least), bound: Bound::Statistical }
+    }
+
+    /// The sum over cells whose integrals have independent standard errors; its bound fails with probability `risk` at most. Samples tell
+    /// what the points of the integrals miss.
+    #[must_use]
+    pub(crate) fn of_standard_errors(integrals: &Integrals, tally: &Tally, risk: f64) -> Self {
+        let sum: f64 = integrals.values.iter().sum();
+        let error = integrals.errors.iter().fold(0.0, |all: f64, error| all.hypot(*error));
+        let samples = tally.observed[..integrals.values.len()].iter().sum::<u64>();
+        let missed = Share::total(tally.missed.iter().copied()) / samples.max(1) as f64;
+        let [_, most] = mean_interval(missed, samples, 0.5 * risk);
+        let error = Normal::standard().inverse_cdf(1.0 - 0.25 * risk) * error;
+        Self { value: sum / (1.0 - missed), error: (sum + error) / (1.0 - most) - sum, bound: Bound::Statistical }
     }
 
     /// The integral with something added that is known exactly.

@@ -32,25 +32,32 @@ pub const FEWEST: f64 = 5.0;
 /// The p-value is the survival function itself, not 1 − cdf, which would be 0 below 10⁻¹⁶.
 #[must_use]
 pub fn chi_square(observed: &[u64], expected: &[f64]) -> Option<ChiSquare> {
+    chi_square_of_uncertain(observed, expected, &vec![0.0; expected.len()])
+}
+
+/// [`chi_square`] where the expected counts have independent errors of these variances: V adds to the variance E of each count.
+pub(crate) fn chi_square_of_uncertain(observed: &[u64], expected: &[f64], variances: &[f64]) -> Option<ChiSquare> {
     if !expected.iter().all(|e| e.is_finite()) {
         return None;
     }
-    let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(observed.iter().map(|&o| o as f64)).collect();
-    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let impossible = cells.iter().any(|&(e, o)| e <= 0.0 && o > 0.0);
-    let mut groups: Vec<(f64, f64)> = Vec::new();
-    let mut open = (0.0, 0.0);
-    for (e, o) in cells.into_iter().filter(|(e, _)| *e > 0.0) {
-        open = (open.0 + e, open.1 + o);
-        if open.0 >= FEWEST {
+    let cell = |((e, o), v): ((&f64, &u64), &f64)| [*e, *o as f64, *v];
+    let mut cells: Vec<[f64; 3]> = expected.iter().zip(observed).zip(variances).map(cell).collect();
+    cells.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let impossible = cells.iter().any(|&[e, o, _]| e <= 0.0 && o > 0.0);
+    let plus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
+    let mut groups: Vec<[f64; 3]> = Vec::new();
+    let mut open = [0.0; 3];
+    for cell in cells.into_iter().filter(|cell| cell[0] > 0.0) {
+        open = plus(open, cell);
+        if open[0] >= FEWEST {
             groups.push(std::mem::take(&mut open));
         }
     }
     if let Some(last) = groups.last_mut() {
-        *last = (last.0 + open.0, last.1 + open.1);
+        *last = plus(*last, open);
     }
     let dof = groups.len().checked_sub(1).filter(|dof| *dof > 0)?;
-    let statistic: f64 = groups.iter().map(|(e, o)| (o - e) * (o - e) / e).sum();
+    let statistic: f64 = groups.iter().map(|[e, o, v]| (o - e) * (o - e) / (e + v)).sum();
     let p = if impossible { 0.0 } else { ChiSquared::new(dof as f64).ok()?.sf(statistic) };
     Some(ChiSquare { statistic, dof, p })
 }

@@ -11,7 +11,7 @@
 //! Source of the sums per scale: Donoho, Johnstone, Kerkyacharian & Picard, "Density estimation by wavelet thresholding",
 //! Annals of Statistics 24(2), 1996 (Haar coefficients of a histogram).
 
-use crate::cubature::Shares;
+use crate::cubature::{LATTICES, Shares};
 use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Parts, Subdivision};
@@ -72,15 +72,20 @@ pub struct ScaleTest {
 }
 
 impl ScaleTest {
-    /// Adds a pair of halves with these counts, expected shares and errors of these.
-    fn add(&mut self, pair: usize, observed: [u64; 2], expected: [f64; 2], error: f64) {
+    /// Adds a pair of halves with these counts, expected shares and errors of these: bounds, or where `are_independent` standard errors,
+    /// which add to the variance.
+    fn add(&mut self, pair: usize, observed: [u64; 2], expected: [f64; 2], errors: [f64; 2], are_independent: bool) {
         let (n, both) = ((observed[0] + observed[1]) as f64, expected[0] + expected[1]);
         let q = expected[0] / both;
         if is_sparse(n, q) {
             return;
         }
         let variance = n * q * (1.0 - q);
-        let z2 = (observed[0] as f64 - n * q).powi(2) / variance;
+        let error =
+            if are_independent { (q * errors[1]).hypot((1.0 - q) * errors[0]) } else { errors[0].at_least(errors[1]) };
+        let share = (n * error / both).powi(2) / variance;
+        let noise = if are_independent { share } else { 0.0 };
+        let z2 = (observed[0] as f64 - n * q).powi(2) / (variance * (1.0 + noise));
         self.sum += z2;
         if z2 > self.worst.0 {
             self.worst = (z2, pair);
@@ -88,7 +93,8 @@ impl ScaleTest {
         self.mean += 1.0;
         self.variance += 2.0 + (1.0 - 6.0 * q * (1.0 - q)) / variance;
         self.counted += n;
-        self.shift += (n * error / both).powi(2) / variance;
+        // Variances from few lattices are uncertain themselves, which 1/V adds to the mean of z².
+        self.shift += if are_independent { 2.0 / (LATTICES - 1) as f64 * noise * noise } else { share };
     }
 
     fn plus(self, other: &Self) -> Self {
@@ -192,7 +198,7 @@ impl Scales {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..subdivision.axes[axis].bits() {
-                let (mut test, at_ends) = halve(name, &mut observed, &mut values, &mut errors);
+                let (mut test, at_ends) = halve(name, shares.are_independent, &mut observed, &mut values, &mut errors);
                 let width = 2 * (ends.len() - 1) / test.parts;
                 test.locate(|pair| {
                     let interval = [ends[pair * width], ends[(pair + 1) * width]];
@@ -207,15 +213,15 @@ impl Scales {
                 let values = 1.0 / (along.coincidence * test.parts as f64);
                 if is_good(&test, values, along.rounding(test.parts)) {
                     scales.tests.push(test);
-                    scales.ends.extend(at_ends);
+                    scales.ends.extend(at_ends.into_iter().filter(|_| !shares.are_independent));
                 }
             }
         }
         let (mut observed, mut values, mut errors) =
             (observed.cells.clone(), shares.values.cells.clone(), shares.errors.cells.clone());
         for depth in (1..=subdivision.depth).rev() {
-            let (columns, _) = halve("cells", &mut observed, &mut values, &mut errors);
-            let (rows, _) = halve("cells", &mut observed, &mut values, &mut errors);
+            let (columns, _) = halve("cells", false, &mut observed, &mut values, &mut errors);
+            let (rows, _) = halve("cells", false, &mut observed, &mut values, &mut errors);
             let parts = (of_cells * f64::from(1 << (2 * depth))) as usize;
             let pairs = if columns.worst.0 >= rows.worst.0 { parts / 2 } else { parts / 4 };
             let mut test = ScaleTest { parts, ..columns.plus(&rows) };
@@ -247,6 +253,7 @@ impl Scales {
 /// axis. It leaves the sums over the parts for the next scale.
 fn halve(
     of: &str,
+    are_independent: bool,
     observed: &mut Vec<u64>,
     values: &mut Vec<f64>,
     errors: &mut Vec<f64>,
@@ -257,15 +264,14 @@ fn halve(
     for pair in 0..parts / 2 {
         let (first, second) = (2 * pair, 2 * pair + 1);
         let (counts, expected) = ([observed[first], observed[second]], [values[first], values[second]]);
-        let error = errors[first].at_least(errors[second]);
-        test.add(pair, counts, expected, error);
+        test.add(pair, counts, expected, [errors[first], errors[second]], are_independent);
         for (end, at) in [(0, first), (1, second)] {
             if at == [0, parts - 1][end] {
                 ends.extend(end_of(of, parts, end, counts, expected));
             }
         }
-        (observed[pair], values[pair], errors[pair]) =
-            (counts[0] + counts[1], expected[0] + expected[1], errors[first] + errors[second]);
+        let both = if are_independent { errors[first].hypot(errors[second]) } else { errors[first] + errors[second] };
+        (observed[pair], values[pair], errors[pair]) = (counts[0] + counts[1], expected[0] + expected[1], both);
     }
     observed.truncate(parts / 2);
     values.truncate(parts / 2);
@@ -310,7 +316,7 @@ mod tests {
                 observed[(u.sqrt() * 64.0) as usize] += 1;
             }
             let mut values: Vec<f64> = (0..64).map(|i| f64::from(2 * i + 1) / 4096.0).collect();
-            let (test, _) = halve("x", &mut observed, &mut values, &mut vec![0.0; 64]);
+            let (test, _) = halve("x", false, &mut observed, &mut values, &mut vec![0.0; 64]);
             test.at_level(None, 3840).p
         };
         let found = uniformity(&(0..400).map(run).collect::<Vec<_>>());
@@ -325,7 +331,7 @@ mod tests {
         let (mut mean, mut square) = (0.0, 0.0);
         for count in 0..=20 {
             let mut test = ScaleTest::default();
-            test.add(0, [count, 20 - count], [0.3, 0.7], 0.0);
+            test.add(0, [count, 20 - count], [0.3, 0.7], [0.0; 2], false);
             mean += binomial.pmf(count) * test.sum;
             square += binomial.pmf(count) * test.sum * test.sum;
             if count == 20 {

@@ -19,7 +19,7 @@ const SPOILED: Spoil = |u| u.powf(1.0 + ERROR);
 /// A test of one sampler, by its seed.
 type Kind = fn(u64, Spoil) -> Outcome;
 
-const KINDS: [(&str, Kind); 18] = [
+const KINDS: [(&str, Kind); 29] = [
     ("interval:-1,3, linear", |seed, spoil| {
         run(seed, spoil, "interval:-1,3", 1, |u| -1.0 + 4.0 * u[0].sqrt(), |x: f64| (x + 1.0) / 8.0)
     }),
@@ -112,7 +112,102 @@ const KINDS: [(&str, Kind); 18] = [
         };
         run(seed, spoil, "simplex", 2, draw, |[b0, ..]: [f64; 3]| 6.0 * b0)
     }),
+    ("space, normal with correlation", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let [x, y, z] = [0, 1, 2].map(|i| normal(u[i]));
+            [x, 0.8 * x + 0.6 * y, 3.0 + 0.1 * z]
+        };
+        let pdf = |[x, y, z]: [f64; 3]| gauss(x) * gauss((y - 0.8 * x) / 0.6) / 0.6 * gauss((z - 3.0) / 0.1) / 0.1;
+        run(seed, spoil, "space", 3, draw, pdf)
+    }),
+    ("space, Cauchy", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let below = |r: f64| 2.0 / PI * (r.atan() - r / (1.0 + r * r));
+            let halve = |[from, to]: [f64; 2], _| {
+                let middle = 0.5 * (from + to);
+                if below(middle / (1.0 - middle)) < u[0] { [middle, to] } else { [from, middle] }
+            };
+            let [at, _] = (0..60).fold([0.0, 1.0], halve);
+            direction(u[1], u[2]).map(|x| x * at / (1.0 - at))
+        };
+        let pdf = |x: [f64; 3]| (PI * (1.0 + x.iter().map(|x| x * x).sum::<f64>())).powi(-2);
+        run(seed, spoil, "space", 3, draw, pdf)
+    }),
+    ("ball:2, towards the surface", |seed, spoil| {
+        let draw = |u: &[f64]| direction(u[1], u[2]).map(|x| 2.0 * u[0].powf(0.25) * x);
+        run(seed, spoil, "ball:2", 3, draw, |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z) / (16.0 * PI))
+    }),
+    ("ball, an octant of it", |seed, spoil| {
+        let draw = |u: &[f64]| direction(u[1], u[2]).map(|x| u[0].cbrt() * x.abs());
+        let pdf = |x: [f64; 3]| if x.iter().all(|x| *x > 0.0) { 6.0 / PI } else { 0.0 };
+        run(seed, spoil, "ball", 3, draw, pdf)
+    }),
+    ("rotations, uniform, of both signs", |seed, spoil| run(seed, spoil, "rotations", 4, rotation, |_: [f64; 4]| 1.0)),
+    ("rotations, about z", |seed, spoil| {
+        let draw = |u: &[f64]| rotation(&[u[0].sqrt(), u[1], u[2], u[3]]);
+        run(seed, spoil, "rotations", 4, draw, |[_, _, z, w]: [f64; 4]| 2.0 * (z * z + w * w))
+    }),
+    ("box of four sides, Gaussian copula", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let x = [0, 1, 2, 3].map(|i| normal(u[i]));
+            [x[0], 0.6 * x[0] + 0.8 * x[1], 0.6 * x[1] + 0.8 * x[2], x[3]].map(|x| Normal::standard().cdf(x))
+        };
+        let pdf = |u: [f64; 4]| {
+            let [a, b, c, _] = u.map(|u| normal(u.clamp(1e-12, 1.0 - 1e-12)));
+            let y = (b - 0.6 * a) / 0.8;
+            gauss(y) * gauss((c - 0.6 * y) / 0.8) / (0.64 * gauss(b) * gauss(c))
+        };
+        run(seed, spoil, "box:0,1,0,1,0,1,0,1", 4, draw, pdf)
+    }),
+    ("box of six sides, linear", |seed, spoil| {
+        let draw = |u: &[f64]| [2.0 * u[0].sqrt(), u[1], u[2], u[3], u[4].cbrt(), u[5]];
+        run(seed, spoil, "box:0,2,0,1,0,1,0,1,0,1,0,1", 6, draw, |x: [f64; 6]| 1.5 * x[0] * x[4] * x[4])
+    }),
+    ("simplex:4, Dirichlet (1, 1, 2, 3)", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let rest = [u[0].powf(1.0 / 6.0), u[1].powf(0.2)];
+            let mut order = [u[2], u[3], u[4], u[5]];
+            order.sort_by(f64::total_cmp);
+            let last = rest[0] * rest[1];
+            [1.0 - rest[0], rest[0] - last, last * order[1], last * (1.0 - order[1])]
+        };
+        run(seed, spoil, "simplex:4", 6, draw, |b: [f64; 4]| 360.0 * b[2] * b[3] * b[3])
+    }),
+    ("simplex:7, uniform", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let mut rest = 1.0;
+            let mut weight = |i: usize| {
+                let before = rest;
+                rest *= if i < 6 { u[i].powf(1.0 / (6 - i) as f64) } else { 0.0 };
+                before - rest
+            };
+            [0, 1, 2, 3, 4, 5, 6].map(&mut weight)
+        };
+        run(seed, spoil, "simplex:7", 6, draw, |_: [f64; 7]| 720.0)
+    }),
+    ("4*ball, by number", |seed, spoil| {
+        let draw = |u: &[f64]| {
+            let i = (4.0 * u[3].sqrt()).floor();
+            let [x, y, z] = direction(u[1], u[2]).map(|x| u[0].cbrt() * x);
+            [i, x, y, z]
+        };
+        run(seed, spoil, "4*ball", 4, draw, |[i, ..]: [f64; 4]| (2.0 * i + 1.0) / 16.0 * 0.75 / PI)
+    }),
 ];
+
+/// A uniform direction.
+fn direction(u: f64, v: f64) -> [f64; 3] {
+    let (z, phi) = (2.0 * u - 1.0, TAU * v);
+    let sin = (1.0 - z * z).max(0.0).sqrt();
+    [sin * phi.cos(), sin * phi.sin(), z]
+}
+
+/// A uniform rotation, with either sign.
+fn rotation(u: &[f64]) -> [f64; 4] {
+    let [first, second] = [(1.0 - u[0]).sqrt(), u[0].sqrt()];
+    let ([a, b], sign) = ([TAU * u[1], PI * u[2]], if u[3] < 0.3 { -1.0 } else { 1.0 });
+    [first * a.sin(), first * a.cos(), second * b.sin(), second * b.cos()].map(|x| sign * x)
+}
 
 fn gauss(x: f64) -> f64 {
     (-0.5 * x * x).exp() / TAU.sqrt()

@@ -1,6 +1,7 @@
 //! `etalon validate`: samplers tested against their pdfs.
 
 mod external;
+mod museum;
 mod planted;
 
 use super::console::Console;
@@ -47,6 +48,11 @@ pub struct Validate {
     /// NAME and --list then mean planted faults.
     #[arg(long, conflicts_with_all = ["envmap", "figures", "exec"])]
     planted: bool,
+    /// Test models of faults of published software, and their fixed twins
+    ///
+    /// NAME and --list then mean these faults; those that are named are drawn.
+    #[arg(long, conflicts_with_all = ["planted", "envmap", "figures", "exec"])]
+    museum: bool,
     /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
@@ -86,6 +92,16 @@ impl Validate {
                 return Ok(Verdict::Good);
             }
             return planted::run(faults, &self.names, &self.protocol(global), &self.reports, global, console);
+        }
+        if self.museum {
+            let exhibits = select(museum::all(), &self.names)?;
+            if self.list {
+                list(&exhibits.iter().map(|exhibit| exhibit.fault.name.to_owned()).collect::<Vec<_>>(), console);
+                return Ok(Verdict::Good);
+            }
+            let style = self.style.style()?;
+            let protocol = self.protocol(global);
+            return museum::run(exhibits, &self.names, &protocol, &style, &self.reports, global, console);
         }
         let subject = self.subject(console)?;
         if self.list {
@@ -162,13 +178,18 @@ impl Validate {
     }
 }
 
-/// Writes the counts of one test, or the numbers that differ, if it has any, and their drawing.
+/// The counts of one test, or the numbers that differ, if it has any.
+fn numbers(Tested { outcome, .. }: &Tested) -> Result<Option<Vec<u8>>> {
+    match (&outcome.counts, &outcome.compared) {
+        (Some(counts), _) => output::csv(&cells::rows(counts)).map(Some),
+        (None, Some(compared)) => output::csv(&cells::compared_rows(compared)).map(Some),
+        (None, None) => Ok(None),
+    }
+}
+
+/// Writes the numbers of one test, if it has any, and their drawing.
 fn draw_counts(tested: &Tested, style: &Style, target: &output::Target) -> Result<Vec<PathBuf>> {
-    let table = match (&tested.outcome.counts, &tested.outcome.compared) {
-        (Some(counts), _) => output::csv(&cells::rows(counts))?,
-        (None, Some(compared)) => output::csv(&cells::compared_rows(compared))?,
-        (None, None) => return Ok(Vec::new()),
-    };
+    let Some(table) = numbers(tested)? else { return Ok(Vec::new()) };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
     output::write(&stem, &cells::drawing(tested), style, &table)
 }

@@ -92,6 +92,11 @@ fn domains_come_from_the_file_the_flag_or_the_samples() {
 fn files_have_domains_by_name_and_charts_of_their_own() {
     let half_disk = include_str!("../../../examples/half_disk.py");
     let exponential = include_str!("../../../examples/exponential.py");
+    let rotations = include_str!("../../../examples/rotations.py");
+    // A pyramid whose side is 3z at the height z
+    let cone = "def sample(u0, u1, u2):\n    z = u2 ** (1 / 3)\n    return 3 * z * u0, z * u1, z\n\ndef pdf(x, y, z):\n    return 1\n\n\
+        def to_cube(x, y, z):\n    return (x / (3 * z), y / z, z) if z > 0 else None\n\n\
+        def from_cube(a, b, z):\n    return 3 * z * a, z * b, z\n\ndef jacobian(a, b, z):\n    return 3 * z * z\n";
     let indexed = "domain = '3*interval:0,2'\n\ndef sample(u0, u1):\n    return int(3 * u0), 2 * u1\n\ndef pdf(i, x):\n    return 1 / 6\n";
     let cases = [
         (half_disk.to_owned(), 0, ""),
@@ -104,6 +109,12 @@ fn files_have_domains_by_name_and_charts_of_their_own() {
         (exponential.replace("/ 2", "* 2"), 1, ""),
         (exponential.replace("half-line", "half_line"), 2, "which has no meaning"),
         (indexed.to_owned(), 0, ""),
+        (rotations.to_owned(), 0, ""),
+        (rotations.replace("sqrt(u0)", "u0"), 1, "outside of the domain: its length is"),
+        (rotations.replace("return 1.0", "return 2 * (z * z + w * w)"), 1, ""),
+        (cone.to_owned(), 0, ""),
+        (cone.replace("u2 ** (1 / 3)", "u2"), 1, ""),
+        (cone.replace("return 3 *", "return"), 2, "the volume per volume of the unit cube"),
     ];
     for (file, code, said) in cases {
         let Some(ran) = validate(&file, &["--samples", "20000"]) else { return };
@@ -117,11 +128,14 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
     for (file, said) in [
         (
             arrays(&STACK.replace("stack", "array").replace(", axis=1", ""), pdf),
-            "shape (3, 7) for 7 samples; wanted (7, 3)",
+            "shape (3, 11) for 11 samples; wanted (11, 3)",
         ),
         (arrays(&STACK.replace("np.stack([", "").replace("], axis=1)", ""), pdf), "a tuple of 3 arrays"),
-        (arrays(STACK, "w[:, 2:] / np.pi"), "pdf returned an array of shape (7, 1) for 7 samples; wanted (7,): take"),
-        (arrays(STACK, "w[:, 2].mean()"), "pdf returned one number for 7 samples"),
+        (
+            arrays(STACK, "w[:, 2:] / np.pi"),
+            "pdf returned an array of shape (11, 1) for 11 samples; wanted (11,): take",
+        ),
+        (arrays(STACK, "w[:, 2].mean()"), "pdf returned one number for 11 samples"),
         (
             PLAIN.replace(", sqrt(1 - u0)", "").replace("PDF", "w[2] / pi"),
             "and pdf takes 3; sample should return 3 coordinates, the x, y and z of a unit vector",

@@ -1,5 +1,7 @@
 //! Named tests, ready to run: the elements of a suite, the values that they share, and their selection by names.
 
+use super::museum::Exhibit;
+use super::plain;
 use super::planted::PlantedFault;
 use etalon_core::error::{Error, Result};
 use etalon_core::sampling::hash;
@@ -13,12 +15,15 @@ use std::sync::{Arc, OnceLock};
 
 /// One round of a test; see [`examine`].
 type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
+/// p of [`plain`]'s test for a seed, where there is a pdf.
+type Plain = dyn Fn(u64) -> Result<Option<f64>> + Send + Sync;
 
 /// A test with a name.
 pub struct Case {
-    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/60`).
+    /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/30`).
     pub name: String,
     pub(super) test: Box<Test>,
+    pub(super) plain: Option<Box<Plain>>,
     /// Computes values that the test shares with others, so that parallel tests do not repeat it.
     pub(super) preparation: Option<Box<dyn Fn() + Send + Sync>>,
     /// Bytes of its tables, if they are large.
@@ -49,7 +54,7 @@ impl Case {
         name: impl Into<String>,
         test: impl Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), test: Box::new(test), preparation: None, memory: 0 }
+        Self { name: name.into(), test: Box::new(test), plain: None, preparation: None, memory: 0 }
     }
 
     /// Whether no other test must run beside this one, which uses all threads itself.
@@ -65,10 +70,31 @@ impl Case {
         S: Sampler,
         P: Density,
     {
+        let shared = Arc::new((domain, make));
+        let other = shared.clone();
         Self::new(name, move |protocol, round| {
-            let (sampler, density) = make();
-            Ok(examine(&domain, &sampler, &density, protocol, round)?)
+            let (sampler, density) = (shared.1)();
+            Ok(examine(&shared.0, &sampler, &density, protocol, round)?)
         })
+        .with_plain(move |seed| {
+            let (sampler, density) = (other.1)();
+            plain::p_value(&other.0, &sampler, &density, seed)
+        })
+    }
+
+    /// The same test, and what the plain one says.
+    pub(super) fn with_plain(self, plain: impl Fn(u64) -> Result<Option<f64>> + Send + Sync + 'static) -> Self {
+        Self { plain: Some(Box::new(plain)), ..self }
+    }
+
+    /// p of the [plain](plain) chi-square test of the same sampler; `None` where there is no pdf to test.
+    pub(super) fn plain(&self, seed: u64) -> Result<Option<f64>> {
+        self.plain.as_ref().map_or(Ok(None), |plain| plain(self.seed(seed)))
+    }
+
+    /// A seed of its own.
+    fn seed(&self, seed: u64) -> u64 {
+        self.name.bytes().fold(seed, |key, byte| hash::mix64(key ^ u64::from(byte)))
     }
 
     /// Computes the values that the test shares with others.
@@ -85,7 +111,7 @@ impl Case {
     /// tables; those of [`examine`].
     pub fn examine(&self, protocol: &Protocol, round: u64) -> Result<Outcome> {
         memory::request(self.memory, || format!("the tables of the test {}", self.name))?;
-        let seed = self.name.bytes().fold(protocol.seed, |key, byte| hash::mix64(key ^ u64::from(byte)));
+        let seed = self.seed(protocol.seed);
         (self.test)(&Protocol { seed, cancelled: interrupt::requested, ..*protocol }, round)
     }
 }
@@ -99,6 +125,12 @@ pub trait Named {
 impl Named for Case {
     fn name(&self) -> &str {
         &self.name
+    }
+}
+
+impl Named for Exhibit {
+    fn name(&self) -> &str {
+        self.fault.name
     }
 }
 

@@ -6,6 +6,9 @@ mod case;
 pub mod families;
 // What is tested, and not what tests it.
 #[allow(clippy::disallowed_methods)]
+pub mod museum;
+mod plain;
+#[allow(clippy::disallowed_methods)]
 pub mod planted;
 mod run;
 #[allow(clippy::disallowed_methods)]

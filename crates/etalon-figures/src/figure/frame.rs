@@ -54,7 +54,7 @@ pub(super) fn most_rows(height: f64) -> usize {
 pub(super) struct Axes<'a> {
     pub panel: &'a Panel,
     pub frame: Rect,
-    /// Titles above and below the frame are broken within this width.
+    /// Titles above and below the frame are broken within this width, and within little more than that of the frame.
     pub limit: f64,
     pub x: Span,
     pub y: Span,
@@ -90,9 +90,9 @@ impl<'a> Axes<'a> {
         Canvas { drawing, frame: self.frame, room: Sides::default(), dash }.chart(&self.across, &self.up)
     }
 
-    /// The length of a line above or below the frame: little more than its width, where titles are broken at all.
+    /// The length of a line above or below the frame: little more than its width.
     fn widest(&self) -> f64 {
-        if self.limit.is_finite() { self.limit.min(1.2 * self.frame.width) } else { f64::INFINITY }
+        self.limit.min(1.2 * self.frame.width)
     }
 
     /// The length of a line beside the frame, where titles are broken at all.

@@ -437,9 +437,9 @@ pub fn round(value: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|m| *m >= value).unwrap_or(value)
 }
 
-/// Curves above images at equal time.
+/// Curves above images at equal time of a few contenders.
 pub fn sheet(result: &Convergence) -> Drawing {
-    Drawing::stacked(vec![curves(result), images(result)], 0.5)
+    Drawing::stacked(vec![curves(result), images(result, COLUMNS - 1)], 0.5)
 }
 
 /// The label of the colour bar of relative errors.
@@ -453,8 +453,8 @@ const REGIONS: usize = 2;
 const WIDTH: usize = 360;
 const COLUMNS: usize = 5;
 
-/// Every contender's image after equal time, with its relative error below.
-pub fn images(result: &Convergence) -> Drawing {
+/// Images after equal time, with their relative errors below: of all contenders, or of so many.
+pub fn images(result: &Convergence, most: usize) -> Drawing {
     let seconds = result.common_seconds();
     let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
     let truth = truth.image();
@@ -465,6 +465,7 @@ pub fn images(result: &Convergence) -> Drawing {
         .iter()
         .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
         .collect();
+    let levels = spread(levels, most);
     // One scale of errors for all: the median RMSE, rounded up
     let mut sizes: Vec<f64> = levels.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     sizes.sort_by(f64::total_cmp);
@@ -503,6 +504,24 @@ pub fn images(result: &Convergence) -> Drawing {
     let sheet = contact_sheet(&title, COLUMNS, &cells);
     let bar = scale(1, Vec::new()).bar(420.0);
     Drawing::stacked(vec![sheet, bar], 0.5)
+}
+
+/// So many of the contenders: the default, those with bias, and others evenly from the least efficient to the best.
+fn spread<'a>(
+    mut levels: Vec<(&'a Curve, &'a Level, &'a Image)>,
+    most: usize,
+) -> Vec<(&'a Curve, &'a Level, &'a Image)> {
+    if levels.len() <= most {
+        return levels;
+    }
+    levels.sort_by(|(_, a, _), (_, b, _)| a.efficiency.total_cmp(&b.efficiency));
+    let always =
+        |(curve, ..): &(&Curve, &Level, &Image)| curve.verdict == CurveVerdict::Biased || curve.strategy == DEFAULT;
+    let (mut always, others): (Vec<_>, Vec<_>) = levels.into_iter().partition(always);
+    always.truncate(most);
+    let count = (most - always.len()).min(others.len());
+    let evenly = (0..count).map(|i| others[i * others.len() / count]);
+    evenly.chain(always).collect()
 }
 
 /// A square region of an image: its left upper corner and its side.

@@ -1,65 +1,58 @@
-//! Maps of errors over the inputs: the renderer's formula, the textbook's, the reports', and the error that rounding of the input causes;
-//! and the worst case of every family, variant and precision beside what rounding explains of it.
+//! Errors over the inputs of a family: the renderer's formula, the textbook's, the reports', and the error that rounding of the input
+//! causes; and the worst case of every family, variant and precision beside what rounding explains of it.
 
 use super::text::{capitalized, power_of_ten};
-use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, theme};
+use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, Section, Sweep, TEXTBOOK};
 
-/// One colour scale for all maps: from below the rounding of f32 to a relative error of 1.
-const SCALE: (f64, f64) = (1e-8, 1.0);
+/// One scale for all panels: from below the rounding of f32 to a relative error of 1. Errors beyond stand at its ends.
+const SCALE: [f64; 2] = [1e-8, 1.0];
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
-/// Size of a map.
-const FRAME: [f64; 2] = [180.0, 95.0];
-/// The label of the colour bar, which all maps share.
-const LABEL: &str = "relative error in f32 (darkest: 10^{−8} or less, lightest: 1 or more, grey: not finite)";
+/// Panels in a row, and the size of a frame.
+const COLUMNS: usize = 3;
+const FRAME: [f64; 2] = [250.0, 150.0];
 
-/// Grids in a column; more stand in two.
-const COLUMN: usize = 4;
-
-/// A row of maps for every grid of the sweeps, each of the relative errors in f32. Grids on which no variant errs are named, and are shown
-/// where there are no others.
-pub fn maps(sweeps: &[Sweep]) -> Drawing {
+/// A panel for every grid of the sweeps: the largest error in f32 along that axis of the grid which tells more of it. Grids on which no
+/// variant errs are named, and are shown where there are no others.
+pub fn errors(sweeps: &[Sweep]) -> Drawing {
     let grids = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |number| (sweep, number)));
     let (shown, others): (Vec<_>, Vec<_>) = grids.partition(|(sweep, number)| errs(sweep, *number));
     let (shown, others) = if shown.is_empty() { (others, Vec::new()) } else { (shown, others) };
-    let rows: Vec<_> = shown.iter().map(|(sweep, number)| row(sweep, *number)).collect();
-    let column = |rows: &[(String, Vec<Panel>)]| Plot::grid(rows.to_vec()).frame_size(FRAME[0], FRAME[1]).draw();
-    let half = if rows.len() > COLUMN { rows.len().div_ceil(2) } else { rows.len() };
-    let maps = Drawing::beside(rows.chunks(half.max(1)).map(column).collect());
+    // All panels have the same legend
+    let is_shown = |name: &&str| shown.iter().any(|(sweep, _)| sweep.family.variants.iter().any(|v| v.name == *name));
+    let names: Vec<&str> = [TEXTBOOK, REPORT, STABLE].into_iter().filter(is_shown).collect();
+    let panels: Vec<Panel> = shown.iter().map(|(sweep, number)| panel(sweep, *number, &names)).collect();
+    let rows = panels.chunks(COLUMNS).map(|row| (String::new(), row.to_vec()));
+    let plot = Plot::grid(rows).frame_size(FRAME[0], FRAME[1]).draw();
     if others.is_empty() {
-        return maps;
+        return plot;
     }
     let names: Vec<String> = others.iter().map(|(sweep, number)| heading(sweep, *number)).collect();
-    let small = format!("Every variant has errors below {}, and no map:", power_of_ten(VISIBLE).replace("≈ ", ""));
-    Drawing::stacked(vec![maps, Drawing::stacked(Vec::new(), 0.0).headed(small, names)], 0.5)
+    let small = format!("Every variant has errors below {} here:", power_of_ten(VISIBLE).replace("≈ ", ""));
+    Drawing::stacked(vec![plot, Drawing::stacked(Vec::new(), 0.0).headed(small, names)], 0.5)
 }
 
-/// The least relative error that counts as one in a map.
+/// The least relative error that counts as one.
 const VISIBLE: f64 = 1e-5;
+
+/// The cases of a grid in f32. Where rounding alone decides whether there is a value, errors do not count.
+fn cases(sweep: &Sweep, number: usize) -> impl Iterator<Item = (&Case, [usize; 2])> {
+    let single = sweep.cases.iter().filter(|case| case.precision == Precision::Single && case.condition.is_finite());
+    single.filter_map(move |case| {
+        let place = case.place.filter(|place| place.section == number)?;
+        Some((case, [place.column, place.row]))
+    })
+}
 
 /// Whether a variant errs somewhere on a grid, or has no finite value.
 fn errs(sweep: &Sweep, number: usize) -> bool {
-    let on_grid =
-        |case: &&Case| case.precision == Precision::Single && case.place.is_some_and(|place| place.section == number);
-    let is_small = |case: &Case| case.deviations.iter().flatten().all(|d| d.relative < VISIBLE);
-    !sweep.cases.iter().filter(on_grid).all(is_small)
+    let is_small = |(case, _): (&Case, _)| case.deviations.iter().flatten().all(|d| d.relative < VISIBLE);
+    !cases(sweep, number).all(is_small)
 }
 
 fn heading(sweep: &Sweep, number: usize) -> String {
     capitalized(&format!("{} ({})", sweep.family.about, sweep.family.sections[number].title))
-}
-
-/// The maps of one grid under their heading.
-fn row(sweep: &Sweep, number: usize) -> (String, Vec<Panel>) {
-    let of = |i: usize| move |case: &Case| case.deviations[i].map_or(f64::NAN, |d| d.relative);
-    let variants = sweep.family.variants.iter().enumerate();
-    let mut panels: Vec<Panel> =
-        variants.map(|(i, variant)| panel(sweep, number, title(variant.name), i == 0, &of(i))).collect();
-    let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
-    // Beside the variant that renders: the other variants' number differs
-    panels.insert(1, panel(sweep, number, "Rounding of the input".into(), false, &rounding));
-    (heading(sweep, number), panels)
 }
 
 /// What a variant is called in figures.
@@ -70,20 +63,42 @@ pub fn title(variant: &str) -> String {
     }
 }
 
-/// A map of one grid; the first of a row names the y axis.
-fn panel(sweep: &Sweep, number: usize, title: String, is_first: bool, value: &dyn Fn(&Case) -> f64) -> Panel {
+/// The largest errors of one grid along one of its axes.
+fn panel(sweep: &Sweep, number: usize, names: &[&str]) -> Panel {
     let Section { x, y, .. } = &sweep.family.sections[number];
-    let side = sweep.side;
-    let mut values = vec![f64::NAN; side * side];
-    for case in sweep.cases.iter().filter(|case| case.precision == Precision::Single) {
-        if let Some(place) = case.place.filter(|place| place.section == number) {
-            // Row 0 of a map is at the top, where the y axis ends. Exact values take the colour of the least error.
-            values[(side - 1 - place.row) * side + place.column] = value(case).max(SCALE.0);
-        }
+    let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
+    let of = |name: &str| {
+        let variant = sweep.family.variants.iter().position(|variant| variant.name == name)?;
+        Some(move |case: &Case| case.deviations[variant].map_or(0.0, |d| d.relative))
+    };
+    // The axis along which the largest errors are smaller on the whole: it tells more of where they are
+    let height = |axis: usize| -> f64 {
+        let of_variant = |name| of(name).map(|value| largest(sweep, number, axis, &value));
+        names.iter().filter_map(|name| of_variant(name)).flatten().map(f64::log10).sum()
+    };
+    let (axis, Scale { label, from, to }) = if height(1) < height(0) { (1, y) } else { (0, x) };
+    let along = |value: &dyn Fn(&Case) -> f64| -> Vec<Point> {
+        let at = |i| [x, y][axis].at(i, sweep.side);
+        largest(sweep, number, axis, value).into_iter().enumerate().map(|(i, error)| [at(i), error]).collect()
+    };
+    let error = Axis::log("largest relative error").range(SCALE[0] / 2.0, SCALE[1] * 2.0);
+    let panel = Panel::new(Axis::log(*label).range(*from, *to), error).title(heading(sweep, number));
+    let panel = panel.line("rounding of the input alone", theme::EXPLAINED_BY_INPUT, along(&rounding));
+    names.iter().fold(panel, |panel, name| {
+        let dash = if *name == REPORT { theme::DASHED } else { theme::SOLID };
+        let stroke = Stroke { dash, ..Stroke::solid(look(name).0, theme::LINE) };
+        panel.line(title(name).to_lowercase(), stroke, of(name).map(|value| along(&value)).unwrap_or_default())
+    })
+}
+
+/// The largest value at each place along an axis of a grid, within the scale.
+fn largest(sweep: &Sweep, number: usize, axis: usize, value: &dyn Fn(&Case) -> f64) -> Vec<f64> {
+    let mut values = vec![SCALE[0]; sweep.side];
+    for (case, place) in cases(sweep, number) {
+        let at = &mut values[place[axis]];
+        *at = at.max(value(case)).min(SCALE[1]);
     }
-    let axis = |scale: &Scale, label| Axis::log(label).range(scale.from, scale.to);
-    let map = Heatmap::new(side, values, Shading::Log10, LABEL).range(SCALE.0, SCALE.1);
-    Panel::new(axis(x, x.label), axis(y, if is_first { y.label } else { "" })).title(title).heatmap(map)
+    values
 }
 
 /// Scale of relative errors, and of errors over what rounding of the input explains; values outside stand at its ends.

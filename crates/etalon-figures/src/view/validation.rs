@@ -5,6 +5,7 @@ use super::text::{LINE, counted, p_is, p_value, plain_p_value, rounded, wrapped}
 use super::validation_cells;
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::table::Table;
+use etalon_bench::validation::museum::{Museum, Seen, Shown};
 use etalon_bench::validation::planted::{By, Finding, Findings};
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Bound, Outcome, Verdict};
@@ -231,6 +232,51 @@ pub fn planted_rows<'a>(findings: &'a Findings) -> Vec<PlantedRow<'a>> {
         }
     };
     findings.tests.iter().map(row).collect()
+}
+
+/// One fault of published software. Field names are the CSV columns.
+#[derive(Debug, Default, Serialize)]
+pub struct MuseumRow<'a> {
+    name: &'a str,
+    source: &'a str,
+    /// What of the source was read.
+    seen: Option<Seen>,
+    story: &'a str,
+    verdict: String,
+    check: &'a str,
+    named: &'a str,
+    reason: String,
+    would_find: &'a str,
+    p: Option<f64>,
+    samples: u64,
+    seconds: f64,
+    verdict_without: String,
+    plain_p: Option<f64>,
+    plain_p_without: Option<f64>,
+}
+
+pub fn museum_rows<'a>(museum: &'a Museum) -> Vec<MuseumRow<'a>> {
+    let row = |test: &'a Shown| {
+        let Finding { name, mistake, outcome, sound, .. } = &test.finding;
+        MuseumRow {
+            name,
+            source: test.source,
+            seen: Some(test.seen),
+            story: mistake,
+            verdict: outcome.verdict.to_string(),
+            check: test.check.unwrap_or(""),
+            named: outcome.mistake.as_deref().unwrap_or(""),
+            reason: outcome.reason().unwrap_or_default(),
+            would_find: test.would_find.unwrap_or(""),
+            p: outcome.p,
+            samples: outcome.samples,
+            seconds: outcome.seconds,
+            verdict_without: sound.to_string(),
+            plain_p: test.plain,
+            plain_p_without: test.plain_sound,
+        }
+    };
+    museum.tests.iter().map(row).collect()
 }
 
 /// What a run found: of several tests the verdict and why first, then those that need a look, and those that were accepted by family, or, if

@@ -5,8 +5,10 @@
 //! A rule misses spikes and gaps between its nodes. So the density is also known at probes: where it is not what the nodes
 //! around a probe predict, the rectangle is cut further. A check at random points measures what is still missed.
 //! Densities that are constant between lines of the chart: exact sums.
+//! More than two dimensions: points in the leaves of a tree.
 
 mod check;
+mod lattices;
 mod pieces;
 mod refine;
 mod rule;
@@ -14,6 +16,7 @@ mod shares;
 mod steps;
 
 pub(crate) use check::Check;
+pub(crate) use lattices::{LATTICES, Lattices, Wanted};
 pub(crate) use refine::Refinement;
 pub(crate) use shares::Shares;
 
@@ -86,6 +89,8 @@ pub(crate) enum Integration<'a> {
     Exact(Integrals, Shares),
     /// Rules on pieces of the cells.
     Refined(Refinement<'a>),
+    /// Points in the leaves of a tree, in more than two dimensions.
+    Lattices(Lattices),
 }
 
 impl<'a> Integration<'a> {
@@ -124,6 +129,7 @@ impl<'a> Integration<'a> {
         match self {
             Self::Exact(..) => None,
             Self::Refined(refinement) => refinement.far(),
+            Self::Lattices(lattices) => lattices.far,
         }
     }
 
@@ -132,6 +138,7 @@ impl<'a> Integration<'a> {
         match self {
             Self::Exact(integrals, _) => integrals.clone(),
             Self::Refined(refinement) => refinement.integrals(),
+            Self::Lattices(lattices) => lattices.integrals.clone(),
         }
     }
 
@@ -140,6 +147,7 @@ impl<'a> Integration<'a> {
         match self {
             Self::Exact(_, shares) => shares.clone(),
             Self::Refined(refinement) => refinement.shares(subdivision),
+            Self::Lattices(lattices) => lattices.shares.clone(),
         }
     }
 }

@@ -17,17 +17,19 @@ use std::ops::Range;
 pub(crate) struct Shares {
     pub values: Parts<f64>,
     pub errors: Parts<f64>,
+    /// Whether these are independent standard errors.
+    pub are_independent: bool,
 }
 
 impl Shares {
     /// Zeros.
     pub(super) fn new(subdivision: &Subdivision) -> Self {
-        Self { values: Parts::new(subdivision), errors: Parts::new(subdivision) }
+        Self { values: Parts::new(subdivision), errors: Parts::new(subdivision), are_independent: false }
     }
 
     /// The same, multiplied by `scale`.
     pub fn times(mut self, scale: f64) -> Self {
-        let Self { values, errors } = &mut self;
+        let Self { values, errors, .. } = &mut self;
         for Parts { axes, cells } in [values, errors] {
             axes.iter_mut().flatten().chain(cells).for_each(|integral| *integral *= scale);
         }

@@ -1,7 +1,7 @@
 //! Finite sets, and their products with other domains.
 
-use super::{Domain, Named, Point, equal_parts};
-use crate::error::Result;
+use super::{ChartFunctions, Domain, Named, Place, Point, Space, equal_parts, place};
+use crate::error::{Error, Result};
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::mistakes::Mistake;
@@ -92,6 +92,12 @@ impl Indexed {
         is_index.then_some(*index as usize).zip(self.domain.point(rest))
     }
 
+    /// The functions of a domain of more than two dimensions.
+    fn functions(&self) -> Result<&dyn ChartFunctions> {
+        let none = || Error::parameter("domain", "it has no cube".to_owned(), "use one of more than two dimensions");
+        self.domain.space().map(|space| space.functions).ok_or_else(none)
+    }
+
     /// The index at chart coordinates, and those of the point.
     fn unfold(&self, [u, v]: [f64; 2]) -> (usize, [f64; 2]) {
         let scaled = u * self.count as f64;
@@ -139,6 +145,11 @@ impl Domain for Indexed {
         self.domain.is_plane()
     }
 
+    fn space(&self) -> Option<Space<'_>> {
+        let Space { axes, is_product, .. } = self.domain.space()?;
+        Some(Space { functions: self, axes: [vec!["index".to_owned()], axes].concat(), is_product })
+    }
+
     fn parts(&self) -> usize {
         self.count
     }
@@ -167,4 +178,34 @@ impl Domain for Indexed {
         let is_whole = cell.y == [0.0, 1.0];
         format!("indices {first} to {last}{}", if is_whole { String::new() } else { format!(", {across}") })
     }
+}
+
+/// The index is the first coordinate of the cube, in equal parts.
+impl ChartFunctions for Indexed {
+    fn to_cube(&self, points: &[Point]) -> Result<Vec<Place>> {
+        let split: Vec<Option<(usize, Point)>> = points.iter().map(|&point| self.split(point)).collect();
+        let rest: Vec<Point> = split.iter().map(|split| split.map_or(f64::NAN.into(), |(_, point)| point)).collect();
+        let at = |(split, at): (Option<(usize, Point)>, Place)| {
+            let index = split.map_or(f64::NAN, |(index, _)| (index as f64 + 0.5) / self.count as f64);
+            place(&[&[index], &at[..at.len() - 1]].concat())
+        };
+        Ok(split.into_iter().zip(self.functions()?.to_cube(&rest)?).map(at).collect())
+    }
+
+    fn from_cube(&self, cube: &[Place]) -> Result<Vec<Point>> {
+        let index = |at: &Place| ((at[0] * self.count as f64) as usize).min(self.count - 1) as f64;
+        let point = |(at, rest): (&Place, Point)| Point::of(&[&[index(at)], rest.coordinates()].concat());
+        let points = self.functions()?.from_cube(&rest(cube))?;
+        Ok(cube.iter().zip(points).map(|of| point(of).unwrap_or(f64::NAN.into())).collect())
+    }
+
+    fn jacobian(&self, cube: &[Place]) -> Result<Vec<f64>> {
+        let jacobians = self.functions()?.jacobian(&rest(cube))?;
+        Ok(jacobians.into_iter().map(|jacobian| self.count as f64 * jacobian).collect())
+    }
+}
+
+/// The places without the index.
+fn rest(cube: &[Place]) -> Vec<Place> {
+    cube.iter().map(|at| place(&at[1..])).collect()
 }

@@ -7,15 +7,18 @@ mod line;
 mod plane;
 mod point;
 mod registry;
+mod solid;
 mod triangle;
 
-pub use chart::{Chart, ChartFunctions, Cube, chart};
+pub use chart::{Chart, ChartFunctions, Cube, Place, Space, chart, place};
+pub(crate) use chart::{inside, steps};
 pub use directions::{Directions, Pole};
 pub use finite::{Discrete, Indexed};
 pub use line::{Axis, Circle, HalfLine, Line, RealLine};
 pub use plane::{Disk, Plane, Product, Rectangle, Square};
 pub use point::Point;
 pub use registry::{DOMAINS, Entry, Named, known, named};
+pub use solid::{ball, cuboid, rotations, simplex, space};
 pub use triangle::{Barycentric, Simplex, Triangle};
 
 use crate::error::Result;
@@ -90,6 +93,12 @@ pub trait Domain: Sync {
         true
     }
 
+    /// The chart of a set of more than two dimensions, from which tests make cells; [`to_chart`](Self::to_chart) says only whether
+    /// a point is in the set.
+    fn space(&self) -> Option<Space<'_>> {
+        None
+    }
+
     /// The number of points of a finite set.
     fn outcomes(&self) -> Option<usize> {
         None
@@ -121,7 +130,7 @@ pub trait Domain: Sync {
 
     /// The names of the coordinates of points.
     fn names(&self) -> Vec<&'static str> {
-        NAMES[..self.point_at([0.5; 2]).coordinates().len()].to_vec()
+        names(self.point_at([0.5; 2]).coordinates().len())
     }
 
     /// The direction with these angles in radians, θ from the pole and φ; `None` where points are no directions in space.
@@ -168,8 +177,15 @@ pub trait Domain: Sync {
     }
 }
 
-/// The names of up to four coordinates.
-const NAMES: [&str; 4] = ["x", "y", "z", "w"];
+/// The names of so many coordinates.
+fn names(width: usize) -> Vec<&'static str> {
+    let all = if width <= 4 {
+        ["x", "y", "z", "w", "", "", "", ""]
+    } else {
+        ["x0", "x1", "x2", "x3", "x4", "x5", "x6", "x7"]
+    };
+    all[..width].to_vec()
+}
 
 /// How far apart two points of one atom may be, in units of the domain's extent: a few roundings of f32.
 const ATOM: f64 = 2e-6;

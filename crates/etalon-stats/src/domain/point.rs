@@ -2,14 +2,17 @@
 
 use std::fmt;
 
-/// A point of a domain: an integer, or one to four coordinates.
+/// Most coordinates of a point.
+const MOST: usize = 8;
+
+/// A point of a domain: an integer, or one to eight coordinates.
 ///
-/// `usize` (to 2⁵³), `f64`, `[f64; 2]`, `[f64; 3]` and `[f64; 4]` convert to points and back. Converted to another kind than its own, a point
+/// `usize` (to 2⁵³), `f64`, and `[f64; 2]` to `[f64; 8]` convert to points and back. Converted to another kind than its own, a point
 /// becomes NaN or `usize::MAX`, which lie in no domain.
 #[derive(Clone, Copy)]
 pub struct Point {
     /// [`NONE`] where there is none; after that of an integer, [`INTEGER`].
-    coordinates: [f64; 4],
+    coordinates: [f64; MOST],
 }
 
 /// Numbers that are no coordinates. (A field for the kind would make samples larger, and tests of fast samplers slower.)
@@ -30,8 +33,8 @@ impl Point {
     /// How many coordinates there are.
     #[inline]
     fn len(&self) -> usize {
-        let [_, y, z, w] = self.coordinates;
-        if is(y, NONE) || is(y, INTEGER) { 1 } else { 4 - usize::from(is(z, NONE)) - usize::from(is(w, NONE)) }
+        let is_end = |x: &f64| is(*x, NONE) || is(*x, INTEGER);
+        1 + self.coordinates[1..].iter().position(is_end).unwrap_or(MOST - 1)
     }
 
     /// The coordinates; an integer counts as one.
@@ -41,16 +44,12 @@ impl Point {
         &self.coordinates[..self.len()]
     }
 
-    /// The point with one to four coordinates; `None` for more or fewer.
+    /// The point with one to eight coordinates; `None` for more or fewer.
     #[must_use]
     pub fn of(coordinates: &[f64]) -> Option<Self> {
-        Some(match *coordinates {
-            [x] => x.into(),
-            [x, y] => [x, y].into(),
-            [x, y, z] => [x, y, z].into(),
-            [x, y, z, w] => [x, y, z, w].into(),
-            _ => return None,
-        })
+        let mut all = [NONE; MOST];
+        all.get_mut(..coordinates.len()).filter(|all| !all.is_empty())?.copy_from_slice(coordinates);
+        Some(Self { coordinates: all })
     }
 
     /// Its value, if it is an integer.
@@ -64,34 +63,25 @@ impl Point {
 impl From<usize> for Point {
     #[inline]
     fn from(i: usize) -> Self {
-        Self { coordinates: [i as f64, INTEGER, NONE, NONE] }
+        let mut coordinates = [NONE; MOST];
+        (coordinates[0], coordinates[1]) = (i as f64, INTEGER);
+        Self { coordinates }
     }
 }
 
 impl From<f64> for Point {
     #[inline]
     fn from(x: f64) -> Self {
-        Self { coordinates: [x, NONE, NONE, NONE] }
+        [x].into()
     }
 }
 
-impl From<[f64; 2]> for Point {
+impl<const N: usize> From<[f64; N]> for Point {
     #[inline]
-    fn from([x, y]: [f64; 2]) -> Self {
-        Self { coordinates: [x, y, NONE, NONE] }
-    }
-}
-
-impl From<[f64; 3]> for Point {
-    #[inline]
-    fn from([x, y, z]: [f64; 3]) -> Self {
-        Self { coordinates: [x, y, z, NONE] }
-    }
-}
-
-impl From<[f64; 4]> for Point {
-    #[inline]
-    fn from(coordinates: [f64; 4]) -> Self {
+    fn from(from: [f64; N]) -> Self {
+        const { assert!(N >= 1 && N <= MOST, "points have one to eight coordinates") };
+        let mut coordinates = [NONE; MOST];
+        coordinates[..N].copy_from_slice(&from);
         Self { coordinates }
     }
 }
@@ -106,30 +96,18 @@ impl From<Point> for usize {
 impl From<Point> for f64 {
     #[inline]
     fn from(point: Point) -> Self {
-        if is(point.coordinates[1], NONE) { point.coordinates[0] } else { f64::NAN }
+        let [x] = point.into();
+        x
     }
 }
 
-impl From<Point> for [f64; 2] {
+impl<const N: usize> From<Point> for [f64; N] {
     #[inline]
     fn from(point: Point) -> Self {
-        let [x, y, z, _] = point.coordinates;
-        if is(z, NONE) && point.len() == 2 { [x, y] } else { [f64::NAN; 2] }
-    }
-}
-
-impl From<Point> for [f64; 3] {
-    #[inline]
-    fn from(point: Point) -> Self {
-        let [x, y, z, w] = point.coordinates;
-        if is(w, NONE) && !is(z, NONE) { [x, y, z] } else { [f64::NAN; 3] }
-    }
-}
-
-impl From<Point> for [f64; 4] {
-    #[inline]
-    fn from(point: Point) -> Self {
-        if is(point.coordinates[3], NONE) { [f64::NAN; 4] } else { point.coordinates }
+        const { assert!(N >= 1 && N <= MOST, "points have one to eight coordinates") };
+        let of = &point.coordinates;
+        let ends = N == MOST || is(of[N.min(MOST - 1)], NONE);
+        if ends && !is(of[N - 1], NONE) && !point.is_integer() { std::array::from_fn(|i| of[i]) } else { [f64::NAN; N] }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     Barycentric, Circle, Directions, Discrete, Disk, Domain, HalfLine, Indexed, Line, Plane, Pole, Product, RealLine,
-    Rectangle, Simplex, Square, Triangle,
+    Rectangle, Simplex, Square, Triangle, solid,
 };
 use crate::error::{Error, Result};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ fn alone(parameters: &[f64], domain: impl Domain + Send + 'static) -> std::resul
 }
 
 /// All domains.
-pub const DOMAINS: [Entry; 14] = [
+pub const DOMAINS: [Entry; 17] = [
     Entry {
         name: "sphere",
         parameters: "",
@@ -123,16 +123,53 @@ pub const DOMAINS: [Entry; 14] = [
     },
     Entry {
         name: "box",
-        parameters: ":X0,X1,Y0,Y1",
-        coordinates: "`x y`, from X0 to X1 and from Y0 to Y1",
-        measure: "unit area",
+        parameters: ":X0,X1,Y0,Y1[,…]",
+        coordinates: "`x y`, from X0 to X1 and from Y0 to Y1; of two to six axes",
+        measure: "unit area (volume)",
         example: "box:-1,1,0,2",
-        make: |p| match *p {
-            [x0, x1, y0, y1] if x0 < x1 && y0 < y1 && ((x1 - x0) * (y1 - y0)).is_finite() => {
-                made(Rectangle { x: Line { from: x0, to: x1 }, y: Line { from: y0, to: y1 } })
+        make: |p| {
+            let sides: Vec<Line> = p.chunks_exact(2).map(|ends| Line { from: ends[0], to: ends[1] }).collect();
+            let measure: f64 = sides.iter().map(|side| side.to - side.from).product();
+            match *sides {
+                _ if p.len() % 2 > 0 || !measure.is_finite() || sides.iter().any(|side| side.from >= side.to) => None,
+                [x, y] => Some(made(Rectangle { x, y })),
+                _ if (3..=6).contains(&sides.len()) => Some(made(solid::cuboid(sides))),
+                _ => None,
             }
-            _ => Err("four numbers, the lower end of each axis first"),
+            .unwrap_or(Err("four to twelve numbers, the lower end of each axis first"))
         },
+    },
+    Entry {
+        name: "space",
+        parameters: "[:WIDTH]",
+        coordinates: "`x y z`, any numbers; most are about WIDTH (1) from 0",
+        measure: "unit volume",
+        example: "space",
+        make: |p| match *p {
+            [] => made(solid::space(1.0)),
+            [width] if is_width(width) => made(solid::space(width)),
+            _ => Err("perhaps a width above 0"),
+        },
+    },
+    Entry {
+        name: "ball",
+        parameters: "[:RADIUS]",
+        coordinates: "`x y z`, within RADIUS (1) of the origin",
+        measure: "unit volume",
+        example: "ball:2",
+        make: |p| match *p {
+            [] => made(solid::ball(1.0)),
+            [radius] if is_width(radius) => made(solid::ball(radius)),
+            _ => Err("perhaps a radius above 0"),
+        },
+    },
+    Entry {
+        name: "rotations",
+        parameters: "",
+        coordinates: "`x y z w`, a unit quaternion, w its real part; q and −q are one",
+        measure: "share of all rotations (Haar's measure: the uniform pdf is 1)",
+        example: "rotations",
+        make: |p| alone(p, solid::rotations()),
     },
     Entry {
         name: "disk",
@@ -176,11 +213,15 @@ pub const DOMAINS: [Entry; 14] = [
     },
     Entry {
         name: "simplex",
-        parameters: "",
-        coordinates: "`b0 b1 b2`, from 0 to 1, of sum 1",
-        measure: "unit area of `b0 b1` (½ in all)",
+        parameters: "[:K]",
+        coordinates: "`b0 b1 b2`, from 0 to 1, of sum 1; K (3) of them, at most 7",
+        measure: "unit area of `b0 b1` (½ in all); volume of all but the last (1/(K − 1)!)",
         example: "simplex",
-        make: |p| alone(p, Simplex),
+        make: |p| match if p.is_empty() { Some(3) } else { whole(p, 7) } {
+            Some(3) => made(Simplex),
+            Some(weights) if weights > 3 => made(solid::simplex(weights)),
+            _ => Err("a number from 3 to 7"),
+        },
     },
     Entry {
         name: "discrete",
@@ -228,8 +269,8 @@ pub fn named(text: &str) -> Result<Named> {
         let count = count.trim().parse().ok().filter(|n| (1..=MOST_INDICES).contains(n));
         let count = count.ok_or_else(|| wrong(format!("{text:?} needs a number from 1 to {MOST_INDICES} before *")))?;
         let width = domain.point_at([0.5; 2]).coordinates().len();
-        if domain.outcomes().is_some() || domain.parts() > 1 || width > 3 {
-            return Err(wrong(format!("{text:?}: indices go with points of one to three coordinates")));
+        if domain.outcomes().is_some() || domain.parts() > 1 || width > 7 {
+            return Err(wrong(format!("{text:?}: indices go with points of one to seven coordinates")));
         }
         return Ok(Arc::new(Indexed { count, domain }));
     }
@@ -245,18 +286,42 @@ pub fn named(text: &str) -> Result<Named> {
 #[cfg(test)]
 mod tests {
     use super::super::chart::check_chart;
+    use super::super::{ChartFunctions, Place, Point, place};
     use super::*;
+
+    /// A domain of one or two dimensions by the functions of its chart.
+    struct Flat<'a>(&'a dyn Domain);
+
+    impl ChartFunctions for Flat<'_> {
+        fn to_cube(&self, points: &[Point]) -> Result<Vec<Place>> {
+            Ok(self.0.charts(points)?.iter().map(|at| place(at)).collect())
+        }
+
+        fn from_cube(&self, cube: &[Place]) -> Result<Vec<Point>> {
+            self.0.points_at(&cube.iter().map(|at| [at[0], at[1]]).collect::<Vec<_>>())
+        }
+
+        fn jacobian(&self, cube: &[Place]) -> Result<Vec<f64>> {
+            Ok(cube.iter().map(|at| self.0.jacobian([at[0], at[1]])).collect())
+        }
+    }
 
     #[test]
     fn every_domain_has_a_chart_that_is_right() {
-        for entry in &DOMAINS {
+        const MORE: [&str; 5] =
+            ["box:0,1,-1,1,2,5", "box:0,1,0,1,0,1,0,1,0,1,-2,3", "simplex:4", "simplex:7", "2*simplex:7"];
+        let more = MORE.map(str::to_owned);
+        for (i, entry) in DOMAINS.iter().enumerate() {
             let names = [entry.example.to_owned(), entry.name.to_owned(), format!("3*{}", entry.example)];
+            let names = names.into_iter().chain(more.iter().filter(|_| i == 0).cloned()).collect::<Vec<_>>();
             for name in names.iter().filter(|name| named(name).is_ok()) {
                 let domain = named(name).unwrap();
                 // A simplex has the area of two of its three coordinates.
-                if domain.outcomes().is_none() && entry.name != "simplex" {
-                    check_chart(&*domain).unwrap_or_else(|error| panic!("{name}: {error}"));
+                if domain.outcomes().is_none() && domain.space().is_none() && entry.name != "simplex" {
+                    let dimension = 1 + usize::from(domain.is_plane());
+                    check_chart(&Flat(&*domain), dimension, 1.0).unwrap_or_else(|error| panic!("{name}: {error}"));
                 }
+                domain.check().unwrap_or_else(|error| panic!("{name}: {error}"));
                 let at = |x: f64| domain.point_at([x, 0.3]);
                 assert_eq!(domain.point(at(0.4).coordinates()), Some(at(0.4)), "{name}");
                 assert_eq!(domain.names().len(), at(0.4).coordinates().len(), "{name}");
@@ -285,6 +350,13 @@ mod tests {
             "real:0,0",
             "real:nan",
             "box:0,1,0",
+            "box:0,1,0,1,1,0",
+            "box:0,1,0,1,0,1,0,1,0,1,0,1,0,1",
+            "simplex:2",
+            "simplex:8",
+            "ball:0",
+            "space:0",
+            "rotations:1",
             "disk:-1",
             "triangle:0,0,0,1,1,1,2,2,2",
             "sphere:1",

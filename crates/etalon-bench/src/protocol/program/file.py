@@ -11,7 +11,7 @@ from itertools import accumulate
 from math import isfinite
 from types import ModuleType
 
-ROWS = 7  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
+ROWS = 11  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
 WIDTHS = {}  # of points of the domains, by name: `etalon` fills it in
 CHART = ("to_cube", "from_cube", "jacobian")
 DECLARED = ("mass", "table", "precision", "dimension")
@@ -220,7 +220,7 @@ class SamplerFile:
         self.domain = getattr(module, "domain", domain)
         of_one = widths_of(self.domain) == [1]
         own = getattr(module, "dimension", None)
-        dimensions = [own] if own else [count] if count and count > 1 else [1, 2] if of_one else [2, 1]
+        dimensions = [own] if own else [count] if count and count > 1 else [1, 2] if of_one else [2, 1, 3, 4, 5, 6, 7, 8]
 
         def attempt(dimension, form):
             sample, points = form()
@@ -240,7 +240,7 @@ class SamplerFile:
                 raise
             return dimension, sample, pdf
 
-        read = maybe(numbers_of("sample", [3, 2, 1]))
+        read = maybe(numbers_of("sample", [3, 2, 1, 4, 5, 6, 7, 8]))
         attempts = (
             lambda d=d, form=form: attempt(d, form)
             for d in dimensions
@@ -273,7 +273,7 @@ class SamplerFile:
             also = f"no function {' and no function '.join(missing)}" if missing else f"a domain, {self.domain}"
             raise Refused(f"it has functions of a chart and {also}; wanted to_cube, from_cube and jacobian, and no other domain")
         width, points = len(points[0]), points[:ROWS]
-        to_cube, cube = first(forms(module.to_cube, "to_cube", [width], maybe(numbers_of("to_cube", [2, 1])), points))
+        to_cube, cube = first(forms(module.to_cube, "to_cube", [width], maybe(numbers_of("to_cube", [2, 1, 3, 4, 5, 6])), points))
         cube = [place for place in cube if place is not None]
         if not cube:
             raise Refused("to_cube returned None for all of the first samples: is a return missing?")

@@ -67,7 +67,10 @@ pub fn start_file(file: &str, space: Option<Space>, limit: Duration) -> Result<E
     files::note_input(path);
     let widths = DOMAINS.iter().map(|entry| {
         let of = |name: &str| named(name).ok().map(|domain| domain.names().len());
-        let mut widths: Vec<usize> = [entry.name, entry.example].into_iter().filter_map(of).collect();
+        let more = (3..=7).flat_map(|n| [format!("box:{}", vec!["0,1"; n].join(",")), format!("simplex:{n}")]);
+        let more = more.filter(|name| name.starts_with(&format!("{}:", entry.name)));
+        let names = [entry.name, entry.example].map(str::to_owned).into_iter().chain(more);
+        let mut widths: Vec<usize> = names.filter_map(|name| of(&name)).collect();
         widths.dedup();
         format!("\"{}\": {widths:?}", entry.name)
     });

@@ -20,7 +20,9 @@ use super::properties::Greeting;
 use crate::protocol::sampler::{Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{number, quote, real};
-use etalon_stats::{Atom, Chart, ChartFunctions, Density, Domain, Mass, Point, SINGLE_PRECISION, Sample, Sampler};
+use etalon_stats::{
+    Atom, Chart, ChartFunctions, Density, Domain, Mass, Place, Point, SINGLE_PRECISION, Sample, Sampler, place,
+};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most rows or columns of a table.
@@ -83,7 +85,9 @@ impl Description {
                     found.domain = Some(value.parse().map_err(known)?);
                 }
                 "chart" => {
-                    found.chart = Some(number(value).filter(|n| [1.0, 2.0].contains(n)).ok_or_else(refused)? as usize);
+                    found.chart = Some(
+                        number(value).filter(|n| (1..=6).any(|d| f64::from(d) == *n)).ok_or_else(refused)? as usize,
+                    );
                 }
                 "invert" => {
                     found.invert = match value.as_str() {
@@ -146,7 +150,7 @@ impl OwnChart {
     fn at_places<T>(
         &self,
         verb: &str,
-        places: &[[f64; 2]],
+        places: &[Place],
         expected: &str,
         read: impl Fn(&[&str]) -> Option<T>,
     ) -> etalon_stats::Result<Vec<T>> {
@@ -159,30 +163,32 @@ impl OwnChart {
 }
 
 impl ChartFunctions for OwnChart {
-    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<[f64; 2]>> {
+    fn to_cube(&self, points: &[Point]) -> etalon_stats::Result<Vec<Place>> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
-        let read = |words: &[&str]| match words {
-            ["none"] => Some([f64::NAN; 2]),
-            [u] if self.dimension == 1 => Some([number(u)?, 0.5]),
-            [u, v] if self.dimension == 2 => Some([number(u)?, number(v)?]),
-            _ => None,
+        let read = |words: &[&str]| {
+            let numbers: Option<Vec<f64>> = words.iter().map(|word| number(word)).collect();
+            match (words, numbers) {
+                (["none"], _) => Some(place(&[f64::NAN])),
+                (_, Some(numbers)) if numbers.len() == self.dimension => Some(place(&numbers)),
+                _ => None,
+            }
         };
         let expected = format!("{} coordinates of the unit cube or \"none\"", self.dimension);
         let request = request("to_cube", points.iter().map(Point::coordinates));
         Ok(self.connection.ask("to_cube", points.len(), request, &expected, read)?)
     }
 
-    fn from_cube(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<Point>> {
+    fn from_cube(&self, cube: &[Place]) -> etalon_stats::Result<Vec<Point>> {
         let read = |words: &[&str]| {
             let numbers = words.iter().map(|word| number(word)).collect::<Option<Vec<f64>>>()?;
             Point::of(&numbers)
         };
-        self.at_places("from_cube", cube, "one to four coordinates", read)
+        self.at_places("from_cube", cube, "one to eight coordinates", read)
     }
 
-    fn jacobian(&self, cube: &[[f64; 2]]) -> etalon_stats::Result<Vec<f64>> {
+    fn jacobian(&self, cube: &[Place]) -> etalon_stats::Result<Vec<f64>> {
         let read = |words: &[&str]| match words {
             [value] => number(value),
             _ => None,

@@ -14,14 +14,14 @@ pub struct PlantedFault {
     /// What the mistake is, and where it occurs.
     pub mistake: &'static str,
     /// The test of the sampler with the mistake.
-    pub(super) faulty: Case,
+    pub(in crate::validation) faulty: Case,
     /// The same test without it.
-    pub(super) sound: Case,
+    pub(in crate::validation) sound: Case,
 }
 
 impl PlantedFault {
     /// `make` builds sampler and pdf with the mistake or without it.
-    pub(super) fn of<D, S, P, F>(name: &'static str, domain: D, make: F) -> Self
+    pub(in crate::validation) fn of<D, S, P, F>(name: &'static str, domain: D, make: F) -> Self
     where
         D: Domain + Copy + Send + Sync + 'static,
         S: Sampler,
@@ -32,7 +32,7 @@ impl PlantedFault {
     }
 
     /// [`of`](Self::of) a domain that each of the two tests makes for itself.
-    pub(super) fn on<D, S, P, F>(name: &'static str, domain: impl Fn() -> D, make: F) -> Self
+    pub(in crate::validation) fn on<D, S, P, F>(name: &'static str, domain: impl Fn() -> D, make: F) -> Self
     where
         D: Domain + Send + Sync + 'static,
         S: Sampler,
@@ -48,7 +48,7 @@ impl PlantedFault {
         }
     }
 
-    pub(super) fn mistake(self, mistake: &'static str) -> Self {
+    pub(in crate::validation) fn mistake(self, mistake: &'static str) -> Self {
         Self { mistake, ..self }
     }
 }

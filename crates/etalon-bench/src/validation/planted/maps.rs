@@ -13,16 +13,16 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Sampling of a map by a table over its texels; each mistake replaces one part.
-struct Scheme {
-    map: EnvMap,
+pub struct Scheme {
+    pub map: EnvMap,
     /// What a texel is sampled in proportion to.
-    weight: fn(&EnvMap, usize, usize) -> f64,
+    pub weight: fn(&EnvMap, usize, usize) -> f64,
     /// The direction at a place inside a texel.
-    place: fn(&LatLong, usize, usize, f64, f64) -> DVec3,
+    pub place: fn(&LatLong, usize, usize, f64, f64) -> DVec3,
     /// The solid angle that the pdf spreads a texel's probability over.
-    solid_angle: fn(&LatLong, usize) -> f64,
+    pub solid_angle: fn(&LatLong, usize) -> f64,
     /// Where the pdf looks a direction up.
-    look_up: fn(DVec3) -> DVec3,
+    pub look_up: fn(DVec3) -> DVec3,
 }
 
 impl Scheme {
@@ -67,7 +67,7 @@ fn by_sine(g: &LatLong, y: f64) -> f64 {
     2.0 * PI * PI / (width * height) * (PI * y / height).sin()
 }
 
-fn planted(name: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
+pub fn planted(name: &'static str, spoil: fn(&mut Scheme)) -> PlantedFault {
     PlantedFault::of(name, Directions::sphere(Pole::Y), move |faulty| {
         let mut scheme = Scheme::right();
         if faulty {

@@ -1,13 +1,13 @@
 //! Planted faults: frequent mistakes, each in a small sampler or pdf, which the suite must reject. The same test without
 //! the mistake must be accepted, so that the mistake alone explains the rejection.
 
-mod bsdf;
+pub(super) mod bsdf;
 mod fault;
 mod lights;
-mod maps;
+pub(super) mod maps;
 mod renders;
 mod surfaces;
-mod warps;
+pub(super) mod warps;
 
 #[cfg(test)]
 pub(crate) use bsdf::rough;

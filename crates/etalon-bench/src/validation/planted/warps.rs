@@ -8,7 +8,8 @@ use etalon_core::sampling::warp;
 use etalon_stats::stream::CounterRng;
 use etalon_stats::{
     Barycentric, Circle, Density, DensityFn, Directions, Discrete, Disk, HalfLine, Indexed, Line, Mass, Plane, Point,
-    Pole, RealLine, Rectangle, Sample, Sampler, Simplex, chart, density, sampler,
+    Pole, RealLine, Rectangle, Sample, Sampler, Simplex, ball, chart, cuboid, density, rotations, sampler, simplex,
+    space,
 };
 use glam::DVec3;
 use rand::RngExt;
@@ -16,7 +17,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 /// The unit vector at that cosine with +z and that azimuth in turns.
-pub(super) fn polar(cos: f64, turns: f64) -> DVec3 {
+pub fn polar(cos: f64, turns: f64) -> DVec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
     let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
@@ -423,5 +424,70 @@ pub fn domains() -> Vec<PlantedFault> {
             },
         )
         .mistake("the sides of a rectangle exchanged, so that half of it has no samples"),
+        PlantedFault::on(
+            "warp/domain/ball-square-root",
+            || ball(1.0),
+            move |faulty| {
+                let draw = move |u: &[f64]| {
+                    let (r, z) = (if faulty { u[0].sqrt() } else { u[0].cbrt() }, 2.0 * u[1] - 1.0);
+                    let ((sin, cos), s) = ((TAU * u[2]).sin_cos(), (1.0 - z * z).sqrt());
+                    Some(Sample::new([r * s * cos, r * s * sin, r * z]))
+                };
+                (sampler(3, draw), density(|_: [f64; 3]| 0.75 / PI))
+            },
+        )
+        .mistake("the radius of a point of the ball is √u, not ∛u"),
+        PlantedFault::on(
+            "warp/domain/space-variance",
+            || space(1.0),
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let normal = |i: usize| (-2.0 * (1.0 - u[i]).ln()).sqrt() * (TAU * u[i + 1]).cos();
+                    Some(Sample::new([normal(0), normal(2), if faulty { 0.25 } else { 0.5 } * normal(4)]))
+                };
+                let pdf = |[x, y, z]: [f64; 3]| 2.0 * TAU.powf(-1.5) * (-0.5 * (x * x + y * y + 4.0 * z * z)).exp();
+                (sampler(6, draw), density(pdf))
+            },
+        )
+        .mistake("a normal distribution of three numbers, one scaled by its variance"),
+        PlantedFault::on("warp/domain/rotations-of-a-box", rotations, |faulty| {
+            let draw = move |u: &[f64]| {
+                let pair = |i: usize| match faulty {
+                    true => [2.0 * u[i] - 1.0, 2.0 * u[i + 1] - 1.0],
+                    false => {
+                        <[f64; 2]>::from((TAU * u[i + 1]).sin_cos()).map(|x| (-2.0 * (1.0 - u[i]).ln()).sqrt() * x)
+                    }
+                };
+                let q = [pair(0), pair(2)].concat();
+                let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+                (length > 0.0).then(|| Sample::new([0, 1, 2, 3].map(|i| q[i] / length)))
+            };
+            (sampler(4, draw), density(|_: [f64; 4]| 1.0))
+        })
+        .mistake("quaternions of four uniform numbers, which prefer the corners of their box, not of four normal ones"),
+        PlantedFault::on(
+            "warp/domain/box-of-six",
+            || cuboid(vec![Line::UNIT; 6]),
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    Some(Sample::new([u[0], u[1], u[2], u[3], u[4], if faulty { u[5] } else { u[5].sqrt() }]))
+                };
+                (sampler(6, draw), density(|x: [f64; 6]| 2.0 * x[5]))
+            },
+        )
+        .mistake("one of six numbers drawn uniformly, not in proportion to itself"),
+        PlantedFault::on(
+            "warp/domain/dirichlet-normalized",
+            || simplex(5),
+            |faulty| {
+                let draw = move |u: &[f64]| {
+                    let weights = [0, 1, 2, 3, 4].map(|i| if faulty { u[i] + 1e-9 } else { -(1.0 - u[i]).ln() });
+                    let sum: f64 = weights.iter().sum();
+                    (sum > 0.0).then(|| Sample::new(weights.map(|x| x / sum)))
+                };
+                (sampler(5, draw), density(|_: [f64; 5]| 24.0))
+            },
+        )
+        .mistake("five uniform numbers divided by their sum, not five exponential ones"),
     ]
 }

@@ -42,18 +42,19 @@ pub fn cases() -> Vec<(&'static str, Case)> {
     cases
 }
 
-/// Materials with a pdf.
+/// Materials with a pdf. Every roughness meets half of the angles with visible normals, the other half with all normals; the other
+/// distribution the other way round.
 fn rough() -> Vec<(&'static str, Case)> {
     let mut cases = Vec::new();
     let half = Directions::hemisphere(Pole::Z);
-    for (name, _) in DISTRIBUTIONS {
-        for alpha in ALPHAS {
-            for degrees in DEGREES {
-                for (how, normals) in [("visible", NormalSampling::Vndf), ("all", NormalSampling::Ndf)] {
-                    let bsdf = metal(name, [alpha; 2]).with_normals(normals);
-                    let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
-                    cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
-                }
+    for (d, (name, _)) in DISTRIBUTIONS.into_iter().enumerate() {
+        for (a, alpha) in ALPHAS.into_iter().enumerate() {
+            for (t, degrees) in DEGREES.into_iter().enumerate() {
+                let ways = [("all", NormalSampling::Ndf), ("visible", NormalSampling::Vndf)];
+                let (how, normals) = ways[(a + t + d) % 2];
+                let bsdf = metal(name, [alpha; 2]).with_normals(normals);
+                let name = format!("bsdf/{name}/{how}/{alpha}/{degrees}");
+                cases.push(scattered(name, half, bsdf, towards(degrees), Mass::AtMostOne));
             }
         }
         // Uniform over the hemisphere for every roughness.

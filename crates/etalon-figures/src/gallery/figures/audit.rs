@@ -20,17 +20,22 @@ fn content(inputs: &Inputs) -> Result<Content> {
             Check::is_true(format!("accepted as corrected: {title}"), *right_verdict == Verdict::Accept),
         ]
     });
-    let (sheet, places) = sheet(&errata);
+    // Misprints stand last, and in the table alone: no program computes what they say
+    let drawn = errata.iter().take_while(|erratum| erratum.nature != Nature::Misprint).count();
+    let (sheet, places) = sheet(&errata[..drawn]);
     let [width, height] = [sheet.width, sheet.height];
     let content = Content::new(sheet.into(), &errata, checks.collect())?;
-    let rows = errata.iter().zip(places).enumerate().map(|(i, (erratum, place))| {
-        let share = [place.x / width, place.y / height, place.width / width, place.height / height];
-        row(erratum, Place { panel: letter(i), share })
+    let rows = errata.iter().enumerate().map(|(i, erratum)| {
+        let place = places.get(i).map(|place| {
+            let share = [place.x / width, place.y / height, place.width / width, place.height / height];
+            Place { panel: letter(i), share }
+        });
+        row(erratum, place)
     });
     Ok(Content { errata: rows.collect(), ..content })
 }
 
-fn row(erratum: &Erratum, place: Place) -> figure::Erratum {
+fn row(erratum: &Erratum, place: Option<Place>) -> figure::Erratum {
     figure::Erratum {
         printed: format!("{}, {}: {}", erratum.report, erratum.nature.name(), erratum.printed),
         right: erratum.right.to_owned(),
@@ -41,7 +46,7 @@ fn row(erratum: &Erratum, place: Place) -> figure::Erratum {
         // What an exact check rejects needs no p-value.
         p_value: erratum.p.filter(|_| erratum.violation.is_none()),
         picture_error: consequence(erratum),
-        place: Some(place),
+        place,
     }
 }
 
@@ -59,11 +64,11 @@ const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
 /// A panel for each erratum, with the verdicts and the error of an image below it; and the place of each panel.
 fn sheet(errata: &[Erratum]) -> (Page, Vec<Rect>) {
-    // Lay out panels in a grid, with four lines of text below each
+    // Lay out panels in a grid, with three lines of text below each
     let panels: Vec<Page> = errata.iter().enumerate().map(|(i, erratum)| panel(erratum, letter(i))).collect();
     let largest = |size: fn(&Page) -> f64| panels.iter().map(size).fold(0.0, f64::max);
     let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
-    let height = below + 4.0 * LINE + 1.5 * GAP;
+    let height = below + 3.0 * LINE + 1.5 * GAP;
     let rows = errata.len().div_ceil(COLUMNS);
     let head = EDGE + theme::LABEL_SIZE + GAP;
     let columns = COLUMNS.min(errata.len());
@@ -79,10 +84,6 @@ fn sheet(errata: &[Erratum]) -> (Page, Vec<Rect>) {
             (PRINTED.colour, format!("as printed: {}", verdict(erratum.verdict, p))),
             (CORRECTED.colour, format!("corrected: {}", verdict(erratum.right_verdict, erratum.right_p))),
             (theme::INK, effect(erratum)),
-            (
-                theme::INK,
-                if erratum.nature == Nature::Misprint { "(misprint, at its word)".into() } else { String::new() },
-            ),
         ];
         places.push(Rect::new(x, y, width - GAP, height - 1.5 * GAP));
         let middle = x + drawing.width - MARGIN - 0.5 * FRAME[0];

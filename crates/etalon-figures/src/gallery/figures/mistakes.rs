@@ -2,7 +2,7 @@
 
 use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::gallery::prelude::*;
-use crate::view::text::finding;
+use crate::view::text::{capitalized, finding};
 use etalon_stats::{
     Cell, Density, Directions, Domain, Line, Outcome, Pole, Sample, Sampler, Square, Verdict, density, sampler,
     validate,
@@ -102,7 +102,7 @@ fn all() -> Vec<Mistaken> {
             follows: "cos θ/π",
         },
         Mistaken {
-            mistake: "θ is uniform",
+            mistake: "an angle θ that is uniform",
             domain: sphere(),
             sampler: directions(|u| (PI * u).cos()),
             density: Box::new(density(|_: [f64; 3]| 0.25 / PI)),
@@ -126,7 +126,7 @@ fn all() -> Vec<Mistaken> {
             follows: "the pdf at the opposite direction or the pdf at (x, y, -z) or 6 more that explain as much",
         },
         Mistaken {
-            mistake: "u² for √u",
+            mistake: "the square u² for the root √u",
             domain: Box::new(Line::UNIT),
             sampler: Box::new(sampler(1, |u| Some(Sample::new(u[0] * u[0])))),
             density: Box::new(density(|x: f64| 2.0 * x)),
@@ -190,11 +190,8 @@ fn panel(axis: &str, mistake: &str, said: &str, bars: &[Row]) -> Panel {
         bars.iter().flat_map(|bar| [bar.x_from, bar.x_to].map(|x| [x, per_width(bar.expected, bar)])).collect();
     // The clause, without what explains it
     let said = [" (", " or ", ", "].into_iter().fold(said, |said, end| said.split(end).next().unwrap_or_default());
-    Panel::new(
-        Axis::linear(format!("{} — {mistake}", finding(axis))).range(0.0, 1.0),
-        Axis::linear("1000 samples per unit"),
-    )
-    .title(finding(said))
-    .bars("samples", theme::OBSERVED, edges, observed)
-    .line("pdf", Stroke::solid(theme::EXPECTED, theme::LINE), expected)
+    Panel::new(Axis::linear(finding(axis)).range(0.0, 1.0), Axis::linear("1000 samples per unit"))
+        .title(format!("{}: {}", capitalized(mistake), finding(said)))
+        .bars("samples", theme::OBSERVED, edges, observed)
+        .line("pdf", Stroke::solid(theme::EXPECTED, theme::LINE), expected)
 }

@@ -3,7 +3,7 @@
 
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme};
 use crate::gallery::prelude::*;
-use crate::view::converge::{ERROR_LABEL, GUIDE, round};
+use crate::view::converge::{ERROR_LABEL, GUIDE, label, round};
 use etalon_bench::sphere::{self as study, AtNormal, Exact, Label, PBRT_RMSE, Series, SphereRender, SphereRow};
 use etalon_core::raster::{ToneMap, to_rgb8};
 use etalon_core::scene::builtin::SPHERE_ENV_SCALE;
@@ -124,20 +124,22 @@ fn curves(series: &[Series], with_pbrt: bool) -> Drawing {
     let names: Vec<&str> = series.iter().map(|s| s.label.strategy).collect();
     let colours = theme::strategies(&names);
     for (i, s) in series.iter().enumerate() {
-        let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, s.label.strategy);
+        let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, label(s.label.strategy));
         let points = |x: fn(&SphereRow) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
         let (paths, time) = (points(SphereRow::camera_paths), points(|r| r.seconds));
-        by_paths = by_paths.dotted_line(label, stroke, paths);
+        by_paths = by_paths.dotted_line(label.clone(), stroke, paths);
         by_time = by_time.dotted_line(label, stroke, time);
     }
     if with_pbrt {
         let stroke = Stroke { colour: theme::REFERENCE, width: theme::LINE, dash: theme::DOTTED };
         let points: Vec<Point> = PBRT_RMSE.iter().map(|&(spp, e)| [f64::from(spp), e]).collect();
         by_paths = by_paths.dotted_line("PBRT-v2", stroke, points);
+        by_time = by_time.dotted_line("PBRT-v2", stroke, Vec::new());
     }
     // From above all curves at the first level
     let start = series.iter().filter_map(|s| s.rows.first()).map(|row| 1.5 * row.rel_rmse).fold(0.0, f64::max);
     let guide = [8.0, 128.0].map(|paths: f64| [paths, start * (8.0 / paths).sqrt()]);
     by_paths = by_paths.line(GUIDE, theme::GUIDE, guide);
+    by_time = by_time.line(GUIDE, theme::GUIDE, Vec::new());
     Plot::new([by_paths, by_time].map(Panel::with_names_on_curves)).draw()
 }

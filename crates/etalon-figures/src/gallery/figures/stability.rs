@@ -7,7 +7,7 @@ use etalon_bench::stability::{self, Stability, Workload};
 
 /// The figure of what has no grids.
 const SPECIAL: &str = "stability-special";
-/// The figure of what has no maps; it also summarizes the other figures.
+/// The figure of sums; it also summarizes the other figures.
 const SUMS: &str = "stability-sums";
 
 /// The families and experiments of the figure of that id.
@@ -32,7 +32,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<C
         }
         view::worst_cases(&rows)
     } else {
-        view::maps(&own.sweeps)
+        view::errors(&own.sweeps)
     };
     let checks = own.bounds.iter().map(|bound| Check::at_most(&bound.name, bound.got, bound.limit));
     Content::new(drawing, &own.rows, checks.collect())

@@ -2,7 +2,7 @@
 
 use super::super::fault::PlantedFault;
 use crate::validation::case::Case;
-use crate::validation::whole;
+use crate::validation::{plain, whole};
 use etalon_stats::bsdf::{Bsdf, BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
 use etalon_stats::{Protocol, SampleCount};
 
@@ -168,16 +168,17 @@ pub fn planted<M: Bsdf + Copy + 'static>(
     change: Change<M>,
     mistake: &'static str,
 ) -> PlantedFault {
+    let wos = move || degrees.iter().map(|&degrees| towards(degrees)).collect::<Vec<Direction>>();
     let case = move |kind: &str, change: Option<Change<M>>| {
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
-            let wos: Vec<Direction> = degrees.iter().map(|&degrees| towards(degrees)).collect();
             // The mistakes are larger than what the tests of samplers look for.
             let samples = match protocol.samples {
                 SampleCount::Detect(error) => SampleCount::Detect((3.0 * error).min(1.0)),
                 fixed @ SampleCount::Fixed(_) => fixed,
             };
-            whole::examine(&Faulty { right: right(), change }, &wos, &Protocol { samples, ..*protocol }, round)
+            whole::examine(&Faulty { right: right(), change }, &wos(), &Protocol { samples, ..*protocol }, round)
         })
+        .with_plain(move |seed| plain::p_value_of_bsdf(&Faulty { right: right(), change }, &wos(), seed))
     };
     PlantedFault { name, mistake, faulty: case("planted", Some(change)), sound: case("sound", None) }
 }

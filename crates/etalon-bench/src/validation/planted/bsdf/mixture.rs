@@ -9,9 +9,9 @@ use etalon_stats::bsdf::{Bsdf, BsdfSample, Density, Direction, Properties, Spect
 /// Two lobes, each with half of the light, chosen with probabilities of 0.3 and 0.7.
 #[derive(Clone, Copy)]
 pub struct Mixture {
-    diffuse: Lambertian,
-    glossy: Rough,
-    probability: f64,
+    pub diffuse: Lambertian,
+    pub glossy: Rough,
+    pub probability: f64,
 }
 
 impl Mixture {

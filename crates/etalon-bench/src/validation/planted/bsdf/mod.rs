@@ -3,14 +3,14 @@
 
 mod claims;
 mod coated;
-mod compensated;
+pub(crate) mod compensated;
 mod conductor;
 mod dielectric;
-mod faulty;
-mod mixture;
+pub(crate) mod faulty;
+pub(crate) mod mixture;
 mod resampled;
 pub(crate) mod rough;
-mod smooth;
+pub(crate) mod smooth;
 
 use super::super::case::Case;
 use super::fault::PlantedFault;

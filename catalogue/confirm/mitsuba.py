@@ -1,0 +1,215 @@
+# /// script
+# dependencies = ["mitsuba==3.9.1", "numpy==2.4.6", "scipy==1.17.1"]
+# ///
+"""What the bench says of Mitsuba 3, by NumPy and SciPy alone: `python -P mitsuba.py [CASE...]`, without names all cases.
+
+Each case prints what was found beside what would be right. Needs LLVM, as packages/mitsuba.py.
+"""
+
+import sys
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from scipy import special
+
+mi.set_variant("llvm_ad_rgb")
+dr.set_thread_count(1)
+RANDOM = np.random.default_rng(7)
+CONTEXT = mi.BSDFContext()
+GLASS = {"int_ior": 1.5, "ext_ior": 1.0}
+
+
+def direction(degrees, azimuth=37.0):
+    theta, phi = np.radians(degrees), np.radians(azimuth)
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def grid(thetas=600, phis=900):
+    """Directions of the sphere and their solid angles: Gauss-Legendre nodes of cos θ on each hemisphere, equal steps of φ."""
+    x, w = np.polynomial.legendre.leggauss(thetas // 2)
+    z, w = np.concatenate([(x - 1) / 2, (x + 1) / 2]), np.concatenate([w, w]) / 2
+    phi = 2 * np.pi * (np.arange(phis) + 0.5) / phis
+    r = np.sqrt(1 - z * z)[:, None]
+    d = np.stack([r * np.cos(phi), r * np.sin(phi), z[:, None] + 0 * phi], -1).reshape(-1, 3)
+    return d, np.repeat(w, phis) * 2 * np.pi / phis
+
+
+def surface(wo):
+    si = dr.zeros(mi.SurfaceInteraction3f)
+    si.wi, si.uv, si.sh_frame = mi.Vector3f(*map(float, wo)), mi.Point2f(0.5, 0.5), mi.Frame3f(mi.Vector3f(0, 0, 1))
+    return si
+
+
+def vectors(d):
+    return mi.Vector3f(d.T.astype(np.float32))
+
+
+def drawn(plugin, wo, n=2_000_000):
+    u = np.clip(RANDOM.random((3, n)), 2**-23, 1 - 2**-24).astype(np.float32)
+    bs, weight = plugin.sample(CONTEXT, surface(wo), mi.Float(u[0]), mi.Point2f(u[1:]))
+    return bs, np.array(bs.wo).T, np.array(weight).T
+
+
+def values(plugin, wo, d):
+    return np.array(plugin.eval(CONTEXT, surface(wo), vectors(d))).T, np.array(plugin.pdf(CONTEXT, surface(wo), vectors(d)))
+
+
+def all_normals():
+    """Rough glass and metal with sample_visible = false: E[weight] against the albedo by quadrature of `eval`."""
+    for name, more in (("roughdielectric", GLASS), ("roughconductor", {"material": "none"})):
+        for kind in ("ggx", "beckmann"):
+            for visible in (True, False):
+                plugin = mi.load_dict({"type": name, "distribution": kind, "alpha": 0.3, "sample_visible": visible, **more})
+                d, solid = grid()
+                for angle in (0, 30, 60, 85):
+                    wo = direction(angle)
+                    f, _ = values(plugin, wo, d)
+                    _, wi, weight = drawn(plugin, wo)
+                    up, down = (weight[:, 0] * (wi[:, 2] > 0)).mean(), (weight[:, 0] * (wi[:, 2] < 0)).mean()
+                    error = weight[:, 0].std() / len(weight) ** 0.5
+                    right_up, right_down = (f[:, 0] * solid)[d[:, 2] > 0].sum(), (f[:, 0] * solid)[d[:, 2] < 0].sum()
+                    # A second moment of the lobe, as scaling the roughness keeps its integral nearly
+                    spread, right = (weight[:, 0] * wi[:, 2] ** 2).mean(), (f[:, 0] * solid * d[:, 2] ** 2).sum()
+                    print(f"{name} {kind} visible={visible} {angle:2}°: reflected {up:.5f}, {right_up:.5f} by quadrature; transmitted {down:.5f}, {right_down:.5f}; Σ weight cos² {spread:.5f}, {right:.5f}; standard error {error:.5f}")  # fmt: skip
+
+
+def rough_fiber():
+    """The integral of square_to_rough_fiber_pdf, and log I0 of its code against SciPy's."""
+    d, solid = grid()
+    for kappa in (3.0, 11.0, 15.0, 20.0, 50.0, 200.0):
+        for wi in ((0.48, 0.36, 0.8), (-0.7, 0.68, 0.218)):
+            pdf = mi.warp.square_to_rough_fiber_pdf(vectors(d), mi.Vector3f(*wi), mi.Vector3f(1, 0, 0), kappa)
+            print(f"kappa {kappa}, wi {wi}: the pdf integrates to {(np.array(pdf) * solid).sum():.6f}")
+    for x in (12.5, 20.0, 50.0):
+        code = x + 0.5 * (-np.log(2 * np.pi * x) + 1 / (8 * x))
+        print(f"log I0({x}): code {code:.6f}, SciPy {np.log(special.i0e(x)) + x:.6f}, with 1/(8x) outside of the bracket {x - 0.5 * np.log(2 * np.pi * x) + 1 / (8 * x):.6f}")
+
+
+def blend_delta():
+    """blendbsdf with a delta lobe: how often the lobe is sampled, and the pdf that its samples carry."""
+    mirror, diffuse = {"type": "conductor"}, {"type": "diffuse"}
+    for weight in (0.2, 0.4, 0.7):
+        plugin = mi.load_dict({"type": "blendbsdf", "weight": weight, "a": diffuse, "b": mirror})
+        bs, wi, weights = drawn(plugin, direction(30), 200_000)
+        delta = np.array(bs.sampled_type) & int(mi.BSDFFlags.Delta) != 0
+        print(f"weight {weight}: {delta.mean():.4f} of samples are delta; they carry the pdf {np.unique(np.array(bs.pdf)[delta])}, weight {np.unique(weights[delta][:, 0])}; others the weight {np.unique(weights[~delta][:, 0].round(5))}, pdf carried/asked {np.median(np.array(bs.pdf)[~delta] / values(plugin, direction(30), wi[~delta])[1]):.4f}")  # fmt: skip
+
+
+def blend_glass():
+    """blendbsdf of diffuse and glass: E[weight] against the blend of the two albedos."""
+    glass, diffuse = {"type": "dielectric", **GLASS}, {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.8}}
+    plugin, alone = (mi.load_dict(d) for d in ({"type": "blendbsdf", "weight": 0.4, "a": diffuse, "b": glass}, glass))
+    for angle in (0, 30, 60):
+        _, _, weight = drawn(plugin, direction(angle), 400_000)
+        _, _, of_glass = drawn(alone, direction(angle), 400_000)
+        print(f"{angle}°: E[weight] {weight[:, 0].mean():.4f}, right {0.6 * 0.8 + 0.4 * of_glass[:, 0].mean():.4f}")
+
+
+def integrals():
+    """The integral of the pdf above and below the surface, and the share of samples of weight 0."""
+    sheet = {"base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]}, "roughness": 0.4}
+    cases = {
+        "roughplastic ggx": {"type": "roughplastic", "distribution": "ggx", "alpha": 0.3, **GLASS},
+        "roughconductor beckmann": {"type": "roughconductor", "distribution": "beckmann", "alpha": 0.7},
+        "principled": {"type": "principled", **sheet},
+    }
+    d, solid = grid()
+    for name, dictionary in cases.items():
+        plugin = mi.load_dict(dictionary)
+        for angle in (0, 60, 85, 110, 150):
+            _, pdf = values(plugin, direction(angle), d)
+            _, _, weight = drawn(plugin, direction(angle), 500_000)
+            above, below = (pdf * solid)[d[:, 2] > 0].sum(), (pdf * solid)[d[:, 2] < 0].sum()
+            print(f"{name} {angle:3}°: pdf above {above:.5f}, below {below:.5f}, samples of weight 0 {(weight == 0).all(1).mean():.5f}")
+
+
+def energy():
+    """The albedo of `principled` with sheen and clearcoat by quadrature of `eval`."""
+    sheet = {"base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]}, "roughness": 0.4}
+    d, solid = grid()
+    for more in ({}, {"sheen": 0.6, "sheen_tint": 0.4}, {"clearcoat": 0.8, "clearcoat_gloss": 0.3}, {"sheen": 0.6, "sheen_tint": 0.4, "clearcoat": 0.8, "clearcoat_gloss": 0.3, "flatness": 0.5}):
+        plugin = mi.load_dict({"type": "principled", **sheet, **more})
+        print(more, *(f"{angle}°: {(values(plugin, direction(angle), d)[0] * solid[:, None]).sum(0).round(4)}" for angle in (60, 80, 85, 89)))
+
+
+def thin_reciprocity():
+    """principledthin: f(wo, wi) and f(wi, wo) of transmission."""
+    plugin = mi.load_dict({"type": "principledthin", "base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]}, "roughness": 0.4, "spec_trans": 0.4, "diff_trans": 0.7, "eta": 1.5})
+    for a, b in ((0, 117), (30, 150), (60, 120), (85, 100)):
+        wo, wi = direction(a, 0), direction(b, 300)
+        forward, back = (values(plugin, x, y[None])[0][0] / abs(y[2]) for x, y in ((wo, wi), (wi, wo)))
+        print(f"wo {a}°, wi {b}°: f(wo, wi) {forward.round(6)}, f(wi, wo) {back.round(6)}")
+
+
+def sggx():
+    """The mean of wo by samples and by quadrature of the pdf; along the normal they agree."""
+    d, solid = grid()
+    s = np.tile(np.array([0.05, 0.3, 1.0, 0.02, 0.05, 0.1], np.float32), (2, 2, 2, 1))
+    plugin, context = mi.load_dict({"type": "sggx", "S": {"type": "gridvolume", "grid": mi.VolumeGrid(s)}}), mi.PhaseFunctionContext()
+    for wi in ((0, 0, 1), (0.48, 0.36, 0.8)):
+        point = dr.zeros(mi.MediumInteraction3f)
+        point.wi = mi.Vector3f(*wi)
+        point.sh_frame = mi.Frame3f(point.wi)
+        u = RANDOM.random((3, 1_000_000)).astype(np.float32)
+        wo = np.array(plugin.sample(context, point, mi.Float(u[0]), mi.Point2f(u[1:]))[0])
+        pdf = np.array(plugin.eval_pdf(context, point, vectors(d))[1])
+        print(f"wi {wi}: mean of samples {wo.mean(1).round(4)}, by the pdf {((pdf * solid) @ d).round(4)}, integral {(pdf * solid).sum():.5f}")
+
+
+def envmap():
+    """The pdf that samples of a map carry against the one of their direction: how many differ by more than 1 %, and where."""
+    for power, compensated in ((3, False), (3, True)):
+        texels = (np.random.default_rng(1).random((16, 32, 3)) ** power).astype(np.float32)
+        plugin = mi.load_dict({"type": "scene", "light": {"type": "envmap", "bitmap": mi.Bitmap(texels), "mis_compensation": compensated}}).emitters()[0]
+        it = dr.zeros(mi.SurfaceInteraction3f)
+        ds, _ = plugin.sample_direction(it, mi.Point2f(np.clip(RANDOM.random((2, 2_000_000)), 2**-23, 1 - 2**-24).astype(np.float32)))
+        carried, asked, y = np.array(ds.pdf), np.array(plugin.pdf_direction(it, ds)), np.array(ds.d)[1]
+        apart = np.abs(carried - asked) > 0.01 * np.abs(carried)
+        print(f"compensated={compensated}: {apart.mean():.2e} of samples differ, all within {np.degrees(np.arccos(np.abs(y[apart]).min(initial=1))):.3f}° of a pole; {(asked < 0).sum()} pdfs are negative, down to {asked.min():.2g}")
+        near = np.stack([np.sin(x := np.radians(RANDOM.random(400_000) * 0.2)) * np.cos(a := RANDOM.random(400_000) * 2 * np.pi), np.cos(x), np.sin(x) * np.sin(a)], 1)
+        ds.d = vectors(near)
+        pdf = np.array(plugin.pdf_direction(it, ds))
+        print(f"  within 0.2° of the upper pole {(pdf < 0).mean():.1%} of pdfs are negative, down to {pdf.min():.2g}")
+
+
+def hair():
+    """E[weight] of `hair` at 0° against the integral of `eval`, and how often a coordinate of a sample is exactly 0."""
+    plugin = mi.load_dict({"type": "hair", "longitudinal_roughness": 0.3, "azimuthal_roughness": 0.3, "scale_tilt": 2.0})
+    d, solid = grid()
+    f, pdf = values(plugin, direction(0), d)
+    _, wi, weight = drawn(plugin, direction(0), 4_000_000)
+    print(f"E[weight] {weight[:, 0].mean():.5f} ± {weight[:, 0].std() / len(weight) ** 0.5:.5f}, integral of eval {(f[:, 0] * solid).sum():.5f}, of the pdf {(pdf * solid).sum():.5f}; y = 0 in {(wi[:, 1] == 0).mean():.2e}")
+    _, wi, _ = drawn(plugin, direction(85), 1_000_000)
+    print(f"at 85° y = 0 in {(wi[:, 1] == 0).mean():.2e} of samples")
+
+
+def nan():
+    """NaN at single random numbers."""
+    for u in ((0.5, 0.5), (0.5, 0.6)):
+        print(f"square_to_beckmann({u}, 0.3) = {mi.warp.square_to_beckmann(mi.Point2f(*u), 0.3)}")
+    for u in ((0.0, 0.5), (1e-6, 0.5)):
+        normals = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, 0.3)
+        print(f"GGX.sample({u}) = {normals.sample(mi.Vector3f(0.48, 0.36, 0.8), mi.Point2f(*u))[0]}")
+
+
+def variants():
+    """The largest difference of `eval` and `pdf` between scalar_rgb and llvm_ad_rgb at 60 pairs of directions."""
+    names = {n: {"type": n, "alpha": 0.3} for n in ("roughconductor", "roughdielectric", "roughplastic")}
+    names |= {n: {"type": n} for n in ("diffuse", "plastic", "principled", "principledthin", "hair")}
+    a, b = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in RANDOM.standard_normal((2, 60, 3)))
+    for name, dictionary in names.items():
+        found = []
+        for variant in ("scalar_rgb", "llvm_ad_rgb"):
+            mi.set_variant(variant)
+            plugin = mi.load_dict(dictionary)
+            found.append(np.array([[np.ravel(plugin.eval(mi.BSDFContext(), surface(x), mi.Vector3f(*map(float, y))))[0], np.ravel(plugin.pdf(mi.BSDFContext(), surface(x), mi.Vector3f(*map(float, y))))[0]] for x, y in zip(a, b)]))  # fmt: skip
+        difference = np.abs(found[0] - found[1]) / np.maximum(np.abs(found[0]), 1e-4)
+        print(f"{name}: eval {difference[:, 0].max():.2g}, pdf {difference[:, 1].max():.2g} relative, {(difference[:, 1] > 0.01).sum()} of 60 pdfs differ")
+
+
+CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants]
+for case in CASES:
+    if len(sys.argv) == 1 or case.__name__ in sys.argv[1:]:
+        print(f"\n{case.__name__}: {case.__doc__}")
+        case()
