@@ -20,8 +20,8 @@ const WOS: [(f64, [f64; 2]); 6] = [
     (110.0, [-0.8, 0.6]),
     (150.0, [0.6, -0.8]),
 ];
-/// The angle in place of 0° for phase functions, whose mistakes are often right along an axis.
-const NOT_ALONG_AN_AXIS: f64 = 10.0;
+/// Which of these serve for phase functions, whose mistakes are often right along an axis.
+const OBLIQUE: [usize; 3] = [1, 3, 5];
 /// Directions to which nothing is symmetric, and distances in sizes of the light.
 const AROUND: [(&str, f64, [f64; 3]); 6] = [
     ("inside", 0.15, [0.48, -0.6, 0.64]),
@@ -57,14 +57,14 @@ pub fn places(bsdf: &dyn BatchBsdf) -> Result<Vec<(String, Direction)>> {
     };
     let named = |(name, w): (String, Direction)| (name, rounded(w));
     let Kind::Light { points, .. } = &properties.kind else {
-        let is_surface = properties.kind == Kind::Surface;
-        return Ok(WOS
-            .map(|(degrees, [x, y])| {
-                let degrees = if is_surface || degrees > 0.0 { degrees } else { NOT_ALONG_AN_AXIS };
-                let (sin, cos) = degrees.to_radians().sin_cos();
-                named((degrees.to_string(), [x * sin, y * sin, cos]))
-            })
-            .to_vec());
+        let place = |(degrees, [x, y]): (f64, [f64; 2])| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            named((degrees.to_string(), [x * sin, y * sin, cos]))
+        };
+        return Ok(match properties.kind {
+            Kind::Surface => WOS.map(place).to_vec(),
+            _ => OBLIQUE.map(|i| place(WOS[i])).to_vec(),
+        });
     };
     if !points.is_empty() {
         return Ok(points.iter().enumerate().map(|(i, point)| named((i.to_string(), *point))).collect());

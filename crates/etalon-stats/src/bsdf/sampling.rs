@@ -6,7 +6,7 @@ use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKi
 use super::mistakes::{self, PDF};
 use super::subject::{Comparison, Subject, cross, directions, length, sphere};
 use crate::diagnosis::tuple;
-use crate::domain::Point;
+use crate::domain::{Domain, Point, around};
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
@@ -72,7 +72,13 @@ pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
         return Ok(None);
     }
     let scattering = Scattering(subject);
-    examine(&sphere(), &scattering, &scattering, subject.protocol, subject.round).map(Some)
+    let test = |domain: &dyn Domain| examine(domain, &scattering, &scattering, subject.protocol, subject.round).map(Some);
+    if !subject.is_light() {
+        return test(&sphere());
+    }
+    // The pdf of a light ends at its edges.
+    let add = |sum: Direction, (_, sample): (_, BsdfSample)| [0, 1, 2].map(|i| sum[i] + sample.wi[i]);
+    test(&around(subject.samples_inside()?.into_iter().fold([0.0; 3], add)))
 }
 
 /// Points at which the derivative is taken, and samples that are tried for them.
