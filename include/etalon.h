@@ -46,6 +46,7 @@ typedef struct {
     int parameters;                                              /* how many, at most 64; the rest only if there are any */
     const char *about;                                           /* a line "NAME VALUE FROM TO\n" for each of them */
     const char *(*set)(const double *values);                    /* takes their values; returns keys that change, or 0 */
+    const char *kind; /* "phase": eval is its value; "light": wo is a reference point and eval the radiance; 0: a BSDF */
 } etalon_bsdf;
 
 enum { ETALON_LINE = 4096, ETALON_MOST = 64, ETALON_LOBES = 8 };
@@ -181,7 +182,7 @@ static inline int etalon_serve_bsdf(const etalon_bsdf *b) {
         double in[ETALON_MOST + 3], *more = in + 3, f[3];
         etalon_bsdf_sample s[ETALON_LOBES];
         if (!strcmp(verb, "etalon"))
-            printf("etalon 1 kind=bsdf name=%s channels=%d dimension=%d %s\n%s", b->name, b->channels, b->dimension,
+            printf("etalon 1 kind=%s name=%s channels=%d dimension=%d %s\n%s", b->kind ? b->kind : "bsdf", b->name, b->channels, b->dimension,
                    b->keys ? b->keys : "", b->parameters ? b->about : "");
         else if (!strcmp(verb, "set") && b->parameters) {
             if (etalon_set(line, b->parameters, b->set)) return 2;

@@ -150,7 +150,7 @@ impl Arguments {
                 let is_of_model = |name: &String| !is_own(name) && claim.as_ref().is_some_and(|claim| claim.has(name));
                 let own: Vec<_> = self.set.iter().filter(|(name, _)| !is_of_model(name)).cloned().collect();
                 let values = families::values(&program, &own)?;
-                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values).like(claim).only(patterns)?)))
+                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values)?.like(claim).only(patterns)?)))
             }
             External::Sampler(_) if self.like.is_some() => {
                 Err(Error::parameter("like", "the program has a sampler, and a model is a BSDF"))
