@@ -17,13 +17,13 @@ const libraries = {
       const [low, high] = d.support().map(end => end.value)
       return { seed: s => d.seed(s), draw: () => d.sample(), pdf: x => d.pdf(x), low, high, discrete: d.type() === 'discrete' }
     }
-    const list = () => Object.keys(dist).filter(name => name !== 'InvalidDiscrete').flatMap(name => {
-      // The default parameters, and others: all 2.3 times as large, or 0.4 times, where that is allowed.
+    const list = () => Object.keys(dist).filter(name => !['InvalidDiscrete', 'Degenerate'].includes(name)).flatMap(name => {
+      // The default parameters, and others, all 2.3 times as large, where that is allowed.
       const usual = Object.values(new dist[name]().p).filter(x => typeof x === 'number')
-      const variants = [2.3, 0.4].map(factor => usual.map(x => +(x * factor).toFixed(6))).filter(parameters => {
+      const variants = [usual.map(x => +(x * 2.3).toFixed(6))].filter(parameters => {
         try {
           const kept = Object.values(new dist[name](...parameters).p)
-          return usual.length && parameters.every((x, i) => kept[i] === x)
+          return usual.some(x => x !== 0) && parameters.every((x, i) => kept[i] === x)
         } catch { return false }
       })
       return [[], ...variants].map(parameters => [name, parameters])

@@ -1,0 +1,34 @@
+// ranjs 1.24.5: what findings/ranjs.toml says, by the formulas of the laws: cd catalogue/.env/ranjs && node ../../confirm/ranjs.mjs
+import { createRequire } from 'node:module'
+
+const { dist } = createRequire(process.cwd() + '/')('ranjs')
+const sum = (n, f) => Array.from({ length: n }, (_, i) => f(i)).reduce((all, x) => all + x, 0)
+const integral = (f, a, b, n = 50000) => sum(n, i => f(a + (b - a) * (i + 0.5) / n)) * (b - a) / n
+const row = (name, at, found, right) => console.log(`${name}(${at}): ${found}, right ${right}`)
+
+// The form of the pdf that converges for small x, by Jacobi's identity
+const kolmogorov = x => Math.sqrt(2 * Math.PI) * sum(60, k => {
+  const a = ((2 * k + 1) * Math.PI) ** 2 / 8
+  return Math.exp(-a / x ** 2) * (2 * a / x ** 4 - x ** -2)
+})
+const k = new dist.Kolmogorov()
+for (const x of [0.001, 0.005, 0.1, 0.2, 0.5, 1]) row('Kolmogorov().pdf', x, k.pdf(x), kolmogorov(x))
+console.log(`its integral from 0 to 0.1: ${integral(x => k.pdf(x), 0, 0.1).toFixed(6)}, from 0.1 to 5: ${integral(x => k.pdf(x), 0.1, 5).toFixed(6)}`)
+row('Kolmogorov().cdf', 0.001, k.cdf(0.001), 0)
+
+// Negative binomial (1, 1/2) and Poisson (1) convolved
+const delaporte = n => {
+  let poisson = Math.exp(-1)
+  return sum(n + 1, i => (poisson *= i ? 1 / i : 1) * 0.5 ** (n - i + 1))
+}
+for (const n of [10, 196, 197, 250]) row('Delaporte().pdf', n, new dist.Delaporte().pdf(n), delaporte(n))
+
+// The logarithm of an F variate of 1 and 1 degrees of freedom, halved
+for (const x of [-400, -20.2, 17, 20.2, 300]) row('FisherZ().pdf', x, new dist.FisherZ().pdf(x), 1 / (Math.PI * Math.cosh(x)))
+
+// (exp(x/2) - 1/2) exp(x/2 - 2 (exp(x/2) - 1))
+for (const x of [5, 1000, 1500]) row('Muth().pdf', x, new dist.Muth().pdf(x), x > 100 ? 0 : (Math.exp(x / 2) - 0.5) * Math.exp(x / 2 - 2 * (Math.exp(x / 2) - 1)))
+
+// x exp(-(x² + 1)/2) I0(x)
+const bessel = x => integral(t => Math.exp(x * (Math.cos(t) - 1)), 0, Math.PI) / Math.PI
+for (const x of [2, 10, 800, 3000]) row('NoncentralChi().pdf', x, new dist.NoncentralChi().pdf(x), x * Math.exp(-((x - 1) ** 2) / 2) * bessel(x))
