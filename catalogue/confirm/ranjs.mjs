@@ -32,3 +32,8 @@ for (const x of [5, 1000, 1500]) row('Muth().pdf', x, new dist.Muth().pdf(x), x 
 // x exp(-(x² + 1)/2) I0(x)
 const bessel = x => integral(t => Math.exp(x * (Math.cos(t) - 1)), 0, Math.PI) / Math.PI
 for (const x of [2, 10, 800, 3000]) row('NoncentralChi().pdf', x, new dist.NoncentralChi().pdf(x), x * Math.exp(-((x - 1) ** 2) / 2) * bessel(x))
+
+// 1/(π x (1 + ln² x)), by logarithms: the largest double is exp(709.78)
+const logarithm = x => -Math.log(Math.PI) - Math.log(x) - Math.log1p(Math.log(x) ** 2)
+for (const x of [1e-300, 1e-314, 3e-315, 2e-315]) row('LogCauchy().pdf', x, new dist.LogCauchy().pdf(x), `exp(${logarithm(x).toFixed(2)})`)
+console.log(`P(X < 3e-315) = ${(Math.atan(-1 / Math.log(3e-315)) / Math.PI).toExponential(2)}`)
