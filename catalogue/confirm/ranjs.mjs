@@ -37,3 +37,8 @@ for (const x of [2, 10, 800, 3000]) row('NoncentralChi().pdf', x, new dist.Nonce
 const logarithm = x => -Math.log(Math.PI) - Math.log(x) - Math.log1p(Math.log(x) ** 2)
 for (const x of [1e-300, 1e-314, 3e-315, 2e-315]) row('LogCauchy().pdf', x, new dist.LogCauchy().pdf(x), `exp(${logarithm(x).toFixed(2)})`)
 console.log(`P(X < 3e-315) = ${(Math.atan(-1 / Math.log(3e-315)) / Math.PI).toExponential(2)}`)
+
+const g = new dist.GeneralizedExtremeValue(4.6)
+g.seed(1)
+const drawn = g.sample(1000000)
+console.log(`GeneralizedExtremeValue(4.6): ${drawn.filter(x => g.pdf(x) === Infinity).length} of 10⁶ samples have an infinite density, all at ${[...new Set(drawn.filter(x => g.pdf(x) === Infinity))]}, 1/4.6 = ${1 / 4.6}; P(1 - 4.6 x < 2⁻⁵⁴) = ${(1 - Math.exp(-(2 ** (-54 / 4.6)))).toExponential(2)}`)
