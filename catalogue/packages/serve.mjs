@@ -48,7 +48,8 @@ const libraries = {
       const family = random[name]
       let draw = family.factory(...parameters, { seed: 1 })
       const isDiscrete = discrete.includes(name)
-      const [low, high] = isDiscrete ? [name === 'discreteUniform' ? parameters[0] : 0, Infinity] : [0, 1].map(p => law.quantile(p, ...parameters))
+      // The ends of cauchy are ±1.6e16: the tangent of π/2 in double precision
+      const [low, high] = isDiscrete ? [name === 'discreteUniform' ? parameters[0] : 0, Infinity] : [0, 1].map(p => law.quantile(p, ...parameters)).map(end => Math.abs(end) < 1e12 ? end : Math.sign(end) * Infinity)
       const pdf = (law.pmf || law.pdf).factory(...parameters)
       return { seed: s => { draw = family.factory(...parameters, { seed: s + 1 >>> 0 || 1 }) }, draw: () => draw(), pdf: x => pdf(x), low, high, discrete: isDiscrete }
     }
