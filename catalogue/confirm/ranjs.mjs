@@ -42,3 +42,20 @@ const g = new dist.GeneralizedExtremeValue(4.6)
 g.seed(1)
 const drawn = g.sample(1000000)
 console.log(`GeneralizedExtremeValue(4.6): ${drawn.filter(x => g.pdf(x) === Infinity).length} of 10⁶ samples have an infinite density, all at ${[...new Set(drawn.filter(x => g.pdf(x) === Infinity))]}, 1/4.6 = ${1 / 4.6}; P(1 - 4.6 x < 2⁻⁵⁴) = ${(1 - Math.exp(-(2 ** (-54 / 4.6)))).toExponential(2)}`)
+
+const c = new dist.LogCauchy(0, 2.3)
+c.seed(1)
+const logarithms = c.sample(1000000).map(Math.log)
+for (const t of [-300, -40, -1, 0, 1, 21.17, 36.8, 300]) {
+  console.log(`LogCauchy(0, 2.3): ln X > ${t} for ${(logarithms.filter(x => x > t).length / 1e6).toFixed(4)} of the samples, right ${(0.5 - Math.atan(t / 2.3) / Math.PI).toFixed(4)}; pdf(exp(${t})) = ${c.pdf(Math.exp(t))}, right ${2.3 / (Math.PI * Math.exp(t) * (t ** 2 + 2.3 ** 2))}`)
+}
+
+// exp(-4.6) I_k(4.6), by the series
+const skellam = k => {
+  let term = Math.exp(-4.6)
+  for (let i = 1; i <= Math.abs(k); i++) term *= 2.3 / i
+  return sum(200, i => i ? (term *= 2.3 ** 2 / (i * (i + Math.abs(k)))) : term)
+}
+const s = new dist.Skellam(2.3, 2.3)
+for (const k of [-30, -20, -12, -5, 0, 5, 12, 20, 30, 60]) row('Skellam(2.3, 2.3).pdf', k, s.pdf(k), skellam(k))
+console.log(`its probabilities add up to ${sum(401, i => s.pdf(i - 200))}, right ${sum(401, i => skellam(i - 200))}`)
