@@ -17,7 +17,10 @@ typedef struct {
     double (*pdf)(const double *x);            /* per steradian, area, length, or outcome */
     int (*invert)(const double *x, double *u); /* optional: the random numbers of x; 0 if it has none */
     void (*seed)(unsigned long seed);          /* if dimension is 0: starts the random numbers of the samples that follow */
-    const char *keys;                          /* optional: "mass=0.5" and the like */
+    const char *keys;                          /* optional: "mass=0.5" and the like; with "weights=yes" sample writes its weight behind x */
+    int parameters;                            /* optional, with `about` and `set`: as of etalon_bsdf */
+    const char *about;
+    const char *(*set)(const double *values);
 } etalon_sampler;
 
 typedef struct { /* a domain of your own, by a chart to the unit cube: docs/src/domains.md */
@@ -43,6 +46,7 @@ typedef struct {
     int parameters;                                              /* how many, at most 64; the rest only if there are any */
     const char *about;                                           /* a line "NAME VALUE FROM TO\n" for each of them */
     const char *(*set)(const double *values);                    /* takes their values; returns keys that change, or 0 */
+    const char *kind; /* "phase": eval is its value; "light": wo is a reference point and eval the radiance; 0: a BSDF */
 } etalon_bsdf;
 
 enum { ETALON_LINE = 4096, ETALON_MOST = 64, ETALON_LOBES = 8 };
@@ -98,6 +102,15 @@ static inline int etalon_coordinates(const char *domain) {
     return star ? n + 1 : n;
 }
 
+/* Answers a request to set parameters. */
+static inline int etalon_set(const char *line, int parameters, const char *(*set)(const double *values)) {
+    double values[ETALON_MOST];
+    if (!etalon_parse(line + 3, values, parameters)) return 2;
+    const char *keys = set(values);
+    printf("%s%s", keys ? keys : "", keys ? "\n" : "");
+    return 0;
+}
+
 /* Answers a request of the chart. */
 static inline int etalon_serve_chart(const etalon_chart *c, const char *verb, unsigned long count) {
     const int is_to_cube = !strcmp(verb, "to_cube"), is_from_cube = !strcmp(verb, "from_cube");
@@ -119,7 +132,8 @@ static inline int etalon_serve_sampler_on(const etalon_sampler *s, const etalon_
     const int n = c ? c->coordinates : etalon_coordinates(s->domain ? s->domain : "");
     char line[ETALON_LINE], verb[16];
     unsigned long count, seed, first = 1;
-    if (s->dimension < 0 || s->dimension > ETALON_MOST || n < 1 || n > 8 || (c && (c->dimension < 1 || c->dimension > 6)))
+    const int weights = s->keys && strstr(s->keys, "weights=") ? 1 : 0;
+    if (s->dimension < 0 || s->dimension > ETALON_MOST || s->parameters > ETALON_MOST || n < 1 || n > 8 || (c && (c->dimension < 1 || c->dimension > 6)))
         return etalon_fail("a dimension out of range", s->name);
     while (etalon_next(line, verb, &count, &seed, &first)) {
         const int is_sample = !strcmp(verb, "sample"), is_invert = !strcmp(verb, "invert") && s->invert;
@@ -131,18 +145,22 @@ static inline int etalon_serve_sampler_on(const etalon_sampler *s, const etalon_
             count = 0, printf("etalon 1 name=%s dimension=%d%s ", s->name, s->dimension, s->invert ? " invert=yes" : "");
             if (c) printf("chart=%d", c->dimension);
             else printf("domain=%s", s->domain);
-            printf(" %s\n", s->keys ? s->keys : "");
+            printf(" %s\n%s", s->keys ? s->keys : "", s->parameters ? s->about : "");
+        } else if (!strcmp(verb, "set") && s->parameters) {
+            if (etalon_set(line, s->parameters, s->set)) return 2;
+            continue;
         } else if (!is_sample && !is_invert && strcmp(verb, "pdf"))
             return etalon_fail("an unknown request", line);
         if (is_sample && s->dimension == 0 && s->seed) s->seed(seed);
         for (; count > 0; count--) {
-            double u[ETALON_MOST], x[8];
+            double u[ETALON_MOST], x[9];
             if (is_sample ? s->dimension > 0 && !etalon_read(u, s->dimension) : !etalon_read(x, n))
                 return 2;
             const int found = is_sample ? s->sample(u, x) : is_invert ? s->invert(x, u) : 1;
-            const double pdf = found && !is_invert ? s->pdf(x) : 0;
-            etalon_write(is_invert ? u : x, !found ? 0 : is_invert ? s->dimension : is_sample ? n : 0);
-            etalon_write(&pdf, found && !is_invert);
+            const int has_pdf = found && !is_invert && !(is_sample && weights);
+            const double pdf = has_pdf ? s->pdf(x) : 0;
+            etalon_write(is_invert ? u : x, !found ? 0 : is_invert ? s->dimension : is_sample ? n + weights : 0);
+            etalon_write(&pdf, has_pdf);
             puts(found ? "" : "none");
         }
     }
@@ -164,13 +182,10 @@ static inline int etalon_serve_bsdf(const etalon_bsdf *b) {
         double in[ETALON_MOST + 3], *more = in + 3, f[3];
         etalon_bsdf_sample s[ETALON_LOBES];
         if (!strcmp(verb, "etalon"))
-            printf("etalon 1 kind=bsdf name=%s channels=%d dimension=%d %s\n%s", b->name, b->channels, b->dimension,
+            printf("etalon 1 kind=%s name=%s channels=%d dimension=%d %s\n%s", b->kind ? b->kind : "bsdf", b->name, b->channels, b->dimension,
                    b->keys ? b->keys : "", b->parameters ? b->about : "");
         else if (!strcmp(verb, "set") && b->parameters) {
-            if (!etalon_parse(line + 3, in, b->parameters))
-                return 2;
-            const char *keys = b->set(in);
-            printf("%s%s", keys ? keys : "", keys ? "\n" : "");
+            if (etalon_set(line, b->parameters, b->set)) return 2;
         } else if (!is_eval && !is_sample && !is_lobes && strcmp(verb, "pdf"))
             return etalon_fail("an unknown request", line);
         else

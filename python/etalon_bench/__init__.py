@@ -7,12 +7,25 @@
 >>> bool(eb.check_sampler(sample, lambda w: w[:, 2] / np.pi, "hemisphere"))
 True
 
-`check_sampler`, `check_bsdf`, `compare_images` and `furnace` return a `Result`; the functions of the same name that begin with
+`check_sampler`, `check_bsdf`, `check_phase`, `check_light`, `compare_images` and `furnace` return a `Result`; the functions of the same name that begin with
 `assert_` raise AssertionError unless the result accepts. With pytest, the fixture `etalon` has all of them at one level for the
 whole run. The program `etalon` is installed with the package.
 """
 
-from ._bsdfs import Bsdf, BsdfSamples, assert_bsdf, assert_furnace, check_bsdf, furnace
+from ._bsdfs import (
+    Bsdf,
+    BsdfSamples,
+    Light,
+    Phase,
+    assert_bsdf,
+    assert_furnace,
+    assert_light,
+    assert_phase,
+    check_bsdf,
+    check_light,
+    check_phase,
+    furnace,
+)
 from ._distributions import of_scipy, of_torch
 from ._images import assert_images, compare_images
 from ._result import Result
@@ -30,13 +43,19 @@ __all__ = [
     "Bsdf",
     "BsdfSamples",
     "Chart",
+    "Light",
+    "Phase",
     "Result",
     "Samples",
     "assert_bsdf",
     "assert_furnace",
     "assert_images",
+    "assert_light",
+    "assert_phase",
     "assert_sampler",
     "check_bsdf",
+    "check_light",
+    "check_phase",
     "check_sampler",
     "compare_images",
     "domains",

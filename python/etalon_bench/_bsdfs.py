@@ -1,8 +1,7 @@
-"""Tests of whole BSDFs, and furnace tests."""
+"""Tests of whole BSDFs, phase functions and lights, and furnace tests."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -10,6 +9,7 @@ from typing import Any, Literal, NamedTuple
 from . import _native
 from ._plan import function, plan
 from ._result import Result, asserting
+from ._samplers import ranges
 
 
 class BsdfSamples(NamedTuple):
@@ -21,6 +21,7 @@ class BsdfSamples(NamedTuple):
         pdf: per sr, shape (n,), as `Bsdf.pdf` returns it, to the last bit; of a delta lobe, its probability.
         delta: bool, shape (n,): True where `wi` is the direction of a delta lobe.
         valid: bool, shape (n,): False where no light is scattered. Other values of such a row do not count, NaN included.
+        point: of a light, the sampled points, shape (n, 3).
     """
 
     wi: Any
@@ -28,6 +29,7 @@ class BsdfSamples(NamedTuple):
     pdf: Any = None
     delta: Any = None
     valid: Any = None
+    point: Any = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class Bsdf:
     stochastic: int = 0
     precision: Literal["single", "double"] = "double"
 
+    hit = None
+
     def __post_init__(self) -> None:
         for name in ("sample", "eval", "pdf", "lobes"):
             if name in ("sample", "eval") or getattr(self, name) is not None:
@@ -81,6 +85,7 @@ class Bsdf:
         kind = "none" if self.pdf is None else "approximate" if self.approximate_pdf else "exact"
         # The map refers to the dimension, which comes first
         declared = {
+            "kind": "bsdf",
             "channels": self.channels,
             "scatters": self.scatters,
             "delta": "no" if self.lobes is None else "yes",
@@ -100,7 +105,7 @@ class _Bsdfs:
     """BSDFs over their parameters as the extension takes them."""
 
     name: str
-    make: Callable[..., Bsdf]
+    make: Callable[..., Bsdf | Phase | Light]
     parameters: list[tuple[str, float, float, float]]
 
 
@@ -136,8 +141,7 @@ def check_bsdf(
         TypeError: for an array of something else than real numbers.
         Exception: whatever a function raises, unchanged.
     """
-    if not isinstance(bsdf, Bsdf):
-        raise TypeError(f"bsdf: wanted a Bsdf, not {type(bsdf).__name__}")
+    wanted(bsdf, "bsdf", Bsdf)
     if like is None and set:
         raise ValueError("set: parameters of a model, and no model is given by like")
     bsdfs = _Bsdfs(name, lambda: bsdf, [])
@@ -146,6 +150,173 @@ def check_bsdf(
 
 
 assert_bsdf = asserting(check_bsdf, "assert_bsdf")
+
+
+def wanted(value: object, name: str, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise TypeError(f"{name}: wanted a {kind.__name__}, not {type(value).__name__}")
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A phase function under test. Directions are unit vectors, shape (n, 3); wi points away from the place of scattering.
+
+    Attributes:
+        sample: maps wo and uniform random numbers, shape (n, dimension), to `BsdfSamples`, whose weights are value / pdf.
+        eval: the value for wo and wi in 1/sr, shape (n,) or (n, channels), which integrates to 1 over all wi.
+        pdf: of the samples per sr; None: the value.
+        wo: "away" if wo points away from the place, too, so that -wo is forward (pbrt, Mitsuba); "along": it is the direction of the light.
+        mean_cosine: of the angle between light before and after; None: not tested.
+        reciprocal: whether its value is the same for light that goes the other way.
+        energy: "conserved:E": the value integrates to 1, within E; "at-most-1", "any".
+        channels: 1 or 3.
+        dimension: random numbers of a sample, 1 to 64.
+        precision: of the arithmetic: exact checks allow for its rounding.
+    """
+
+    sample: Callable[..., Any]
+    eval: Callable[..., Any]
+    pdf: Callable[..., Any] | None = None
+    wo: Literal["away", "along"] = "away"
+    mean_cosine: float | None = None
+    reciprocal: bool = True
+    energy: str = "conserved:0"
+    channels: Literal[1, 3] = 1
+    dimension: int = 2
+    precision: Literal["single", "double"] = "double"
+
+    hit = lobes = None
+
+    def __post_init__(self) -> None:
+        if self.pdf is None:
+            object.__setattr__(self, "pdf", self.eval)
+        for name in ("sample", "eval", "pdf"):
+            function(getattr(self, name), name)
+
+    @property
+    def properties(self) -> list[tuple[str, str]]:
+        """What it declares, by the keys of the protocol for external programs."""
+        declared = {
+            "kind": "phase",
+            "channels": self.channels,
+            "wo": self.wo,
+            "reciprocal": "yes" if self.reciprocal else "no",
+            "energy": self.energy,
+            "dimension": self.dimension,
+            "precision": self.precision,
+        } | ({} if self.mean_cosine is None else {"mean_cosine": float(self.mean_cosine)})
+        return [(key, str(value)) for key, value in declared.items()]
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light under test, as a renderer samples it from reference points, shape (n, 3).
+
+    Attributes:
+        sample: maps points and uniform random numbers, shape (n, dimension), to `BsdfSamples`: unit directions to the light, radiance / pdf,
+            the pdf per sr, and the sampled points, if they are known. Those of a light without `radiance`, a point or a direction, have
+            as weight its radiant intensity over r², or its irradiance.
+        radiance: from directions wi to points, shape (n,) or (n, channels).
+        pdf: pdf(point, wi) of the samples per sr, shape (n,).
+        hit: where rays meet the light: distances, shape (n,), inf where they do not, unit normals, shape (n, 3), and the pdf per area, shape
+            (n,), or None.
+        one_sided: whether it emits to the side alone to which its normals point.
+        reference_points: by default, six points near and far on all sides.
+        channels: 1 or 3.
+        dimension: random numbers of a sample, 1 to 64.
+        precision: of the arithmetic: exact checks allow for its rounding.
+    """
+
+    sample: Callable[..., Any]
+    radiance: Callable[..., Any] | None = None
+    pdf: Callable[..., Any] | None = None
+    hit: Callable[..., Any] | None = None
+    one_sided: bool = False
+    reference_points: Sequence[tuple[float, float, float]] = ()
+    channels: Literal[1, 3] = 1
+    dimension: int = 2
+    precision: Literal["single", "double"] = "double"
+
+    def __post_init__(self) -> None:
+        given = [name for name in ("radiance", "pdf") if getattr(self, name) is not None]
+        if len(given) == 1:
+            raise TypeError(f"Light: {given[0]} without {'pdf' if given[0] == 'radiance' else 'radiance'}")
+        for name in ("sample", *given, *(["hit"] if self.hit else [])):
+            function(getattr(self, name), name)
+
+    def eval(self, point: Any, wi: Any) -> Any:
+        """The radiance; 0 of a light that no ray meets."""
+        if self.radiance is not None:
+            return self.radiance(point, wi)
+        return [[0.0] * self.channels] * len(point) if self.channels > 1 else [0.0] * len(point)
+
+    @property
+    def lobes(self) -> Callable[..., Any] | None:
+        """The direction of a light that no ray meets."""
+        return None if self.radiance is not None else self._direction
+
+    def _direction(self, point: Any) -> Any:
+        import numpy as np
+
+        found = self.sample(point, np.full((len(point), self.dimension), 0.5))
+        pdf = np.ones(len(point)) if found.pdf is None else np.asarray(found.pdf, float)
+        sampled = np.where(True if found.valid is None else found.valid, pdf, 0.0)
+        weight = np.asarray(found.weight, float)
+        throughput = (weight.T * pdf).T
+        return np.asarray(found.wi)[:, None], sampled[:, None], throughput[:, None]
+
+    @property
+    def properties(self) -> list[tuple[str, str]]:
+        """What it declares, by the keys of the protocol for external programs."""
+        declared = {
+            "kind": "light",
+            "channels": self.channels,
+            "delta": "yes" if self.radiance is None else "no",
+            "hits": "no" if self.hit is None else "yes",
+            "one_sided": "yes" if self.one_sided else "no",
+            "dimension": self.dimension,
+            "precision": self.precision,
+        }
+        points = ",".join(str(float(x)) for point in self.reference_points for x in point)
+        return [(key, str(value)) for key, value in (declared | ({"reference_points": points} if points else {})).items()]
+
+
+def check_phase(
+    phase: Phase,
+    *,
+    name: str = "phase",
+    level: float = 0.01,
+    detect: float = 0.02,
+    samples: int | None = None,
+    seed: int = 1,
+) -> Result:
+    """Tests a phase function, value, pdf, weights and mean cosine, each against the others, for six oblique directions wo.
+
+    Arguments and errors are those of `check_bsdf`.
+    """
+    wanted(phase, "phase", Phase)
+    return Result(_native.check_bsdf(_Bsdfs(name, lambda: phase, []), plan(level, detect, samples, seed), None))
+
+
+def check_light(
+    light: Light,
+    *,
+    name: str = "light",
+    level: float = 0.01,
+    detect: float = 0.02,
+    samples: int | None = None,
+    seed: int = 1,
+) -> Result:
+    """Tests a light, radiance, pdf, weights, points and normals, each against the others, from several reference points.
+
+    Arguments and errors are those of `check_bsdf`.
+    """
+    wanted(light, "light", Light)
+    return Result(_native.check_bsdf(_Bsdfs(name, lambda: light, []), plan(level, detect, samples, seed), None))
+
+
+assert_phase = asserting(check_phase, "assert_phase")
+assert_light = asserting(check_light, "assert_light")
 
 
 @dataclass(frozen=True)
@@ -205,11 +376,7 @@ def furnace(
             raise ValueError("parameters: wanted a function that makes the BSDF for their values")
         return Result(_native.furnace(_Bsdfs(name, lambda: one, []), tabulated))
     function(bsdf, "bsdf")
-    ranges = [(key, float(value), float(low), float(high)) for key, (value, low, high) in (parameters or {}).items()]
-    for key, value, low, high in ranges:
-        if not (low <= value <= high and math.isfinite(low) and math.isfinite(high)):
-            raise ValueError(f"parameters: {key} = {value} is not from {low} to {high}, or these are not finite")
-    return Result(_native.furnace(_Bsdfs(name, bsdf, ranges), tabulated))
+    return Result(_native.furnace(_Bsdfs(name, bsdf, ranges(parameters)), tabulated))
 
 
 assert_furnace = asserting(furnace, "assert_furnace")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 from . import _native
@@ -20,12 +22,14 @@ class Samples(NamedTuple):
         valid: bool, shape (n,): False where there is no sample, such as a direction below the horizon. The probability of that is
             1 minus the integral of the pdf. Other values of such a row do not count, NaN included.
         atom: bool, shape (n,): True where the point is one of the `atoms`.
+        weight: in place of a pdf, an estimate of 1/pdf, or of target/pdf, shape (n,): of resampling and of reservoirs.
     """
 
     x: Any
     pdf: Any = None
     valid: Any = None
     atom: Any = None
+    weight: Any = None
 
 
 @dataclass(frozen=True)
@@ -66,20 +70,45 @@ class _Sampler:
 
     name: str
     sample: Callable[..., Any]
-    pdf: Callable[..., Any]
+    pdf: Callable[..., Any] | None
     invert: Callable[..., Any] | None
     dimension: int | None
     mass: float | str
     table: tuple[int, int] | None
     precision: float
     atoms: list[tuple[list[float], float]]
+    weighted: bool
+    stochastic: bool
+    narrow: list[list[float]]
+    parameters: list[tuple[str, float, float, float]]
+    # The functions sample, pdf and invert for values of the parameters
+    at: Callable[..., tuple[Any, Any, Any]]
+
+
+def ranges(parameters: Mapping[str, Sequence[float]] | None) -> list[tuple[str, float, float, float]]:
+    """Names, values, and the ends of their ranges."""
+    found = []
+    for name, ends in (parameters or {}).items():
+        if len(ends) not in (2, 3):
+            raise ValueError(f"parameters: {name} = {ends}; wanted (from, to) or (value, from, to)")
+        *own, low, high = map(float, ends)
+        middle = math.sqrt(low * high) if 0 < 10 * low < high else 0.5 * (low + high)
+        value = own[0] if own else middle
+        if not (low <= value <= high and math.isfinite(low) and math.isfinite(high)):
+            raise ValueError(f"parameters: {name} = {value} is not from {low} to {high}, or these are not finite")
+        found.append((name, value, low, high))
+    return found
 
 
 def check_sampler(
     sample: Callable[..., Any],
-    pdf: Callable[..., Any],
+    pdf: Callable[..., Any] | None,
     domain: str | Chart,
     *,
+    target: Callable[..., Any] | None = None,
+    parameters: Mapping[str, Sequence[float]] | None = None,
+    stochastic: bool = False,
+    narrow: Sequence[Sequence[float]] = (),
     dimension: int | None = None,
     mass: float | Literal["at-most-1", "unknown"] = 1.0,
     table: tuple[int, int] | None = None,
@@ -101,10 +130,17 @@ def check_sampler(
     Args:
         sample: maps uniform random numbers from [0, 1), shape (n, dimension), to points, shape (n, d), or to `Samples`. With
             dimension 0, it is called as sample(n, seed) and has random numbers of its own; equal seeds give equal samples.
-        pdf: the pdf at points, shape (n, d), in the domain's measure; shape (n,).
+        pdf: the pdf at points, shape (n, d), in the domain's measure; shape (n,). With None, `sample` returns `Samples` with weights:
+            their mean over the samples in a cell must be the size of the cell, or the integral of `target` over it.
         domain: the name of one of `domains()`, such as "sphere" (unit vectors, d = 3, per sr), "hemisphere" (those with z >= 0),
             "square" (d = 2, from 0 to 1), "line" (from 0 to 1), "real" (any number) or "discrete:N" (the integers below N); or a
             `Chart`. Points with one coordinate have the shape (n,).
+        target: of samples with weights, a function of points like `pdf`: what their weights estimate, times 1/pdf. 1 by default; 0 where
+            the sampler has no samples.
+        parameters: of the functions, which get their values by name: (from, to), or (value, from, to) with a default value. The corners
+            of the ranges and values inside are tested at the one level; the reason says where it fails.
+        stochastic: whether values of `pdf`, and the pdfs in `Samples`, are random with the pdf as their mean.
+        narrow: where the pdf is narrow, in coordinates of the domain's chart from 0 to 1: points (x, y) or boxes (x, y, x, y).
         dimension: random numbers of a sample, 0 to 64; by default 2, and 1 where points have one coordinate.
         mass: what the pdf integrates to, atoms included; below 1 where there may be no sample, "at-most-1" if it is not known. With
             "unknown" only the shape of the pdf is tested.
@@ -127,7 +163,15 @@ def check_sampler(
         Exception: whatever a function raises that works for no input, unchanged. (One that raises for some inputs is rejected.)
     """
     function(sample, "sample")
-    function(pdf, "pdf")
+    if pdf is not None:
+        function(pdf, "pdf")
+        if target is not None:
+            raise ValueError("target: weights have one, and then pdf is None")
+    if target is not None:
+        function(target, "target")
+    density = target if pdf is None else pdf
+    if not all(len(place) in (1, 2, 4) and all(0 <= x <= 1 for x in place) for place in narrow):
+        raise ValueError(f"narrow: {narrow}; wanted points (x, y) or boxes (x, y, x, y) of numbers from 0 to 1")
     if invert is not None:
         function(invert, "invert")
     if dimension is not None and not 0 <= dimension <= 64:
@@ -141,7 +185,17 @@ def check_sampler(
     relative = {"exact": 0.0, "single": -1.0}[precision] if isinstance(precision, str) else float(precision)
     share = mass if isinstance(mass, str) else float(mass)
     points = [([float(x) for x in (at if isinstance(at, Sequence) else [at])], float(share)) for at, share in atoms]
-    sampler = _Sampler(name, sample, pdf, invert, dimension, share, table, relative, points)
+    known = ranges(parameters)
+
+    def at(*values: float) -> tuple[Any, Any, Any]:
+        given = dict(zip((name for name, *_ in known), values))
+        sample_at, density_at, invert_at = (f and partial(f, **given) for f in (sample, density, invert))
+        return sample_at, density_at, invert_at
+
+    boxes = [[float(x) for x in place] for place in narrow]
+    sampler = _Sampler(
+        name, sample, density, invert, dimension, share, table, relative, points, pdf is None, stochastic, boxes, known, at
+    )
     return Result(_native.check_sampler(sampler, domain, plan(level, detect, samples, seed)))
 
 

@@ -1,16 +1,16 @@
-//! BSDFs that are functions of Python.
+//! BSDFs, phase functions and lights that are functions of Python.
 
 use crate::arrays::{Given, flags, no_nan, numbers, rows};
 use crate::caller::{Caller, run};
 use crate::calls::Calls;
 use crate::found::Found;
 use crate::sampler::Plan;
-use etalon::protocol::program::properties::{declare, has_sound_map};
+use etalon::protocol::program::properties::{declare, has_sound_map, of_kind};
 use etalon::study::albedo::{Request, albedo_table};
 use etalon::study::likeness::Claim;
 use etalon::study::validation::{WholeBsdf, families};
 use etalon_stats::bsdf::{
-    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Pair, Parameter, PdfKind, Properties, Spectrum,
+    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Hit, Pair, Parameter, PdfKind, Properties, Spectrum,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -25,6 +25,7 @@ pub struct Declared {
     eval: Py<PyAny>,
     pdf: Option<Py<PyAny>>,
     lobes: Option<Py<PyAny>>,
+    hit: Option<Py<PyAny>>,
     properties: Vec<(String, String)>,
 }
 
@@ -34,6 +35,7 @@ struct Functions {
     eval: Py<PyAny>,
     pdf: Option<Py<PyAny>>,
     lobes: Option<Py<PyAny>>,
+    hit: Option<Py<PyAny>>,
     properties: Properties,
 }
 
@@ -42,16 +44,18 @@ type AllCalls = Arc<[Calls; 3]>;
 
 impl Declared {
     fn checked(self) -> PyResult<Functions> {
-        let mut properties = Properties { map: None, ..Properties::default() };
-        for (key, value) in &self.properties {
-            let meaningless = || PyValueError::new_err(format!("{key}: {value} has no meaning"));
-            declare(&mut properties, key, value).ok_or_else(meaningless)?;
+        let meaningless =
+            |(key, value): &(String, String)| PyValueError::new_err(format!("{key}: {value} has no meaning"));
+        let (kind, declared) = self.properties.split_first().ok_or_else(|| PyValueError::new_err("no kind"))?;
+        let mut properties = of_kind(&kind.1).ok_or_else(|| meaningless(kind))?;
+        for both in declared {
+            declare(&mut properties, &both.0, &both.1).ok_or_else(|| meaningless(both))?;
         }
         if !has_sound_map(&properties) {
             return Err(PyValueError::new_err("map: wanted two different random numbers of a sample, counted from 0"));
         }
-        let Self { sample, eval, pdf, lobes, .. } = self;
-        Ok(Functions { sample, eval, pdf, lobes, properties })
+        let Self { sample, eval, pdf, lobes, hit, .. } = self;
+        Ok(Functions { sample, eval, pdf, lobes, hit, properties })
     }
 }
 
@@ -78,7 +82,7 @@ pub fn check_bsdf(
         let family = PythonFamily::new(bsdfs, caller.clone());
         let calls = Arc::clone(&family.calls);
         let claim = like.map(|(model, chosen)| Claim::new(&model, &chosen)).transpose()?;
-        let whole = WholeBsdf::new(family, Vec::new()).like(claim);
+        let whole = WholeBsdf::new(family, Vec::new())?.like(claim);
         let tests = whole.names().len() as u64;
         let validation = whole.run(&protocol, &|| caller.step(tests))?;
         Ok((validation, calls.iter().find_map(Calls::raised)))
@@ -258,6 +262,17 @@ impl BatchBsdf for PythonBsdf {
             delta_lobes(&lobes.bind(py).call1((&wo,))?, n, channels, &[("wo", &wo)])
         })
     }
+
+    fn hits(&self, pairs: &[Pair]) -> etalon_stats::Result<Vec<Option<Hit>>> {
+        let pairs = pairs.to_vec();
+        self.call(move |py, functions, _| {
+            let Some(hit) = functions.hit.as_ref().filter(|_| !pairs.is_empty()) else {
+                return Ok(vec![None; pairs.len()]);
+            };
+            let (wo, wi) = directions_of(py, &pairs)?;
+            hits(&hit.bind(py).call1((&wo, &wi))?, pairs.len())
+        })
+    }
 }
 
 /// Directions as an array (n, 3).
@@ -286,8 +301,12 @@ fn spectra(value: &Bound<'_, PyAny>, name: &str, entries: &[usize], channels: us
 }
 
 /// The parts of a tuple; those that are None are left out.
-fn parts<'py, const N: usize>(value: &Bound<'py, PyAny>, wanted: &str) -> PyResult<[Option<Bound<'py, PyAny>>; N]> {
-    let parts = value.cast::<PyTuple>().ok().filter(|parts| parts.len() == N);
+fn parts<'py, const N: usize>(
+    value: &Bound<'py, PyAny>,
+    least: usize,
+    wanted: &str,
+) -> PyResult<[Option<Bound<'py, PyAny>>; N]> {
+    let parts = value.cast::<PyTuple>().ok().filter(|parts| (least..=N).contains(&parts.len()));
     let parts = parts.ok_or_else(|| {
         let found = value.get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
         PyTypeError::new_err(format!("{wanted}; found {found}"))
@@ -298,7 +317,7 @@ fn parts<'py, const N: usize>(value: &Bound<'py, PyAny>, wanted: &str) -> PyResu
 
 /// The samples that a function has returned as `BsdfSamples`.
 fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<Option<BsdfSample>>> {
-    let [wi, weight, pdf, delta, valid] = parts::<5>(value, "sample: wanted BsdfSamples(wi, weight, …)")?;
+    let [wi, weight, pdf, delta, valid, point] = parts::<6>(value, 5, "sample: wanted BsdfSamples(wi, weight, …)")?;
     let missing = |what: &str| PyTypeError::new_err(format!("sample: no {what}"));
     let (wi, weight) = (wi.ok_or_else(|| missing("wi"))?, weight.ok_or_else(|| missing("weight"))?);
     let valid = flags(valid.as_ref(), "sample.valid", n, true)?;
@@ -309,6 +328,10 @@ fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<
         None => None,
         Some(pdf) => Some(numbers::<f64>(&pdf, "sample.pdf")?.of_shape(&[&[n]])?),
     };
+    let points = match point {
+        None => None,
+        Some(point) => Some(numbers::<f64>(&point, "sample.point")?.of_shape(&[&[n, 3]])?),
+    };
     let density = |i: usize| match &pdf {
         Some(pdf) if delta[i] => Ok(Density::Delta(pdf[i])),
         Some(pdf) => Ok(Density::Pdf(pdf[i])),
@@ -316,10 +339,29 @@ fn samples(value: &Bound<'_, PyAny>, n: usize, channels: usize) -> PyResult<Vec<
         None => Ok(Density::Unknown),
     };
     let sample = |(i, wi): (usize, &[f64])| {
-        let sample = || Ok(BsdfSample::new(std::array::from_fn(|c| wi[c]), weight[i], density(i)?));
+        let point = points.as_ref().map(|points| std::array::from_fn(|c| points[3 * i + c]));
+        let sample =
+            || Ok(BsdfSample { point, ..BsdfSample::new(std::array::from_fn(|c| wi[c]), weight[i], density(i)?) });
         valid[i].then(sample).transpose()
     };
     wi.chunks_exact(3).enumerate().map(sample).collect()
+}
+
+/// Where rays meet a light, by what a function has returned: distances (n,), normals (n, 3), pdfs per area (n,) or None.
+fn hits(value: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<Hit>>> {
+    const WANTED: &str = "hit: wanted (distance, normal) or (distance, normal, pdf per area)";
+    let [Some(distance), Some(normal), pdf] = parts::<3>(value, 2, WANTED)? else {
+        return Err(PyTypeError::new_err(WANTED));
+    };
+    let distance: Vec<f64> = numbers(&distance, "hit.distance")?.of_shape(&[&[n]])?;
+    let normal: Vec<f64> = numbers(&normal, "hit.normal")?.of_shape(&[&[n, 3]])?;
+    let pdf = pdf.map(|pdf| numbers::<f64>(&pdf, "hit.pdf")?.of_shape(&[&[n]])).transpose()?;
+    let hit = |i: usize| Hit {
+        distance: distance[i],
+        normal: std::array::from_fn(|c| normal[3 * i + c]),
+        pdf_area: pdf.as_ref().map(|pdf| pdf[i]),
+    };
+    Ok((0..n).map(|i| distance[i].is_finite().then(|| hit(i))).collect())
 }
 
 /// The delta lobes that a function has returned: directions (n, k, 3), probabilities (n, k), throughputs (n, k) or (n, k, 3); a
@@ -330,7 +372,7 @@ fn delta_lobes(
     channels: usize,
     given: Given<'_, '_>,
 ) -> PyResult<Vec<Vec<DeltaLobe>>> {
-    let [wi, probability, throughput] = parts::<3>(value, "lobes: wanted (wi, probability, throughput)")?;
+    let [wi, probability, throughput] = parts::<3>(value, 3, "lobes: wanted (wi, probability, throughput)")?;
     let missing = || PyTypeError::new_err("lobes: wanted (wi, probability, throughput), none of them None");
     let wi = numbers::<f64>(&wi.ok_or_else(missing)?, "lobes.wi")?;
     let k = match wi.shape[..] {

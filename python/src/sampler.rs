@@ -6,9 +6,11 @@ use crate::calls::Calls;
 use crate::found::Found;
 use etalon::protocol::sampler::Space;
 use etalon::study::validation::{Case, run as validate};
+use etalon_stats::bsdf::Parameter;
+use etalon_stats::sweep::over_ranges;
 use etalon_stats::{
-    Atom, Chart, ChartFunctions, Density, Domain, Mass, Place, Point, Protocol, SINGLE_PRECISION, Sample, SampleCount,
-    Sampler, Verdict, examine, explain, place,
+    Atom, Chart, ChartFunctions, Density, Domain, Extremes as _, Mass, Outcome, Place, Point, Protocol,
+    SINGLE_PRECISION, Sample, SampleCount, Sampler, Verdict, examine, explain, place,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
@@ -38,7 +40,8 @@ impl Plan {
 pub struct Declared {
     name: String,
     sample: Py<PyAny>,
-    pdf: Py<PyAny>,
+    /// The pdf, or the target of weights.
+    pdf: Option<Py<PyAny>>,
     invert: Option<Py<PyAny>>,
     /// Random numbers of a sample; the coordinates of the domain by default.
     dimension: Option<usize>,
@@ -50,6 +53,15 @@ pub struct Declared {
     precision: f64,
     /// Points with their probabilities.
     atoms: Vec<(Vec<f64>, f64)>,
+    /// Whether samples carry weights.
+    weighted: bool,
+    stochastic: bool,
+    /// Points and boxes of the chart.
+    narrow: Vec<Vec<f64>>,
+    /// Names, values, and the ends of the ranges.
+    parameters: Vec<(String, f64, f64, f64)>,
+    /// The functions for values of the parameters.
+    at: Py<PyAny>,
 }
 
 /// What a pdf integrates to.
@@ -163,8 +175,17 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain,
     let table = declared.table.map(|(rows, columns)| [rows, columns]);
     let precision = if declared.precision < 0.0 { SINGLE_PRECISION } else { declared.precision };
     let (name, protocol) = (declared.name, plan.protocol());
-    let [sample, pdf] = [declared.sample, declared.pdf].map(Arc::new);
-    let invert = declared.invert.map(Arc::new);
+    let (sample, at) = (Arc::new(declared.sample), declared.at);
+    let [pdf, invert] = [declared.pdf, declared.invert].map(|function| function.map(Arc::new));
+    let (weighted, stochastic) = (declared.weighted, declared.stochastic);
+    let parameter = |(name, value, from, to): (String, f64, f64, f64)| Parameter::new(name, value, [from, to]);
+    let parameters: Vec<Parameter> = declared.parameters.into_iter().map(parameter).collect();
+    let narrow = declared.narrow.iter().map(|place| match place[..] {
+        [x0, y0, x1, y1] => [[x0.at_most(x1), x1.at_least(x0)], [y0.at_most(y1), y1.at_least(y0)]],
+        [x, y] => [[x; 2], [y; 2]],
+        _ => [[place[0]; 2], [0.0, 1.0]],
+    });
+    let narrow: Vec<[[f64; 2]; 2]> = narrow.collect();
     let (of_points, dimension) = (declared.atoms, declared.dimension);
     let what = name.clone();
     let tested = run(py, &what, move |caller| {
@@ -192,13 +213,26 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain,
             table,
             precision,
             atoms,
+            weighted,
+            stochastic,
+            narrow,
             calls: Default::default(),
         };
         let calls = functions.calls.clone();
         // As the command line runs it: the random numbers depend on the name, too
         let own = space.clone();
-        let case =
-            Case::new(name, move |protocol, round| Ok(examine(own.domain(), &functions, &functions, protocol, round)?));
+        let test = move |protocol: &Protocol, round| -> etalon::Result<Outcome> {
+            let of = |functions: &Functions, protocol: &Protocol| {
+                examine(own.domain(), functions, functions, protocol, round)
+            };
+            if parameters.is_empty() {
+                return Ok(of(&functions, protocol)?);
+            }
+            Ok(over_ranges(&parameters, protocol, round, |values, protocol, _| {
+                of(&functions.with(&at, values)?, protocol)
+            })?)
+        };
+        let case = Case::new(name, test);
         let mut tested = validate(&[case], &protocol, &|_| ())?.tests.pop();
         if let (Some(test), Some(raised)) = (&mut tested, calls.iter().find_map(|calls| calls.raised())) {
             let outcome = &mut test.outcome;
@@ -212,22 +246,38 @@ pub fn check_sampler(py: Python<'_>, declared: Declared, domain: DeclaredDomain,
 }
 
 /// A sampler and its pdf over a domain.
+#[derive(Clone)]
 struct Functions {
     caller: Caller,
     space: Space,
     sample: Arc<Py<PyAny>>,
-    pdf: Arc<Py<PyAny>>,
+    pdf: Option<Arc<Py<PyAny>>>,
     invert: Option<Arc<Py<PyAny>>>,
     dimension: usize,
     mass: Mass,
     table: Option<[usize; 2]>,
     precision: f64,
     atoms: Vec<Atom>,
+    weighted: bool,
+    stochastic: bool,
+    narrow: Vec<[[f64; 2]; 2]>,
     /// Calls of `sample` and of `pdf`.
     calls: Arc<[Calls; 2]>,
 }
 
 impl Functions {
+    /// The same for these values of the parameters, for which `at` has the functions.
+    fn with(&self, at: &Py<PyAny>, values: &[f64]) -> etalon_stats::Result<Self> {
+        let (at, values) = (Python::attach(|py| at.clone_ref(py)), values.to_vec());
+        let (sample, pdf, invert) = self.caller.call(move |py| {
+            let functions: (Py<PyAny>, Option<Py<PyAny>>, Option<Py<PyAny>>) =
+                at.bind(py).call1(PyTuple::new(py, values)?)?.extract()?;
+            Ok(functions)
+        })?;
+        let [pdf, invert] = [pdf, invert].map(|function| function.map(Arc::new));
+        Ok(Self { sample: Arc::new(sample), pdf, invert, ..self.clone() })
+    }
+
     /// Appends the samples that `call` has the function return.
     fn append(
         &self,
@@ -247,11 +297,12 @@ impl Sampler for Functions {
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
         let (u, dimension, calls) = (u.to_vec(), self.dimension, Arc::clone(&self.calls));
+        let weighted = self.weighted;
         let call = move |space: &Space, sample: &Bound<'_, PyAny>| {
             let py = sample.py();
             let some = |range: Range<usize>| {
                 let u = rows(py, u[range.start * dimension..range.end * dimension].to_vec(), dimension)?;
-                samples(space, &sample.call1((&u,))?, range.len())
+                samples(space, &sample.call1((&u,))?, range.len(), weighted)
             };
             let given = |i: usize| format!("u = {:?}", &u[i * dimension..(i + 1) * dimension]);
             calls[0].of_rows(py, ("sample", u.len() / dimension), nowhere(space), some, given)
@@ -260,9 +311,9 @@ impl Sampler for Functions {
     }
 
     fn sample_seeded(&self, count: usize, seed: u32, out: &mut Vec<Option<Sample>>) -> etalon_stats::Result<()> {
-        let calls = Arc::clone(&self.calls);
+        let (calls, weighted) = (Arc::clone(&self.calls), self.weighted);
         let call = move |space: &Space, sample: &Bound<'_, PyAny>| {
-            let some = |range: Range<usize>| samples(space, &sample.call1((range.len(), seed))?, range.len());
+            let some = |range: Range<usize>| samples(space, &sample.call1((range.len(), seed))?, range.len(), weighted);
             let given = |_: usize| format!("n = 1, seed = {seed}");
             calls[0].of_rows(sample.py(), ("sample", count), nowhere(space), some, given)
         };
@@ -284,7 +335,11 @@ impl Density for Functions {
         if at.is_empty() {
             return Ok(());
         }
-        let (count, space, coordinates, pdf) = (at.len(), self.space.clone(), coordinates(at), Arc::clone(&self.pdf));
+        let Some(pdf) = self.pdf.clone() else {
+            out.resize(out.len() + at.len(), 1.0);
+            return Ok(());
+        };
+        let (count, space, coordinates) = (at.len(), self.space.clone(), coordinates(at));
         let calls = Arc::clone(&self.calls);
         let job = move |py: Python<'_>| {
             let width = space.width();
@@ -309,6 +364,18 @@ impl Density for Functions {
 
     fn precision(&self) -> f64 {
         self.precision
+    }
+
+    fn is_target(&self) -> bool {
+        self.weighted
+    }
+
+    fn is_stochastic(&self) -> bool {
+        self.stochastic
+    }
+
+    fn narrow(&self) -> Vec<[[f64; 2]; 2]> {
+        self.narrow.clone()
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
@@ -336,12 +403,12 @@ fn nowhere(space: &Space) -> Option<Sample> {
 }
 
 /// The samples that a function has returned: an array of points, or `Samples`.
-fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Option<Sample>>> {
-    let [x, pdf, valid, atom] = match returned.cast::<PyTuple>() {
-        Err(_) => [Some(returned.clone()), None, None, None],
-        Ok(parts) if parts.len() == 4 => {
+fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize, weighted: bool) -> PyResult<Vec<Option<Sample>>> {
+    let [x, pdf, valid, atom, weight] = match returned.cast::<PyTuple>() {
+        Err(_) => [Some(returned.clone()), None, None, None, None],
+        Ok(parts) if parts.len() == 5 => {
             let part = |i: usize| parts.get_item(i).map(|part| Some(part).filter(|part| !part.is_none()));
-            [part(0)?, part(1)?, part(2)?, part(3)?]
+            [part(0)?, part(1)?, part(2)?, part(3)?, part(4)?]
         }
         Ok(parts) => {
             let found = format!("sample: a tuple of {}; wanted an array of points, or Samples(x, …)", parts.len());
@@ -354,10 +421,13 @@ fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec
     let x: Numbers<f64> = numbers(&x, "sample")?;
     let d = space.width();
     let coordinates = if d == 1 { x.of_shape(&[&[n], &[n, 1]])? } else { x.of_shape(&[&[n, d]])? };
-    let pdf = match pdf {
-        None => None,
-        Some(pdf) => Some(numbers::<f64>(&pdf, "sample.pdf")?.of_shape(&[&[n]])?),
+    let row = |values: Option<Bound<'_, PyAny>>, name: &str| -> PyResult<Option<Vec<f64>>> {
+        values.map(|values| numbers::<f64>(&values, name)?.of_shape(&[&[n]])).transpose()
     };
+    let (pdf, weight) = (row(pdf, "sample.pdf")?, row(weight, "sample.weight")?);
+    if weighted && weight.is_none() {
+        return Err(PyTypeError::new_err("sample: no weights, and no pdf is given; wanted Samples(x, weight=…)"));
+    }
     let of_row = |(i, row): (usize, &[f64])| -> PyResult<_> {
         if !valid[i] {
             return Ok(None);
@@ -365,7 +435,8 @@ fn samples(space: &Space, returned: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec
         let no_point = || PyValueError::new_err(format!("sample: {row:?} in row {i} is no point of the domain"));
         let point = space.point(row).ok_or_else(no_point)?;
         let pdf = pdf.as_ref().map(|pdf| pdf[i]).filter(|_| !atom[i]);
-        Ok(Some(Sample { point, pdf, atom: atom[i] }))
+        let weight = weight.as_ref().filter(|_| weighted).map_or(1.0, |weight| weight[i]);
+        Ok(Some(Sample { point, pdf, atom: atom[i], weight }))
     };
     let mut samples = Vec::with_capacity(n);
     for row in coordinates.chunks_exact(d).enumerate() {

@@ -270,3 +270,48 @@ def test_domains_that_make_no_sense():
             eb.check_sampler(half_disk, uniform_on_half_disk, domain)
     with pytest.raises(ValueError, match="dimension"):
         eb.Chart(to_cube, from_cube, jacobian, dimension=7)
+
+
+def resampled(u, power=1.0, normalization=4):
+    """One of four uniform candidates, by a power of x, with its weight."""
+    importance = 0.2 + u[:, :4] ** power
+    total = importance.cumsum(axis=1)
+    i = (total < u[:, 4:] * total[:, -1:]).sum(axis=1)
+    rows = np.arange(len(u))
+    return eb.Samples(u[rows, i], weight=total[:, -1] / (normalization * importance[rows, i]))
+
+
+def test_weights_in_place_of_a_pdf() -> None:
+    found = eb.check_sampler(resampled, None, "line", dimension=5)
+    assert found and "variance of the weights" in str(found)
+    wrong = eb.check_sampler(lambda u: resampled(u, normalization=3), None, "line", dimension=5)
+    assert wrong.verdict == "reject" and "1.333" in wrong.reason
+    doubled = lambda u: resampled(u, normalization=2)
+    assert eb.check_sampler(doubled, None, "line", target=lambda x: np.full(len(x), 2.0), dimension=5)
+    with pytest.raises(TypeError, match="no weights"):
+        eb.check_sampler(lambda u: u, None, "square")
+    with pytest.raises(ValueError, match="target"):
+        eb.check_sampler(lambda u: u, lambda x: x[:, 0], "square", target=lambda x: x[:, 0])
+
+
+def test_ranges_of_parameters() -> None:
+    sample = lambda u, n: u[:, 0] ** (1 / (n + 1))
+    pdf = lambda x, n: (n + 1) * x**n
+    right = eb.check_sampler(sample, pdf, "line", parameters={"n": (0.1, 50)}, detect=0.05)
+    assert right and "values of the parameters" in str(right)
+    wrong = eb.check_sampler(sample, lambda x, n: pdf(x, n if n < 10 else 0.8 * n), "line", parameters={"n": (0.1, 50)}, detect=0.04)
+    assert wrong.reason.startswith("fails for n ≥ 10")
+    assert eb.check_sampler(resampled, None, "line", dimension=5, parameters={"power": (1, 0.5, 3)}, samples=20000)
+    with pytest.raises(ValueError, match="parameters: n"):
+        eb.check_sampler(sample, pdf, "line", parameters={"n": (5, 1)})
+
+
+def test_stochastic_and_narrow_pdfs() -> None:
+    noise = lambda x: 2 * np.modf(x * 7919)[0]
+    assert eb.check_sampler(lambda u: np.sqrt(u[:, 0]), lambda x: 2 * x * noise(x), "line", stochastic=True, detect=0.05)
+    assert not eb.check_sampler(lambda u: u[:, 0], lambda x: 2 * x * noise(x), "line", stochastic=True, detect=0.05)
+    spike = lambda x: np.where(np.abs(x - 0.3) < 1e-9, 1e8, 0.0) + 0.8
+    uniform = eb.check_sampler(lambda u: u[:, 0], spike, "line", narrow=[(0.3,)])
+    assert uniform.verdict == "reject" and "integrates to 1." in uniform.reason
+    with pytest.raises(ValueError, match="narrow"):
+        eb.check_sampler(lambda u: u[:, 0], spike, "line", narrow=[(3.0,)])

@@ -154,7 +154,7 @@ mod tests {
     use std::path::Path;
 
     /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
-    const OF_CALLERS: [&str; 17] = [
+    const OF_CALLERS: [&str; 19] = [
         "SIGMA",
         "cells",
         "chart",
@@ -166,10 +166,12 @@ mod tests {
         "heat map",
         "images",
         "layers",
+        "mass",
         "metadata",
         "output file",
         "size",
         "table",
+        "target",
         "test",
         "wall",
     ];

@@ -162,7 +162,6 @@ fn only_errata_speak_of_the_reports() {
 /// Words that only this project used, and the terms of the field for them.
 const WORDS: &[(&str, &str)] = &[
     ("lamp", "area light"),
-    ("ball", "sphere"),
     ("casters", "caustic cones"),
     ("shine", "product warp"),
     ("glow", "emission"),

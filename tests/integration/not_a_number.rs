@@ -89,13 +89,20 @@ fn words(line: &str) -> Vec<String> {
 /// `VALUE` stands for the value, `FILTER COLUMN EXAMPLE` for an example whose answers have it in that column.
 type Entry = (&'static str, &'static [(&'static str, i32, &'static str)]);
 
-const ENTRIES: [Entry; 13] = [
+const ENTRIES: [Entry; 14] = [
     ("etalon validate examples/my_sampler.py", &[("validate --detect 0.2 --domain line mine.py", 1, "reject")]),
     (
         "etalon validate examples/exponential.py",
         &[
             ("validate --detect 0.2 --domain interval:0,1 mine.py", 1, "reject"),
             ("validate --domain interval:0,VALUE mine.py", 2, "VALUE"),
+        ],
+    ),
+    (
+        "etalon validate examples/phase.py",
+        &[
+            ("validate --samples 400 phase.py", 1, "phase/values/60"),
+            ("validate --samples 400 light.py", REFUSED, "light.py"),
         ],
     ),
     (
@@ -200,6 +207,16 @@ fn every_entry_point_says_what_it_does_with_numbers_that_are_none() {
         let folder = folder(number);
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
         write("mine.py", &format!("def sample(u):\n    return float('{value}')\n\n\ndef pdf(x):\n    return 1.0\n"));
+        let phase = "def phase(wo, wi):\n    return float('VALUE')\n\n\ndef pdf(wo, wi):\n    return 0.1\n\n\ndef sample(wo, u):\n    return wo\n";
+        write("phase.py", &phase.replace("VALUE", value));
+        write(
+            "light.py",
+            &format!(
+                "delta, reference_points = True, [{value}, 0, 0]\n\n\ndef sample(point, u):\n    return (0, 0, 1), 1\n"
+            )
+            .replace("[", "[float('")
+            .replace(", 0, 0", "'), 0, 0"),
+        );
         write("samples.csv", &format!("x\n0.5\n{value}\n0.25\n"));
         write("good.csv", "x\n0.5\n0.75\n0.25\n");
         write("pdf.csv", "1\n1\n");

@@ -117,7 +117,7 @@ pub fn albedo_table(
 /// The numbers of the parameters that vary.
 fn varied(family: &dyn Family, over: &[String]) -> Result<Vec<usize>> {
     if !over.is_empty() {
-        return over.iter().map(|name| position(family, "over", name)).collect();
+        return over.iter().map(|name| position(family.name(), &family.parameters(), "over", name)).collect();
     }
     let names: Vec<String> = family.parameters().into_iter().map(|parameter| parameter.name).collect();
     let partner = names.first().and_then(|name| name.strip_suffix("_x")).map(|stem| format!("{stem}_y"));

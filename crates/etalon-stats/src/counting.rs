@@ -1,7 +1,7 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted};
+use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted, values_at};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
@@ -101,7 +101,7 @@ impl Counting<'_> {
         };
         if let Integration::Refined(refinement) = &mut integration {
             let found = refinement.check(pilot.len() as u64, seed, stream)?.found;
-            refinement.learn(&found)?;
+            refinement.learn(&[found, self.source.narrow()?].concat())?;
         }
         let attempts = if sampler.finite_len().is_some() { 1 } else { ATTEMPTS };
         let mut corrections: Option<Vec<Correction>> = None;
@@ -375,8 +375,12 @@ impl PerArea {
 impl Source<'_> {
     /// Batch number `batch` of the first `count` samples of random stream number `stream`.
     fn batch(&self, stream: u64, batch: u64, count: u64) -> Result<Batch> {
+        self.batch_of(stream, batch, BATCH.min(count - batch * BATCH) as usize)
+    }
+
+    /// Batch number `batch` of random stream number `stream`, with `size` samples.
+    pub fn batch_of(&self, stream: u64, batch: u64, size: usize) -> Result<Batch> {
         poll(self.cancelled)?;
-        let size = BATCH.min(count - batch * BATCH) as usize;
         // Streams are fewer than 2⁸, batches than 2²⁴.
         let counter = batch << 8 | stream;
         let mut samples = Vec::with_capacity(size);
@@ -416,6 +420,28 @@ impl Source<'_> {
         };
         let batches = samples.par_chunks(BATCH as usize).map(of_batch);
         Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The density where it is declared to be narrow: in these rectangles, and ever closer to them.
+    pub fn narrow(&self) -> Result<Vec<Probe>> {
+        const INSIDE: i32 = 16;
+        const CLOSEST: i32 = 40;
+        let mut places: Vec<[f64; 2]> = Vec::new();
+        for [[x0, x1], [y0, y1]] in self.density.narrow() {
+            let inside = |from: f64, to: f64, i: i32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(INSIDE);
+            places.extend((0..INSIDE * INSIDE).map(|i| [inside(x0, x1, i % INSIDE), inside(y0, y1, i / INSIDE)]));
+            let sides = |from: f64, to: f64, d: f64| [from - d, 0.5 * (from + to), to + d];
+            let around = (2..CLOSEST)
+                .map(|k| 0.5f64.powi(k))
+                .flat_map(|d| sides(x0, x1, d).into_iter().flat_map(move |x| sides(y0, y1, d).map(|y| [x, y])));
+            places.extend(around);
+        }
+        let plane = self.domain.is_plane();
+        places.iter_mut().filter(|_| !plane).for_each(|place| place[1] = 0.5);
+        places.retain(|place| place.iter().all(|x| (0.0..1.0).contains(x)));
+        let (_, values) = values_at(self.domain, self.density, &places)?;
+        let probes = places.into_iter().zip(values).map(|(at, density)| Probe { at, density });
+        Ok(probes.filter(|probe| probe.density.is_finite()).collect())
     }
 
     /// The pdf at points, and what makes it a density per area of the chart: a factor, or these densities.

@@ -18,6 +18,7 @@ use crate::power::{ChiSquare, FEWEST, POWER, chi_square_below, chi_square_of_unc
 use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
+use crate::weights;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -171,6 +172,14 @@ pub fn examine(
         domain.check()?;
     }
     let source = Source { domain, leaves: None, sampler, density, seed: protocol.seed, cancelled: protocol.cancelled };
+    if domain.space().is_some() && !density.narrow().is_empty() {
+        let message = "narrow places have one or two coordinates; the domain has more".to_owned();
+        return Err(Error::parameter("narrow", message, "declare none"));
+    }
+    if density.is_target() || density.is_stochastic() {
+        let outcome = weights::examine(&source, protocol, round)?;
+        return Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome });
+    }
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();
@@ -539,7 +548,7 @@ fn constant(mass: Integral) -> String {
 }
 
 /// Rows and columns of about that many cells: rows half as many as columns.
-fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
+pub(crate) fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
     if let Some(n) = domain.outcomes() {
         return [cells.min(n), 1];
     }
@@ -553,7 +562,7 @@ fn shape(domain: &dyn Domain, cells: usize) -> [usize; 2] {
 }
 
 /// Cells of equal area where the pilot fills at least half of them; otherwise cells that adapt to it.
-fn cells(domain: &dyn Domain, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
+pub(crate) fn cells(domain: &dyn Domain, pilot: &[Probe], shape: [usize; 2], samples: u64) -> Grid {
     let equal = Grid::equal(shape, domain.outcomes());
     let mut counts = vec![0u64; equal.len()];
     let pilot: Vec<[f64; 2]> = pilot.iter().map(|probe| probe.at).collect();

@@ -36,6 +36,7 @@ mod scales;
 mod serial;
 mod structure;
 pub mod sweep;
+mod weights;
 pub mod welch;
 
 pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
@@ -53,7 +54,7 @@ pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake, Variable};
 pub use outcome::{Compared, Counts, Finding, Outcome, Verdict, causes, decide};
 pub use sampler::{
-    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler,
+    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
 };
 pub use scales::Scale;
 

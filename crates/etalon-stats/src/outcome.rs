@@ -1,6 +1,7 @@
 //! What a test found, and the verdict on it among the others of a run.
 
 use crate::diagnosis::{count, p_value};
+use crate::estimate::Estimate;
 use crate::grid::Grid;
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm, sidak};
@@ -81,6 +82,10 @@ pub struct Outcome {
     /// The integral of the density and its atoms.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub mass: Option<Integral>,
+    /// The variance of the weights over the square of their mean, where samples carry weights: of two right samplers the one with less
+    /// is the better.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub variance_of_weights: Option<Estimate>,
     /// Cells, atoms and "no sample" included.
     pub cells: usize,
     /// Groups of cells after pooling.

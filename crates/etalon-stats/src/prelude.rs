@@ -6,4 +6,4 @@ pub use crate::domain::{
 };
 pub use crate::examine::{Protocol, SampleCount, validate};
 pub use crate::outcome::{Outcome, Verdict};
-pub use crate::sampler::{Atom, Density, Mass, Sample, Sampler, density, sampler};
+pub use crate::sampler::{Atom, Density, Mass, Sample, Sampler, density, sampler, target};

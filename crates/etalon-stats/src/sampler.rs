@@ -15,22 +15,29 @@ pub struct Sample {
     /// Whether the point is an atom of the distribution (the one direction of a mirror): the sample is then counted at the
     /// density's [`Atom`](crate::Atom)s.
     pub atom: bool,
+    /// What the sample counts: 1, or the weight that it carries, an estimate of 1/pdf, where the density is a [`target`].
+    pub weight: f64,
 }
 
 impl Sample {
     /// A sample without a pdf.
     pub fn new(point: impl Into<Point>) -> Self {
-        Self { point: point.into(), pdf: None, atom: false }
+        Self { point: point.into(), pdf: None, atom: false, weight: 1.0 }
     }
 
     /// A sample that carries its pdf.
     pub fn with_pdf(point: impl Into<Point>, pdf: f64) -> Self {
-        Self { point: point.into(), pdf: Some(pdf), atom: false }
+        Self { pdf: Some(pdf), ..Self::new(point) }
+    }
+
+    /// A sample that carries a weight: of resampling or of a reservoir.
+    pub fn with_weight(point: impl Into<Point>, weight: f64) -> Self {
+        Self { weight, ..Self::new(point) }
     }
 
     /// A sample at an atom.
     pub fn atom(point: impl Into<Point>) -> Self {
-        Self { point: point.into(), pdf: None, atom: true }
+        Self { atom: true, ..Self::new(point) }
     }
 }
 
@@ -184,6 +191,23 @@ pub trait Density: Sync {
         0.0
     }
 
+    /// Whether this is no pdf: samples then carry weights, and the mean of the weights of the samples in any set is to be its integral
+    /// over that set. Atoms have this mean in place of a probability.
+    fn is_target(&self) -> bool {
+        false
+    }
+
+    /// Whether values are random, with the pdf as their mean, be it for equal points or for points nearby.
+    fn is_stochastic(&self) -> bool {
+        false
+    }
+
+    /// Rectangles of the domain's chart, \[from, to\] along each axis, in which the pdf is narrow: there it is integrated by smaller
+    /// steps. A point is a rectangle without a size.
+    fn narrow(&self) -> Vec<[[f64; 2]; 2]> {
+        Vec::new()
+    }
+
     /// For a pdf that is piecewise constant in the domain's chart: the lines between the pieces, ascending and strictly
     /// between 0 and 1, for each axis. Its integrals are then exact sums.
     fn steps(&self) -> Option<[Vec<f64>; 2]> {
@@ -208,6 +232,9 @@ pub struct DensityFn<F> {
     atoms: Vec<Atom>,
     steps: Option<[Vec<f64>; 2]>,
     precision: f64,
+    is_target: bool,
+    is_stochastic: bool,
+    narrow: Vec<[[f64; 2]; 2]>,
 }
 
 /// The density that `pdf` returns: of mass 1, without atoms, not piecewise constant.
@@ -218,7 +245,16 @@ pub fn density<P: From<Point>>(pdf: impl Fn(P) -> f64 + Sync) -> DensityFn<impl 
         atoms: Vec::new(),
         steps: None,
         precision: 0.0,
+        is_target: false,
+        is_stochastic: false,
+        narrow: Vec::new(),
     }
+}
+
+/// What samples with weights are tested against, in place of a pdf: their weights estimate 1/pdf if `of` is 1, or `of`/pdf. It is 0
+/// where there are no samples.
+pub fn target<P: From<Point>>(of: impl Fn(P) -> f64 + Sync) -> DensityFn<impl Fn(Point) -> f64 + Sync> {
+    DensityFn { is_target: true, ..density(of) }
 }
 
 impl<F> DensityFn<F> {
@@ -238,6 +274,18 @@ impl<F> DensityFn<F> {
     #[must_use]
     pub fn with_precision(self, precision: f64) -> Self {
         Self { precision, ..self }
+    }
+
+    /// Declares that values are random, with the pdf as their mean; see [`Density::is_stochastic`].
+    #[must_use]
+    pub fn stochastic(self) -> Self {
+        Self { is_stochastic: true, ..self }
+    }
+
+    /// Declares where the pdf is narrow; see [`Density::narrow`].
+    #[must_use]
+    pub fn with_narrow(self, narrow: Vec<[[f64; 2]; 2]>) -> Self {
+        Self { narrow, ..self }
     }
 
     /// Declares the lines of the chart between which the pdf is constant; see [`Density::steps`].
@@ -267,6 +315,18 @@ impl<F: Fn(Point) -> f64 + Sync> Density for DensityFn<F> {
 
     fn precision(&self) -> f64 {
         self.precision
+    }
+
+    fn is_target(&self) -> bool {
+        self.is_target
+    }
+
+    fn is_stochastic(&self) -> bool {
+        self.is_stochastic
+    }
+
+    fn narrow(&self) -> Vec<[[f64; 2]; 2]> {
+        self.narrow.clone()
     }
 }
 

@@ -6,13 +6,15 @@ use crate::cli::values::setting;
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::likeness::Claim;
 use etalon_bench::protocol::program::bsdf::Program;
+use etalon_bench::protocol::program::sampler::Client;
 use etalon_bench::protocol::program::{self, External};
 use etalon_bench::protocol::sampler::Space;
 use etalon_bench::protocol::sampler::files::{GridDensity, SampleFile};
 use etalon_bench::validation::{Case, WholeBsdf, families};
 use etalon_core::error::{Error, Result};
 use etalon_stats::bsdf::Family as _;
-use etalon_stats::examine;
+use etalon_stats::sweep::over_ranges;
+use etalon_stats::{Protocol, examine};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,7 +44,9 @@ pub struct Arguments {
     /// tried: other masking, Fresnel formulas and widths. Another pdf is only remarked on.
     #[arg(long, value_name = "MODEL", requires = "program")]
     like: Option<String>,
-    /// Parameters of the BSDF [default: those that it declares], and of --like
+    /// Values of parameters [default: as declared; of samplers: whole ranges]
+    ///
+    /// Those of --like are given by it, too. A sampler with parameters is tested over their ranges, or by this for one value of each.
     #[arg(long, value_name = "NAME=VALUE,...", requires = "program", value_delimiter = ',', action = ArgAction::Set, value_parser = setting)]
     set: Vec<(String, f64)>,
     /// The pdf of the samples in a file: a grid in CSV, or a lat-long image
@@ -146,7 +150,7 @@ impl Arguments {
                 let is_of_model = |name: &String| !is_own(name) && claim.as_ref().is_some_and(|claim| claim.has(name));
                 let own: Vec<_> = self.set.iter().filter(|(name, _)| !is_of_model(name)).cloned().collect();
                 let values = families::values(&program, &own)?;
-                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values).like(claim).only(patterns)?)))
+                Ok(Subject::Bsdf(Box::new(WholeBsdf::new(program, values)?.like(claim).only(patterns)?)))
             }
             External::Sampler(_) if self.like.is_some() => {
                 Err(Error::parameter("like", "the program has a sampler, and a model is a BSDF"))
@@ -155,17 +159,29 @@ impl Arguments {
                 Err(Error::parameter("names", format!("there is no test \"{}\": a sampler has one test", patterns[0]))
                     .with_hint("a program is tested alone; names choose among the tests of a BSDF"))
             }
-            External::Sampler(_) if !self.set.is_empty() => {
-                Err(Error::parameter("set", "the program has a sampler, which has no parameters"))
-            }
             External::Sampler(client) => {
+                let client = match self.set[..] {
+                    [] => client,
+                    _ => client.with(&families::values_of(client.name(), client.parameters(), &self.set)?)?,
+                };
                 let is_named = client.space().to_string().parse::<Space>().is_ok();
                 if let (ProgramSource::File(file), None, true) = (source, space, is_named) {
                     let other = "another one by --domain, or by a variable `domain` of the file";
                     console.note(&format!("{file}: the domain is {}; {other}", client.space()));
                 }
                 let (name, space) = (client.name().to_owned(), client.space());
-                let test = move |protocol: &_, round| Ok(examine(space.domain(), &client, &client, protocol, round)?);
+                // Values that are not given are those of the whole ranges
+                let is_one = !self.set.is_empty() || client.parameters().is_empty();
+                let test = move |protocol: &Protocol, round| {
+                    let of = |client: &Client, protocol: &_| examine(space.domain(), client, client, protocol, round);
+                    if is_one {
+                        return Ok(of(&client, protocol)?);
+                    }
+                    let with = |values: &[f64]| client.with(values).map_err(etalon_stats::Error::from);
+                    Ok(over_ranges(client.parameters(), protocol, round, |values, protocol, _| {
+                        of(&with(values)?, protocol)
+                    })?)
+                };
                 Ok(Subject::Cases(vec![Case::new(name, test)]))
             }
         }

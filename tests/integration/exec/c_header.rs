@@ -35,7 +35,13 @@ fn examples_compile_as_c_and_as_cpp_and_are_tested() {
     let folder = tempdir().unwrap();
     let binary = folder.path().join("client").display().to_string();
     for (compiler, language) in [("gcc", &C99[..]), ("clang", &C99), ("g++", &CPP11), ("clang++", &CPP11)] {
-        for (name, wrong) in [("cosine.c", true), ("sampler.c", false), ("half_disk.c", false), ("bsdf.c", false)] {
+        for (name, wrong) in [
+            ("cosine.c", true),
+            ("sampler.c", false),
+            ("half_disk.c", false),
+            ("bsdf.c", false),
+            ("reservoir.c", false),
+        ] {
             if !compiles_by(compiler, language, name, &binary) {
                 continue;
             }
@@ -48,6 +54,16 @@ fn examples_compile_as_c_and_as_cpp_and_are_tested() {
                 assert!(ran.code == 1 && ran.stdout.contains(" % too many within "), "{compiler}: {}", ran.stdout);
             }
         }
+    }
+}
+
+#[test]
+fn weights_and_parameters_are_served() {
+    let folder = tempdir().unwrap();
+    let binary = folder.path().join("reservoir").display().to_string();
+    if compiles("reservoir.c", &binary) {
+        let wrong = validate(&format!("{binary} wrong"), &[]);
+        assert!(wrong.code == 1 && wrong.stdout.contains("fails over the whole of its ranges"), "{}", wrong.stdout);
     }
 }
 

@@ -123,6 +123,42 @@ fn files_have_domains_by_name_and_charts_of_their_own() {
 }
 
 #[test]
+fn weights_and_parameters_of_files_are_tested() {
+    let resampled = include_str!("../../../examples/resampled.py");
+    let phase = include_str!("../../../examples/henyey_greenstein.py");
+    // A pdf that leaves out a factor where g is large
+    let wrong = phase.replace("    return (1 - g * g) / (4", "    return (0.9 if g > 0.5 else 1) * (1 - g * g) / (4");
+    let declared = "stochastic = True\nnarrow = [(0.5, 0.25), (0.1, 0.1, 0.2, 0.3)]\n";
+    let random = "    return 2 * (7919 * (x + y + z) % 1) * (1 - g * g) / (4";
+    let random = declared.to_owned() + &phase.replace("    return (1 - g * g) / (4", random);
+    let of_target = "def target(x, y):\n    return importance(x, y)\n".to_owned();
+    let weighed = resampled.replace(" / (8 * importance(*chosen))", " / 8") + &of_target;
+    let few = ["--samples", "40000"];
+    let cases = [
+        (resampled.to_owned(), &few[..], 0, "the variance of the weights is 0.1"),
+        (weighed.clone(), &few, 0, "the variance of the weights"),
+        (weighed.replace("return importance(x, y)", "return 1"), &few, 1, "weight"),
+        (resampled.replace("(8 *", "(7 *"), &few, 1, "the mean of all weights is 1.14"),
+        (resampled.replace("total / (8", "1e400 * total / (8"), &few, 1, "is inf"),
+        (resampled.to_owned(), &["--samples", "500"], 3, "too few samples"),
+        (phase.to_owned(), &["--detect", "0.1"], 0, "corners of their ranges"),
+        (wrong.clone(), &["--detect", "0.1"], 1, "fails for g ≥ 0.50"),
+        (wrong.clone(), &["--detect", "0.1", "--set", "g=0.3"], 0, "accept"),
+        (wrong, &["--detect", "0.1", "--set", "g=0.7"], 1, "integrates to 0.9"),
+        (random, &["--detect", "0.05", "--set", "g=0.3"], 0, "accept"),
+        (phase.to_owned(), &["--set", "h=0.3"], 2, "has no parameter \"h\""),
+        (phase.to_owned(), &["--set", "g=3"], 2, "is not from -0.95 to 0.95"),
+        (phase.replace("(-0.95, 0.95)", "(0.95, -0.95)"), &[], 2, "is not \"NAME VALUE FROM TO\""),
+        (format!("narrow = [(2, 3)]\n{phase}"), &[], 2, "which has no meaning"),
+    ];
+    for (file, more, code, said) in cases {
+        let Some(ran) = validate(&file, &[more, &["-v"]].concat()) else { return };
+        let all = ran.stdout + &ran.stderr;
+        assert!(ran.code == code && all.contains(said), "{said}: {} {file}: {all}", ran.code);
+    }
+}
+
+#[test]
 fn functions_of_a_wrong_shape_are_told_the_right_one() {
     let pdf = "w[:, 2] / np.pi";
     for (file, said) in [

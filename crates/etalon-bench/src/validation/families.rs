@@ -223,10 +223,17 @@ impl bsdf::Family for Family {
 /// # Errors
 /// [`Error::Parameter`] for a name that is unknown and a value that is out of its range.
 pub fn values(family: &dyn bsdf::Family, chosen: &[(String, f64)]) -> Result<Vec<f64>> {
-    let parameters = family.parameters();
+    values_of(family.name(), &family.parameters(), chosen)
+}
+
+/// The same of parameters of what is called `whose`.
+///
+/// # Errors
+/// As [`values`].
+pub fn values_of(whose: &str, parameters: &[Parameter], chosen: &[(String, f64)]) -> Result<Vec<f64>> {
     let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
     for (name, value) in chosen {
-        let at = position(family, "set", name)?;
+        let at = position(whose, parameters, "set", name)?;
         let [from, to] = parameters[at].range;
         if !(from..=to).contains(value) {
             return Err(Error::parameter("set", format!("{name} = {value} is not from {from} to {to}")));
@@ -236,17 +243,16 @@ pub fn values(family: &dyn bsdf::Family, chosen: &[(String, f64)]) -> Result<Vec
     Ok(values)
 }
 
-/// The number of a family's parameter, which `argument` names.
+/// The number of a parameter of `whose`, which `argument` names.
 ///
 /// # Errors
 /// [`Error::Parameter`] if there is no such parameter.
-pub fn position(family: &dyn bsdf::Family, argument: &'static str, name: &str) -> Result<usize> {
-    let parameters = family.parameters();
+pub fn position(whose: &str, parameters: &[Parameter], argument: &'static str, name: &str) -> Result<usize> {
     let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     names.iter().position(|known| *known == name).ok_or_else(|| {
         let hint =
             if names.is_empty() { "it has none".to_owned() } else { format!("its parameters: {}", names.join(", ")) };
-        Error::parameter(argument, format!("{} has no parameter \"{name}\"", family.name())).with_hint(hint)
+        Error::parameter(argument, format!("{whose} has no parameter \"{name}\"")).with_hint(hint)
     })
 }
 

@@ -1,11 +1,11 @@
-//! Checks of a whole BSDF as one test, and all of them for the BSDF of another program, for directions on both sides of the surface.
+//! Checks of a whole BSDF as one test, and all of them for the BSDF, phase function or light of another program, at all [`places`].
 
 use super::case::{Named, select};
 use super::run::{Tested, Validation};
 use crate::likeness::Claim;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Properties, UNSEEN};
+use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, UNSEEN, is_edge_on, places};
 use etalon_stats::{Extremes, Outcome, Protocol, decide};
 use std::time::Instant;
 
@@ -82,25 +82,14 @@ fn found_in_most(mut checks: Vec<(f64, u64)>) -> f64 {
     checks.iter().find(reaches).map_or(0.0, |(error, _)| *error)
 }
 
-/// Angles of `wo` to the normal in degrees, and its azimuth as (cos φ, sin φ): in no symmetric position to the tangents, and
-/// with all signs of x, y and xy on each side.
-const WOS: [(f64, [f64; 2]); 6] = [
-    (0.0, [0.8, 0.6]),
-    (30.0, [0.8, 0.6]),
-    (60.0, [-0.6, -0.8]),
-    (85.0, [0.8, -0.6]),
-    (110.0, [-0.8, 0.6]),
-    (150.0, [0.6, -0.8]),
-];
-
 struct Test {
     name: String,
     examined: Examined,
 }
 
 enum Examined {
-    /// A check for one direction.
-    Check(&'static Check, (f64, [f64; 2])),
+    /// A check for one direction, or one reference point.
+    Check(&'static Check, Direction),
     /// The claim to be a model.
     Claim(Claim),
 }
@@ -124,13 +113,22 @@ pub struct WholeBsdf<F> {
 
 impl<F: Family> WholeBsdf<F> {
     /// The BSDF whose parameters have these values, with all tests.
-    pub fn new(family: F, values: Vec<f64>) -> Self {
-        let test = |check: &'static Check, wo: (f64, [f64; 2])| {
-            let name = format!("{}/{}/{}", family.name(), check.name, wo.0);
-            Test { name, examined: Examined::Check(check, wo) }
+    ///
+    /// # Errors
+    /// Those of the BSDF.
+    pub fn new(family: F, values: Vec<f64>) -> Result<Self> {
+        let bsdf = family.with(&values)?;
+        let (kind, places) = (bsdf.properties().kind, places(&*bsdf)?);
+        drop(bsdf);
+        let test = |check: &'static Check, (place, wo): &(String, Direction)| {
+            let name = format!("{}/{}/{place}", family.name(), check.name);
+            let is_possible = check.is_for(&kind) && (check.name == "values" || !is_edge_on(place));
+            is_possible.then_some(Test { name, examined: Examined::Check(check, *wo) })
         };
-        let tests = ALL.iter().flat_map(|check| WOS.map(|wo| test(check, wo))).collect();
-        Self { family, values, tests }
+        let tests =
+            ALL.iter().flat_map(|check| places.iter().filter_map(|place| test(check, place)).collect::<Vec<_>>());
+        let tests = tests.collect();
+        Ok(Self { family, values, tests })
     }
 
     /// The same, which is tested to be this model, too.
@@ -182,9 +180,8 @@ impl<F: Family> WholeBsdf<F> {
         let start = Instant::now();
         let protocol = Protocol { tests: self.tests.len(), cancelled: interrupt::requested, ..*protocol };
         let bsdf = self.family.with(&self.values)?;
-        let properties = bsdf.properties();
         let examine = |test: &Test, round| match &test.examined {
-            Examined::Check(check, wo) => Ok(check.examine(&*bsdf, towards(*wo, &properties), &protocol, round)?),
+            Examined::Check(check, wo) => Ok(check.examine(&*bsdf, *wo, &protocol, round)?),
             Examined::Claim(claim) => claim.examine(&self.family, &self.values).map(Some),
         };
         let mut applied = Vec::new();
@@ -207,30 +204,5 @@ impl<F: Family> WholeBsdf<F> {
             unseen: Some(if is_compared { UNSEEN_BESIDE_A_MODEL } else { UNSEEN }),
             ..Validation::new(&protocol, tests.collect(), start)
         })
-    }
-}
-
-/// The direction at that angle and azimuth, in single precision for a BSDF that computes in it.
-fn towards((degrees, [x, y]): (f64, [f64; 2]), properties: &Properties) -> Direction {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    let wo = [x * sin, y * sin, cos];
-    if properties.precision < f64::from(f32::EPSILON) { wo } else { wo.map(|x| f64::from(x as f32)) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn signs_of_coordinates_are_all_met_on_each_side() {
-        for (side, least) in [(1.0, 2), (-1.0, 1)] {
-            let wos: Vec<[f64; 2]> =
-                WOS.iter().filter(|wo| wo.0 > 0.0 && (90.0 - wo.0) * side > 0.0).map(|wo| wo.1).collect();
-            for [a, b] in [[1.0, 0.0], [0.0, 1.0]] {
-                let met = |sign: f64| wos.iter().any(|[x, y]| (a * x + b * y) * sign > 0.0);
-                assert!(met(1.0) && met(-1.0));
-            }
-            assert!(wos.iter().filter(|[x, y]| x * y < 0.0).count() >= least.min(1));
-        }
     }
 }

@@ -1,9 +1,9 @@
 //! Directions exchanged. Reciprocity: f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi), n the index of refraction on the side of a direction.
 //! The adjoint: importance passes from wo to wi as radiance passes from wi to wo.
 
-use super::contract::{BsdfSample, DeltaLobe, Direction, Pair, Reciprocity};
+use super::contract::{BsdfSample, DeltaLobe, Direction, Kind, Pair, Reciprocity};
 use super::mistakes::Values;
-use super::subject::{Comparison, Subject, channel_of, same_side, sphere, swapped};
+use super::subject::{Comparison, Subject, channel_of, same_side, sphere};
 use crate::diagnosis::tuple;
 use crate::domain::Domain;
 use crate::error::Result;
@@ -18,7 +18,9 @@ pub fn reciprocity(subject: &Subject) -> Result<Option<Outcome>> {
     let mut found = Comparison::default();
     reciprocal_values(subject, &mut found)?;
     subject.deltas.iter().try_for_each(|lobe| reciprocal_lobe(subject, lobe, &mut found))?;
-    Ok(found.outcome("f(wo, wi) η² = f(wi, wo)"))
+    let law =
+        if subject.properties.kind == Kind::Surface { "f(wo, wi) η² = f(wi, wo)" } else { "p(wo, wi) = p(wi, wo)" };
+    Ok(found.outcome(law))
 }
 
 fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
@@ -29,7 +31,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
     let directions = subject.directions().into_iter().filter(|wi| wi[2].abs() > 1e-6);
     let directions: Vec<Direction> = sampled.chain(directions).collect();
     let pairs = subject.pairs(&directions);
-    let (there, back) = (bsdf.eval(&pairs, &[])?, bsdf.eval(&swapped(&pairs), &[])?);
+    let (there, back) = (bsdf.eval(&pairs, &[])?, bsdf.eval(&subject.swapped(&pairs), &[])?);
     let eta2 = |i: usize| subject.eta2(directions[i]);
     for channel in 0..subject.properties.channels {
         let (there, back) = (channel_of(&there, channel), channel_of(&back, channel));
@@ -39,7 +41,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
             let eval = |pairs: &[Pair]| Ok(channel_of(&bsdf.eval(pairs, &[])?, channel));
             let of_there = subject.rounding(&of(&there), &pairs, eval)?;
-            let of_back = subject.rounding(&of(&back), &swapped(&pairs), eval)?;
+            let of_back = subject.rounding(&of(&back), &subject.swapped(&pairs), eval)?;
             let both = far.iter().zip(of_there).zip(of_back);
             Ok(both.map(|((&i, there), back)| eta2(i) * there + back).collect())
         };
@@ -48,7 +50,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             (Some(directions[i]), format!("{at} (f(wo, wi) η², f(wi, wo){of})"))
         };
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
-            let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&swapped(pairs), &[])?, channel));
+            let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&subject.swapped(pairs), &[])?, channel));
             let exchanged = Values { subject, function, channel, is_exchanged: true };
             let mistake = exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?;
             found.named_in([channel, subject.properties.channels], mistake);
@@ -104,14 +106,14 @@ fn adjoint_values(subject: &Subject, samples: &[(Vec<f64>, BsdfSample)], found: 
     let values = bsdf.eval_adjoint(&pairs)?;
     let known = pairs.into_iter().zip(values).filter_map(|(pair, value)| Some((pair, value?)));
     let (pairs, adjoint): (Vec<Pair>, Vec<_>) = known.unzip();
-    let back = bsdf.eval(&swapped(&pairs), &[])?;
+    let back = bsdf.eval(&subject.swapped(&pairs), &[])?;
     for channel in 0..properties.channels {
         let numbers: Vec<[f64; 2]> =
             adjoint.iter().zip(&back).map(|(adjoint, back)| [adjoint[channel], back[channel]]).collect();
         let rounding = |far: &[usize]| {
             let of = |values: fn([f64; 2]) -> f64| far.iter().map(|&i| values(numbers[i])).collect::<Vec<f64>>();
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
-            let of_back = subject.rounding(&of(|[_, back]| back), &swapped(&pairs), |pairs| {
+            let of_back = subject.rounding(&of(|[_, back]| back), &subject.swapped(&pairs), |pairs| {
                 Ok(channel_of(&bsdf.eval(pairs, &[])?, channel))
             })?;
             let of_adjoint = subject.rounding(&of(|[adjoint, _]| adjoint), &pairs, |pairs| {

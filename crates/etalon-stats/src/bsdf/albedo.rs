@@ -1,10 +1,10 @@
 //! The albedo: its two estimates agree, and it is what the BSDF declares.
 
-use super::contract::{Direction, Energy, PdfKind, Spectrum};
+use super::contract::{Direction, Energy, Kind, PdfKind, Spectrum};
 #[cfg(doc)]
 use super::light::Uncertainty;
 use super::light::{CellIntegrals, Pilot, integrate};
-use super::subject::{Subject, place, sphere};
+use super::subject::{Subject, sphere};
 use super::weights::{BATCH, CellSum, Sums, sums};
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
@@ -91,13 +91,15 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     let level = sidak(subject.protocol.own_level(), integrals.len());
     let (mut violation, mut detectable, mut least): (Option<String>, f64, Option<(f64, String)>) = (None, 0.0, None);
     for (channel, integrals) in &integrals {
-        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value));
+        let invalid = integrals.invalid.map(|at| {
+            format!("{}: {} = {}", subject.at(at.point.into()), subject.properties.kind.integrand(), at.value)
+        });
         violation = violation.or(invalid);
         let Some(claim) = Claim::of(subject.properties.energy, declared.map(|albedo| albedo[*channel])) else {
             continue;
         };
         if !claim.albedo.is_finite() {
-            let message = || format!("wo {}: the declared albedo is {}", place(subject.wo), claim.albedo);
+            let message = || format!("{}: the declared albedo is {}", subject.from(), claim.albedo);
             violation = violation.or_else(|| Some(message()));
         }
         let deltas = subject.deltas.iter().map(|lobe| lobe.throughput[*channel] * subject.eta2(lobe.wi)).sum::<f64>();
@@ -105,7 +107,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
         let p = if value.is_finite() { uncertainty.p_value(claim.error_of(value)) } else { 0.0 };
         let message = || {
             let not = if claim.is_upper_bound { "more than" } else { "not" };
-            let (wo, error, albedo) = (place(subject.wo), uncertainty.systematic + ROUNDING, claim.albedo);
+            let (from, error, albedo) = (subject.from(), uncertainty.systematic + ROUNDING, claim.albedo);
             let deviation = uncertainty.deviation;
             // What is on the side of `wo`, on the other, and in delta lobes
             let on_side = |is_above: bool| {
@@ -117,9 +119,11 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
                 [(on_side(is_above), "reflected"), (on_side(!is_above), "transmitted"), (deltas, "in delta lobes")];
             let parts = parts.into_iter().filter(|(part, _)| *part > ROUNDING);
             let parts: Vec<String> = parts.map(|(part, name)| format!("{part:.4} {name}")).collect();
-            let parts = if parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
+            let is_surface = subject.properties.kind == Kind::Surface;
+            let parts = if is_surface && parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
+            let what = if is_surface { "albedo" } else { "integral over the sphere" };
             format!(
-                "wo {wo}: the albedo is {value:.5} ± {error:.1e}, standard error {deviation:.1e}{parts}, {not} {albedo:.5}{}",
+                "{from}: the {what} is {value:.5} ± {error:.1e}, standard error {deviation:.1e}{parts}, {not} {albedo:.5}{}",
                 if claim.is_upper_bound {
                     String::new()
                 } else {
@@ -164,7 +168,7 @@ impl UniformDirections {
         let directions: Vec<Direction> = (0..DIRECTIONS).map(|_| sphere().direction_at(rng.random())).collect();
         let pairs = subject.pairs(&directions);
         let values = subject.bsdf.eval(&pairs, &[])?.into_iter().zip(&directions);
-        let light = values.map(|(f, wi)| f.map(|f| f * wi[2].abs()));
+        let light = values.map(|(f, wi)| f.map(|f| f * subject.properties.kind.cos(*wi)));
         Ok(Self(light.zip(subject.bsdf.pdf(&pairs)?).collect()))
     }
 
@@ -223,8 +227,9 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         let at = || {
             let error = 100.0 * (mean / expected - 1.0);
             format!(
-                "wo {}: weights have the mean {mean:.5}, {error:+.1} % of ∫ f |cos| = {expected:.5}{}",
-                place(subject.wo),
+                "{}: weights have the mean {mean:.5}, {error:+.1} % of ∫ {} = {expected:.5}{}",
+                subject.from(),
+                subject.properties.kind.integrand(),
                 times(mean / expected, (deviation * CHANCE + explained) / expected)
             )
         };
@@ -236,8 +241,9 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
         if found.squares > 0.0 && found.largest > LARGEST * found.squares {
             reason = Some("a single weight decides: their tail is not controlled".to_owned());
         }
-        violation = violation
-            .or(integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value)));
+        violation = violation.or(integrals.invalid.map(|at| {
+            format!("{}: {} = {}", subject.at(at.point.into()), subject.properties.kind.integrand(), at.value)
+        }));
     }
     // Where single weights decide, sums are not normally distributed, and p says nothing.
     let least = least.filter(|_| reason.is_none());

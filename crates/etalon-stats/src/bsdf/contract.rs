@@ -34,13 +34,15 @@ pub struct BsdfSample {
     pub lobe: usize,
     /// The probability of choosing this lobe, given the two random numbers of [`Properties::map`].
     pub lobe_probability: f64,
+    /// The sampled point of a light, if it is known.
+    pub point: Option<[f64; 3]>,
 }
 
 impl BsdfSample {
     /// A sample of the only lobe of a BSDF.
     #[must_use]
     pub fn new(wi: Direction, weight: Spectrum, density: Density) -> Self {
-        Self { wi, weight, density, lobe: 0, lobe_probability: 1.0 }
+        Self { wi, weight, density, lobe: 0, lobe_probability: 1.0, point: None }
     }
 
     /// The same sample of one lobe of several.
@@ -132,9 +134,64 @@ impl Parameter {
     }
 }
 
+/// What directions are sampled for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// A BSDF: the integral of f |cos θᵢ| is its albedo.
+    Surface,
+    /// A phase function: [`Bsdf::eval`] is its value, which integrates to 1 over the sphere. `wi` points away from the place of scattering.
+    Phase {
+        /// Whether `wo` points away from there, too, so that light is scattered forward where `wi` is -`wo` (pbrt, Mitsuba); otherwise it is
+        /// the direction in which the light travels.
+        wo_points_away: bool,
+        /// The mean cosine of the angle between light before and after, where it is declared.
+        mean_cosine: Option<f64>,
+    },
+    /// A light: the place of a [reference point](Direction) is that of `wo`, and [`Bsdf::eval`] is the radiance from `wi`.
+    Light {
+        /// Whether [`Bsdf::hit`] tells where a ray meets the light.
+        hits: bool,
+        /// Whether it emits to the side alone to which its normals point.
+        one_sided: bool,
+        /// Reference points; if there are none, they are chosen near the light and far from it, on all sides.
+        points: Vec<[f64; 3]>,
+    },
+}
+
+impl Kind {
+    /// The factor of values in integrals over solid angle.
+    #[must_use]
+    pub fn cos(&self, wi: Direction) -> f64 {
+        if *self == Self::Surface { wi[2].abs() } else { 1.0 }
+    }
+
+    /// Values times that factor, in messages.
+    #[must_use]
+    pub fn integrand(&self) -> &'static str {
+        match self {
+            Self::Surface => "f |cos θi|",
+            Self::Phase { .. } => "the value",
+            Self::Light { .. } => "the radiance",
+        }
+    }
+}
+
+/// Where a ray from a reference point meets a light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// How far away.
+    pub distance: f64,
+    /// The unit normal there.
+    pub normal: [f64; 3],
+    /// The pdf of the point per area, if it is known.
+    pub pdf_area: Option<f64>,
+}
+
 /// What a BSDF declares of itself. [`Properties::default`] is an opaque surface without delta lobes, in f64.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Properties {
+    /// Whether it is a BSDF, a phase function or a light.
+    pub kind: Kind,
     /// 1 or 3.
     pub channels: usize,
     /// Whether light is reflected.
@@ -172,6 +229,7 @@ pub struct Properties {
 impl Default for Properties {
     fn default() -> Self {
         Self {
+            kind: Kind::Surface,
             channels: 1,
             reflection: true,
             transmission: false,
@@ -191,7 +249,24 @@ impl Default for Properties {
     }
 }
 
-/// A BSDF under test. Light is radiance, which refraction divides by the square of the relative index.
+impl Properties {
+    /// Those of a phase function for which both directions point away and no mean cosine is declared.
+    #[must_use]
+    pub fn phase() -> Self {
+        let kind = Kind::Phase { wo_points_away: true, mean_cosine: None };
+        Self { kind, transmission: true, energy: Energy::Conserved(0.0), dimension: 2, map: None, ..Self::default() }
+    }
+
+    /// Those of a light of which no ray is asked.
+    #[must_use]
+    pub fn light() -> Self {
+        let kind = Kind::Light { hits: false, one_sided: false, points: Vec::new() };
+        let (energy, reciprocity) = (Energy::MayExceedOne("it emits"), Reciprocity::Not("it is a light"));
+        Self { kind, transmission: true, energy, reciprocity, dimension: 2, map: None, ..Self::default() }
+    }
+}
+
+/// A BSDF under test, or what is tested like one: see [`Kind`]. Light is radiance, which refraction divides by the square of the relative index.
 pub trait Bsdf: Sync {
     /// What it declares of itself.
     fn properties(&self) -> Properties;
@@ -234,6 +309,11 @@ pub trait Bsdf: Sync {
 
     /// The share of power that is scattered to `wo`, if it is known.
     fn albedo(&self, _wo: Direction) -> Option<Spectrum> {
+        None
+    }
+
+    /// Where the ray from the reference point `wo` in direction `wi` meets a light; `None` if it does not.
+    fn hit(&self, _wo: Direction, _wi: Direction) -> Option<Hit> {
         None
     }
 }
@@ -293,6 +373,11 @@ pub trait BatchBsdf: Sync {
     fn albedo(&self, wos: &[Direction]) -> Result<Vec<Option<Spectrum>>> {
         Ok(vec![None; wos.len()])
     }
+
+    /// Where rays meet a light.
+    fn hits(&self, pairs: &[Pair]) -> Result<Vec<Option<Hit>>> {
+        Ok(vec![None; pairs.len()])
+    }
 }
 
 impl<B: Bsdf> BatchBsdf for B {
@@ -337,6 +422,10 @@ impl<B: Bsdf> BatchBsdf for B {
 
     fn albedo(&self, wos: &[Direction]) -> Result<Vec<Option<Spectrum>>> {
         Ok(wos.iter().map(|wo| Bsdf::albedo(self, *wo)).collect())
+    }
+
+    fn hits(&self, pairs: &[Pair]) -> Result<Vec<Option<Hit>>> {
+        Ok(pairs.iter().map(|[wo, wi]| Bsdf::hit(self, *wo, *wi)).collect())
     }
 }
 

@@ -121,7 +121,7 @@ impl Light<'_> {
     fn at(&self, wis: &[Direction], u: &[f64]) -> Result<Vec<f64>> {
         let factor = |wi: Direction| if self.power { self.subject.eta2(wi) } else { 1.0 };
         let values = self.subject.bsdf.eval(&self.subject.pairs(wis), u)?.into_iter().zip(wis);
-        Ok(values.map(|(f, &wi)| factor(wi) * f[self.channel] * wi[2].abs()).collect())
+        Ok(values.map(|(f, &wi)| factor(wi) * f[self.channel] * self.subject.properties.kind.cos(wi)).collect())
     }
 }
 

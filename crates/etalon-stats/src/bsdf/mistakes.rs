@@ -1,15 +1,14 @@
 //! Usual mistakes of BSDFs, by which a pdf or a value differs from what it should be.
 
-use super::contract::{Direction, Pair};
+use super::contract::{Direction, Hit, Kind, Pair};
 use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
 use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
 use crate::sampler::Density;
 
-/// The pdf of a BSDF, and its light, in messages.
+/// The pdf in messages.
 pub const PDF: &str = "the pdf";
-pub const LIGHT: &str = "f |cos θi|";
 
 /// The half-vector of `wo` and `wi`: of reflection, or of refraction where they are on different sides. It points to the side of
 /// `wo`.
@@ -35,6 +34,9 @@ fn fresnel(cos: f64, eta: f64) -> f64 {
 /// Factors that pdfs and values of BSDFs lack, or have twice, by `wi`.
 fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     let wo = subject.wo;
+    if subject.properties.kind != Kind::Surface {
+        return Vec::new();
+    }
     let normal = move |wi: Point| half_vector(subject, wi.into());
     let eta2 = move |wi: Point| subject.eta2(wi.into());
     let of_reflection = move |wi: Point| same_side(wo, wi.into());
@@ -74,6 +76,13 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
 /// Quantities of half-vectors and of the mirror direction, by `wi`.
 pub fn variables<'a>(subject: &'a Subject) -> Vec<Variable<'a>> {
     let [x, y, z] = subject.wo;
+    match subject.properties.kind {
+        Kind::Light { .. } => return Vec::new(),
+        Kind::Phase { .. } => {
+            return vec![Variable::new("(wo · wm)", move |wi| dot(subject.wo, half_vector(subject, wi.into())).abs())];
+        }
+        Kind::Surface => {}
+    }
     let normal = move |wi: Point| half_vector(subject, wi.into());
     let sin = move |wi| {
         let [x, y, _] = normal(wi);
@@ -97,18 +106,42 @@ const OTHERS: [(&str, Elsewhere); 4] = [
     ("with wo and wi exchanged", |[wo, wi]| [wi, wo]),
     ("with x and y of both directions exchanged", |pair| pair.map(|[x, y, z]| [y, x, z])),
     ("with both directions on the other side", |pair| pair.map(|[x, y, z]| [x, y, -z])),
-    ("with -wo for wo", |[wo, wi]| [wo.map(|x| -x), wi]),
+    ("with -wo for wo, as if wo pointed the other way", |[wo, wi]| [wo.map(|x| -x), wi]),
 ];
 
-/// A function of a pair of directions at other arguments, each of [`OTHERS`].
-fn elsewhere<'a>(
-    subject: &'a Subject,
-    function: impl Fn(&[Pair]) -> Result<Vec<f64>> + Copy + 'a,
-) -> impl Iterator<Item = Mistake<'a>> {
-    OTHERS.into_iter().map(move |(name, other)| {
+/// A function of distance and cosine.
+type OfHit = fn(f64, f64) -> f64;
+
+/// Factors of pdfs and radiances of lights, by distance and cosine.
+const OF_LIGHTS: [(&str, OfHit); 8] = [
+    ("divided by the cosine at the light", |_, cos| 1.0 / cos),
+    ("times the cosine at the light", |_, cos| cos),
+    ("times the square of the cosine at the light", |_, cos| cos * cos),
+    ("divided by r²", |r, _| 1.0 / (r * r)),
+    ("times r²", |r, _| r * r),
+    ("divided by r²/cos, as per area differs from per solid angle", |r, cos| cos / (r * r)),
+    ("times r²/cos, as per solid angle differs from per area", |r, cos| r * r / cos),
+    ("divided by r", |r, _| 1.0 / r),
+];
+
+/// A function of a pair of directions at other arguments, each of [`OTHERS`]; of a light, the function with each of [`OF_LIGHTS`].
+fn elsewhere<'a>(subject: &'a Subject, function: impl Fn(&[Pair]) -> Result<Vec<f64>> + Copy + 'a) -> Vec<Mistake<'a>> {
+    if subject.is_light() {
+        let of = move |factor: OfHit, wis: &[Point]| {
+            let pairs = subject.pairs(&directions(wis));
+            let both = function(&pairs)?.into_iter().zip(subject.bsdf.hits(&pairs)?).zip(&pairs);
+            let times = |((f, hit), pair): ((f64, Option<Hit>), &Pair)| {
+                hit.map_or(f, |hit| f * factor(hit.distance, dot(hit.normal, pair[1]).abs()))
+            };
+            Ok(both.map(times).collect())
+        };
+        return OF_LIGHTS.map(|(name, factor)| Mistake::asked(name, move |wis| of(factor, wis))).into();
+    }
+    let at = |(name, other): (&str, Elsewhere)| {
         let pairs = move |wis: &[Point]| subject.pairs(&directions(wis)).into_iter().map(other).collect::<Vec<Pair>>();
         Mistake::asked(name, move |wis| function(&pairs(wis)))
-    })
+    };
+    OTHERS.map(at).into()
 }
 
 /// Whether a function of (wo · wm) can be a reflectance, or divide by one: that falls to the normal, and is 1 at most.
@@ -185,7 +218,7 @@ pub fn explain(
     if let Some(special) = special()? {
         return Ok(Some(special));
     }
-    if !subject.properties.transmission {
+    if !subject.properties.transmission || subject.properties.kind != Kind::Surface {
         return Ok(of_one_variable(&sphere(), density, pairs, names));
     }
     let (reflected, transmitted): (Vec<Compared>, Vec<Compared>) =
@@ -217,7 +250,7 @@ pub fn light<'a>(
 ) -> Values<'a, impl Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> {
     let function = |pairs: &[Pair], channel| {
         let values = channel_of(&subject.bsdf.eval(pairs, &[])?, channel).into_iter().zip(pairs);
-        Ok(values.map(|(f, [_, wi])| f * wi[2].abs()).collect())
+        Ok(values.map(|(f, [_, wi])| f * subject.properties.kind.cos(*wi)).collect())
     };
     Values { subject, function, channel, is_exchanged: false }
 }
@@ -249,7 +282,8 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Density for Values<'_, F>
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         let Self { subject, function, channel, is_exchanged } = self;
         let mut all = factors(subject);
-        all.extend(elsewhere(subject, move |pairs| function(pairs, *channel)).skip(usize::from(*is_exchanged)));
+        let elsewhere = elsewhere(subject, move |pairs| function(pairs, *channel));
+        all.extend(elsewhere.into_iter().skip(usize::from(*is_exchanged)));
         let others = (0..subject.properties.channels).filter(|other| other != channel);
         all.extend(others.map(|other| {
             let name = format!("of channel {other} in channel {channel}");

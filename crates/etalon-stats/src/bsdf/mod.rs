@@ -1,4 +1,5 @@
-//! The test of a whole BSDF: what it evaluates, what it samples, and what it declares, each against the others.
+//! The test of a whole BSDF, phase function or light ([`Kind`]): what it evaluates, what it samples, and what it declares, each against
+//! the others.
 //!
 //! Most errors of BSDFs lie between evaluation, sample weights, pdf and energy, where a test of samples against the pdf does not
 //! look. Implement [`Bsdf`] (or [`BatchBsdf`], where values come in batches and may fail), and give [`assert_bsdf`] the directions
@@ -15,6 +16,7 @@ mod furnace;
 mod light;
 mod limits;
 mod mistakes;
+mod places;
 mod report;
 mod sampling;
 mod subject;
@@ -22,11 +24,12 @@ mod values;
 mod weights;
 
 pub use contract::{
-    BatchBsdf, Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Family, Pair, Parameter, PdfKind, Properties,
-    Reciprocity, Spectrum,
+    BatchBsdf, Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Family, Hit, Kind, Pair, Parameter, PdfKind,
+    Properties, Reciprocity, Spectrum,
 };
 pub use furnace::{Albedo, Basis, RISK, directional_albedo};
 pub use limits::{same_light, same_values};
+pub use places::{is_edge_on, places};
 pub use report::{Checked, Report, assert_bsdf, test};
 
 use crate::error::{Result, poll};
@@ -50,6 +53,19 @@ pub struct Check {
 }
 
 impl Check {
+    /// Whether it may apply to a BSDF, a phase function or a light.
+    #[must_use]
+    pub fn is_for(&self, kind: &Kind) -> bool {
+        match self.name {
+            "geometry" => matches!(kind, Kind::Light { .. }),
+            "mean-cosine" => matches!(kind, Kind::Phase { .. }),
+            "adjoint" => *kind == Kind::Surface,
+            // Integrals of a radiance that ends at edges are slow: `geometry` looks for light that is not sampled, and `formula` at weights.
+            "energy" | "reciprocity" | "albedo" | "weights" => !matches!(kind, Kind::Light { .. }),
+            _ => true,
+        }
+    }
+
     /// Runs it, its verdict still open; `None` where it does not apply to the BSDF. Each `round` has random numbers of its own.
     ///
     /// # Errors
@@ -64,17 +80,23 @@ impl Check {
     ) -> Result<Option<Outcome>> {
         protocol.check()?;
         poll(protocol.cancelled)?;
+        if !self.is_for(&bsdf.properties().kind) {
+            return Ok(None);
+        }
         let start = std::time::Instant::now();
         // Each check has random numbers of its own for each direction.
         let parts = self.name.bytes().map(u64::from).chain(wo.map(f64::to_bits));
         let seed = parts.fold(protocol.seed, |seed, part| mix64(seed ^ part));
-        let outcome = (self.run)(&Subject::new(bsdf, wo, &Protocol { seed, ..*protocol }, round)?)?;
+        let protocol = Protocol { seed, ..*protocol };
+        let subject = Subject::new(bsdf, wo, &protocol, round)?;
+        // Behind a light nothing is sampled: `geometry` tests that no light comes from it.
+        let outcome = if self.is_statistical && subject.is_dark()? { None } else { (self.run)(&subject)? };
         Ok(outcome.map(|outcome| Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome }))
     }
 }
 
 /// The registry of checks: exact ones first, which say best what is wrong.
-pub const ALL: [Check; 10] = [
+pub const ALL: [Check; 12] = [
     Check {
         name: "values",
         finds: "NaN, infinite and negative numbers; light on an undeclared side; weights above the declared bound",
@@ -110,6 +132,18 @@ pub const ALL: [Check; 10] = [
         finds: "lobes whose pdfs do not sum to the pdf, so that their MIS weights do not sum to 1",
         is_statistical: false,
         run: values::partition,
+    },
+    Check {
+        name: "geometry",
+        finds: "points, distances, normals, radiance and pdfs per area of a light that contradict each other",
+        is_statistical: false,
+        run: places::geometry,
+    },
+    Check {
+        name: "mean-cosine",
+        finds: "mean cosines of a phase function other than declared",
+        is_statistical: true,
+        run: places::mean_cosine,
     },
     Check {
         name: "energy",

@@ -6,7 +6,7 @@ use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKi
 use super::mistakes::{self, PDF};
 use super::subject::{Comparison, Subject, cross, directions, length, sphere};
 use crate::diagnosis::tuple;
-use crate::domain::Point;
+use crate::domain::{Domain, Point, around};
 use crate::error::Result;
 use crate::examine::examine;
 use crate::extremes::Extremes;
@@ -27,8 +27,9 @@ impl Sampler for Scattering<'_> {
 
     fn sample(&self, u: &[f64], out: &mut Vec<Option<Sample>>) -> Result<()> {
         let of = |sample: BsdfSample| match sample.density {
-            Probability::Pdf(pdf) => Sample::with_pdf(sample.wi, pdf),
-            Probability::Unknown => Sample::new(sample.wi),
+            // `formula` compares that of a light, which has roundings.
+            Probability::Pdf(pdf) if !self.0.is_light() => Sample::with_pdf(sample.wi, pdf),
+            Probability::Pdf(_) | Probability::Unknown => Sample::new(sample.wi),
             Probability::Delta(_) => Sample::atom(sample.wi),
         };
         out.extend(self.0.sample(u)?.into_iter().map(|sample| sample.map(of)));
@@ -71,7 +72,13 @@ pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
         return Ok(None);
     }
     let scattering = Scattering(subject);
-    examine(&sphere(), &scattering, &scattering, subject.protocol, subject.round).map(Some)
+    let test = |domain: &dyn Domain| examine(domain, &scattering, &scattering, subject.protocol, subject.round).map(Some);
+    if !subject.is_light() {
+        return test(&sphere());
+    }
+    // The pdf of a light ends at its edges.
+    let add = |sum: Direction, (_, sample): (_, BsdfSample)| [0, 1, 2].map(|i| sum[i] + sample.wi[i]);
+    test(&around(subject.samples_inside()?.into_iter().fold([0.0; 3], add)))
 }
 
 /// Points at which the derivative is taken, and samples that are tried for them.

@@ -1,7 +1,8 @@
 //! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers; vectors of three
 //! numbers.
 
-use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Pair, Properties, Spectrum};
+use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Kind, Pair, Properties, Spectrum};
+use super::places::survey;
 use crate::diagnosis::{count, different};
 use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
@@ -34,6 +35,8 @@ pub struct Subject<'a> {
     pub properties: Properties,
     pub wo: Direction,
     pub deltas: Vec<DeltaLobe>,
+    /// Points of a light.
+    pub surface: Vec<[f64; 3]>,
     pub protocol: &'a Protocol,
     pub round: u64,
 }
@@ -41,7 +44,19 @@ pub struct Subject<'a> {
 impl<'a> Subject<'a> {
     pub fn new(bsdf: &'a dyn BatchBsdf, wo: Direction, protocol: &'a Protocol, round: u64) -> Result<Self> {
         let deltas = bsdf.delta_lobes(&[wo])?.swap_remove(0);
-        Ok(Self { bsdf, properties: bsdf.properties(), wo, deltas, protocol, round })
+        let properties = bsdf.properties();
+        let surface = if matches!(properties.kind, Kind::Light { .. }) { survey(bsdf)? } else { Vec::new() };
+        let surface = surface.into_iter().map(|(point, _)| point).collect();
+        Ok(Self { bsdf, properties, wo, deltas, surface, protocol, round })
+    }
+
+    /// Whether this is a light that is not sampled from here.
+    pub fn is_dark(&self) -> Result<bool> {
+        Ok(self.is_light() && self.samples_inside()?.is_empty())
+    }
+
+    pub fn is_light(&self) -> bool {
+        matches!(self.properties.kind, Kind::Light { .. })
     }
 
     /// A generator of random numbers of its own for each purpose of each check.
@@ -54,8 +69,16 @@ impl<'a> Subject<'a> {
         wis.iter().map(|&wi| [self.wo, wi]).collect()
     }
 
-    /// A sample for each [`dimension`](Properties::dimension) numbers of `u`.
+    /// A sample for each [`dimension`](Properties::dimension) numbers of `u`, which keep off the edges of a light: rays to its very edge may miss it.
     pub fn sample(&self, u: &[f64]) -> Result<Vec<Option<BsdfSample>>> {
+        if self.is_light() {
+            let edge = self.properties.precision.sqrt();
+            return self.sample_at(&u.iter().map(|u| edge + (1.0 - 2.0 * edge) * u).collect::<Vec<f64>>());
+        }
+        self.sample_at(u)
+    }
+
+    fn sample_at(&self, u: &[f64]) -> Result<Vec<Option<BsdfSample>>> {
         self.bsdf.sample(&vec![self.wo; u.len() / self.properties.dimension.max(1)], u)
     }
 
@@ -96,7 +119,18 @@ impl<'a> Subject<'a> {
         });
         let random = (0..SAMPLES * dimension).map(|_| rng.random::<f64>());
         let u: Vec<f64> = random.chain(edges).collect();
-        let samples = self.sample(&u)?.into_iter().zip(u.chunks_exact(dimension.max(1)));
+        let samples = self.sample_at(&u)?.into_iter().zip(u.chunks_exact(dimension.max(1)));
+        Ok(samples.filter_map(|(sample, u)| Some((u.to_vec(), sample?))).collect())
+    }
+
+    /// The same, without those at the edges of a light.
+    pub fn samples_inside(&self) -> Result<Vec<(Vec<f64>, BsdfSample)>> {
+        if !self.is_light() {
+            return self.samples();
+        }
+        let (dimension, mut rng) = (self.properties.dimension, self.random(0, 0));
+        let u: Vec<f64> = (0..SAMPLES * dimension).map(|_| rng.random::<f64>()).collect();
+        let samples = self.sample(&u)?.into_iter().zip(u.chunks_exact(dimension));
         Ok(samples.filter_map(|(sample, u)| Some((u.to_vec(), sample?))).collect())
     }
 
@@ -105,6 +139,13 @@ impl<'a> Subject<'a> {
         let spiral = |i: usize| {
             sphere().direction_at([(i as f64 + 0.5) / DIRECTIONS as f64, (i as f64 * 0.618_033_988_749_895).fract()])
         };
+        if self.is_light() {
+            let to = |point: &[f64; 3]| {
+                let to = [0, 1, 2].map(|i| point[i] - self.wo[i]);
+                to.map(|x| x / length(to))
+            };
+            return (0..DIRECTIONS).map(spiral).chain(self.surface.iter().map(to)).collect();
+        }
         let [x, y, z] = self.wo;
         let special = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], self.wo, [-x, -y, -z], [-x, -y, z], [x, y, -z]];
         let along = [[1.0, 0.0, 0.0], [0.6, -0.8, 0.0], [0.6, 0.8, -0.0], [1.0, 0.0, 1e-20], [0.0, 1.0, -1e-20]];
@@ -168,18 +209,25 @@ impl<'a> Subject<'a> {
 
     /// The beginning of every message on two directions.
     pub fn at(&self, wi: Direction) -> String {
-        format!("wo {}, wi {}", place(self.wo), place(wi))
+        format!("{}, wi {}", self.from(), place(wi))
+    }
+
+    /// For which `wo`, or from which point.
+    pub fn from(&self) -> String {
+        let [x, y, z] = self.wo;
+        if self.is_light() { format!("from ({x:.4}, {y:.4}, {z:.4})") } else { format!("wo {}", place(self.wo)) }
+    }
+
+    /// Pairs with light that goes the other way.
+    pub fn swapped(&self, pairs: &[Pair]) -> Vec<Pair> {
+        let sign = if matches!(self.properties.kind, Kind::Phase { wo_points_away: false, .. }) { -1.0 } else { 1.0 };
+        pairs.iter().map(|&[wo, wi]| [wi, wo].map(|w| w.map(|x| sign * x))).collect()
     }
 }
 
 /// One channel of spectra.
 pub fn channel_of(values: &[Spectrum], channel: usize) -> Vec<f64> {
     values.iter().map(|value| value[channel]).collect()
-}
-
-/// Pairs with their directions exchanged.
-pub fn swapped(pairs: &[Pair]) -> Vec<Pair> {
-    pairs.iter().map(|&[wo, wi]| [wi, wo]).collect()
 }
 
 /// The share of comparisons in which an error of the stated size would have been found.

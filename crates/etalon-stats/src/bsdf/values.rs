@@ -2,8 +2,8 @@
 //! weights: weight = f |cos θᵢ| / pdf, and the pdf that a sample carries. Lobe mixtures: the balance heuristic's weights of the
 //! lobes sum to 1, that is the pdfs of the lobes sum to the pdf.
 
-use super::contract::{BsdfSample, Density, Direction, Pair, PdfKind, Properties, Spectrum};
-use super::mistakes::{LIGHT, PDF, explain, light};
+use super::contract::{BsdfSample, Density, Direction, Kind, Pair, PdfKind, Properties, Spectrum};
+use super::mistakes::{PDF, explain, light};
 use super::sampling::Scattering;
 use super::subject::{Comparison, Subject, dot, length, same_side, sphere};
 use crate::diagnosis::{different, tuple};
@@ -63,11 +63,12 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
         let range = 0.0..=1.0 + properties.precision;
         found.holds(range.contains(&probability), || format!("{}: a probability of {probability}", at()));
     }
-    let remarks = unseen_lobes(subject, lit)?;
+    let is_surface = properties.kind == Kind::Surface;
+    let remarks = if is_surface { unseen_lobes(subject, lit)? } else { Vec::new() };
     let outcome = found.outcome("the rule that all is finite, not negative and as declared");
     // Snell's law has no solution there, and roots of negative numbers are NaN.
     let sin2 = 1.0 - wo[2] * wo[2];
-    let is_total = properties.transmission && sin2 > subject.eta2([0.0, 0.0, -wo[2]]);
+    let is_total = is_surface && properties.transmission && sin2 > subject.eta2([0.0, 0.0, -wo[2]]);
     let is_nan = |what: &String| what.contains("NaN");
     let total = || "NaN where wo is beyond the critical angle of a smooth surface".to_owned();
     Ok(outcome.map(|outcome| {
@@ -136,7 +137,7 @@ type Drawn<'a> = (&'a Vec<f64>, &'a BsdfSample, f64);
 /// delta lobes, probability and weight are those of the lobe.
 pub fn formula(subject: &Subject) -> Result<Option<Outcome>> {
     let mut found = Comparison::default();
-    let samples = subject.samples()?;
+    let samples = subject.samples_inside()?;
     let (mut spread, mut delta) = (Vec::new(), Vec::new());
     for (u, sample) in &samples {
         let unit = (length(sample.wi) - 1.0).abs() <= 1e-5;
@@ -152,7 +153,11 @@ pub fn formula(subject: &Subject) -> Result<Option<Outcome>> {
         weights(subject, &spread, &mut found)?;
     }
     delta_lobes(subject, &delta, &mut found)?;
-    Ok(found.outcome("weight = f |cos| / pdf"))
+    Ok(found.outcome(match subject.properties.kind {
+        Kind::Surface => "weight = f |cos| / pdf",
+        Kind::Phase { .. } => "weight = value / pdf",
+        Kind::Light { .. } => "weight = radiance / pdf",
+    }))
 }
 
 fn at(subject: &Subject, (u, sample, _): &Drawn) -> String {
@@ -164,14 +169,30 @@ fn pairs(subject: &Subject, spread: &[Drawn]) -> Vec<Pair> {
 }
 
 fn carried_pdfs(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
-    let mut carried = Carried::default();
-    for (sample, asked) in spread.iter().zip(subject.bsdf.pdf(&pairs(subject, spread))?) {
-        let (_, BsdfSample { wi, .. }, pdf) = *sample;
-        let words = || {
-            let both = different(pdf, asked);
-            format!("{}: the sample's pdf {} is not pdf(wo, wi) = {}", at(subject, sample), both[0], both[1])
+    let (mut carried, pairs) = (Carried::default(), pairs(subject, spread));
+    let asked = subject.bsdf.pdf(&pairs)?;
+    if subject.is_light() {
+        // The sample knows its point, and the pdf intersects a ray.
+        let numbers: Vec<[f64; 2]> = spread.iter().zip(&asked).map(|((.., pdf), asked)| [*pdf, *asked]).collect();
+        let rounding = |far: &[usize]| {
+            let (pdfs, pairs): (Vec<f64>, Vec<Pair>) = far.iter().map(|&i| (asked[i], pairs[i])).unzip();
+            subject.rounding(&pdfs, &pairs, |pairs| subject.bsdf.pdf(pairs))
         };
-        carried.count(&Sample::with_pdf(*wi, pdf), asked, 0.0, words);
+        let words =
+            |i: usize| (Some(spread[i].1.wi), format!("{} (the sample's pdf, the pdf asked)", at(subject, &spread[i])));
+        if !found.equal(&numbers, |i| 16.0 * subject.last_places(numbers[i][1]), rounding, words)? {
+            let pairs: Vec<_> = spread.iter().zip(&numbers).map(|(s, n)| (s.1.wi.into(), *n)).collect();
+            found.named(explain(subject, &Scattering(subject), &pairs, CARRIED, || Ok(None))?);
+        }
+    } else {
+        for (sample, asked) in spread.iter().zip(asked) {
+            let (_, BsdfSample { wi, .. }, pdf) = *sample;
+            let words = || {
+                let both = different(pdf, asked);
+                format!("{}: the sample's pdf {} is not pdf(wo, wi) = {}", at(subject, sample), both[0], both[1])
+            };
+            carried.count(&Sample::with_pdf(*wi, pdf), asked, 0.0, words);
+        }
     }
     if let Some(violation) = carried.violation() {
         found.all_hold(carried.counts(), || violation);
@@ -269,20 +290,22 @@ fn of_hidden_lobes(spread: &[Drawn], numbers: &[[f64; 2]]) -> Option<String> {
 
 fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Result<()> {
     let Subject { bsdf, properties, .. } = subject;
+    let kind = &properties.kind;
     let pairs = pairs(subject, spread);
     let values = bsdf.eval(&pairs, &[])?;
     found.named(of_colours(spread, &values, properties.channels));
     for channel in 0..properties.channels {
         let both = spread.iter().zip(&values);
-        let numbers: Vec<[f64; 2]> =
-            both.map(|((_, sample, pdf), f)| [sample.weight[channel] * pdf, f[channel] * sample.wi[2].abs()]).collect();
+        let numbers: Vec<[f64; 2]> = both
+            .map(|((_, sample, pdf), f)| [sample.weight[channel] * pdf, f[channel] * kind.cos(sample.wi)])
+            .collect();
         // The weight may be computed without f: its rounding is that of f/pdf at directions a last place away.
         let rounding = |far: &[usize]| {
             let pairs: Vec<Pair> = far.iter().map(|&i| pairs[i]).collect();
             let light: Vec<f64> = far.iter().map(|&i| numbers[i][1]).collect();
             let of_light = subject.rounding(&light, &pairs, |pairs| {
                 let values = bsdf.eval(pairs, &[])?.into_iter().zip(pairs);
-                Ok(values.map(|(f, [_, wi])| f[channel] * wi[2].abs()).collect())
+                Ok(values.map(|(f, [_, wi])| f[channel] * kind.cos(*wi)).collect())
             })?;
             let pdfs: Vec<f64> = far.iter().map(|&i| spread[i].2).collect();
             let of_pdf = subject.rounding(&pdfs, &pairs, |pairs| bsdf.pdf(pairs))?;
@@ -291,7 +314,8 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             Ok(both.map(|((light, pdf), &i)| light + pdf * weight(i)).collect())
         };
         let message = |i: usize| {
-            let words = format!("{} (weight · pdf, f |cos|{})", at(subject, &spread[i]), subject.channel(channel));
+            let words =
+                format!("{} (weight · pdf, {}{})", at(subject, &spread[i]), kind.integrand(), subject.channel(channel));
             (Some(spread[i].1.wi), words)
         };
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
@@ -309,13 +333,14 @@ fn weights(subject: &Subject, spread: &[Drawn], found: &mut Comparison) -> Resul
             };
             let undivided = spread.iter().zip(&numbers).all(is_light);
             let special = || match undivided {
-                true => Ok(Some("the weight is f |cos θi|, not divided by the pdf".to_owned())),
+                true => Ok(Some(format!("the weight is {}, not divided by the pdf", kind.integrand()))),
                 false => {
                     let named = of_own_lobes(subject, spread, &used)?.map(own);
                     Ok(named.or_else(|| of_hidden_lobes(spread, &numbers)))
                 }
             };
-            let mistake = light(subject, channel).explain(&wis, &numbers, ["weight · pdf", LIGHT], special)?;
+            let mistake =
+                light(subject, channel).explain(&wis, &numbers, ["weight · pdf", kind.integrand()], special)?;
             found.named_in([channel, properties.channels], mistake);
         }
     }
@@ -369,7 +394,7 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
                 &others.map(|(value, name)| (value, format!("the probability of a sampled delta lobe is {name}"))),
             );
         }
-        let (eta2, cos) = (subject.eta2(wi), wi[2].abs());
+        let (eta2, cos) = (subject.eta2(wi), subject.properties.kind.cos(wi));
         for (channel, weight) in weight.iter().enumerate().take(subject.properties.channels) {
             let product = weight * lobe.probability;
             if !compare([product, lobe.throughput[channel]], "weight · probability, throughput")? {

@@ -5,7 +5,7 @@
 //! the cell. So the test also works where the pdf is unknown, approximate or stochastic.
 
 use super::light::{CellIntegrals, Pilot, integrate};
-use super::mistakes::{LIGHT, light};
+use super::mistakes::light;
 use super::subject::{Subject, sphere};
 use crate::diagnosis::diagnose;
 use crate::domain::Domain;
@@ -187,7 +187,9 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     let (mut detectable, mut uncontrolled, mut decided) = (0f64, 0f64, true);
     for (&channel, found) in channels.iter().zip(&found) {
         let integrals = integrate(subject, &pilot, &grid, [channel, points], false)?;
-        let invalid = integrals.invalid.map(|at| format!("{}: f |cos| = {}", subject.at(at.point.into()), at.value));
+        let invalid = integrals.invalid.map(|at| {
+            format!("{}: {} = {}", subject.at(at.point.into()), subject.properties.kind.integrand(), at.value)
+        });
         violation = violation.or(invalid);
         let deltas: Vec<f64> = subject.deltas.iter().map(|lobe| lobe.throughput[channel]).collect();
         let cells = Cells::new(found, &integrals, &deltas, count as f64);
@@ -225,7 +227,13 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
     if let Some((counts, light_of_cells, channel)) = counts.as_ref().filter(|_| p.is_some_and(|p| p < SUSPECT)) {
         diagnosis = diagnose(&sphere(), light_of_cells);
         if subject.is_deterministic() {
-            let named = of_counts(&sphere(), &light(subject, *channel), counts, ["weights", LIGHT], Kinds::Local)?;
+            let named = of_counts(
+                &sphere(),
+                &light(subject, *channel),
+                counts,
+                ["weights", subject.properties.kind.integrand()],
+                Kinds::Local,
+            )?;
             mistake = named.map(|named| named.name + &subject.channel(*channel));
         }
     }

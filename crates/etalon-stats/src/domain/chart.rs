@@ -108,6 +108,8 @@ pub struct Chart<F> {
     /// The volume, in the coordinates of points, of a set of μ = 1.
     unit: f64,
     is_product: bool,
+    /// Whether tests use the [`Space`].
+    in_leaves: bool,
     /// Why a point may lie outside.
     hint: fn(Point) -> String,
 }
@@ -124,6 +126,7 @@ impl<F: ChartFunctions> Chart<F> {
             even: None,
             unit: 1.0,
             is_product: false,
+            in_leaves: dimension > 2,
             hint: |_| String::new(),
         }
     }
@@ -152,6 +155,11 @@ impl<F: ChartFunctions> Chart<F> {
     /// Says that each coordinate of the cube tells one of points.
     pub(super) fn of_product(self) -> Self {
         Self { is_product: true, ..self }
+    }
+
+    /// Has tests use the [`Space`] in two dimensions, too: its integrals are without bias where densities jump.
+    pub(super) fn in_leaves(self) -> Self {
+        Self { in_leaves: true, ..self }
     }
 
     fn width(&self) -> usize {
@@ -240,7 +248,7 @@ pub(crate) fn inside(mut place: Place) -> Place {
     place
 }
 
-/// In more than two dimensions the two-dimensional chart is the plane of the first two axes; tests use the [`Space`].
+/// The two-dimensional chart is the plane of the first two axes; in more dimensions tests use the [`Space`].
 impl<F: ChartFunctions> Domain for Chart<F> {
     /// The integral of the Jacobian, infinite where that is not known to a hundredth.
     fn measure(&self) -> f64 {
@@ -303,7 +311,7 @@ impl<F: ChartFunctions> Domain for Chart<F> {
 
     fn space(&self) -> Option<Space<'_>> {
         let Self { functions, is_product, .. } = self;
-        (self.dimension > 2).then(|| Space { functions, axes: self.axes.clone(), is_product: *is_product })
+        self.in_leaves.then(|| Space { functions, axes: self.axes.clone(), is_product: *is_product })
     }
 
     fn hint(&self, outside: Point) -> String {

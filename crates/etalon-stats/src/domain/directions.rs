@@ -1,6 +1,7 @@
 //! Directions: the sphere and the hemisphere.
 
-use super::{ATOM, Domain, OFF, Point, equal_parts};
+use super::chart::{OUTSIDE, of_closures};
+use super::{ATOM, Chart, ChartFunctions, Domain, OFF, Place, Point, equal_parts, place};
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::mistakes::{Mistake, Variable};
@@ -95,6 +96,31 @@ impl Directions {
         // 1 − cos θ = 2 sin² (θ/2), which keeps small angles precise.
         range.map(|x| 2.0 * (if self.half { 0.5 * x } else { x }).sqrt().asin().to_degrees())
     }
+}
+
+/// All directions, in leaves, for densities that jump: the chart of the cylinder round the axis that is most at right angles to `middle`,
+/// the direction that is in the middle of the chart.
+pub(crate) fn around(middle: [f64; 3]) -> Chart<impl ChartFunctions> {
+    let pole = (0..3).min_by(|&i, &j| middle[i].abs().total_cmp(&middle[j].abs())).unwrap_or(2);
+    let [x, y] = [1, 2].map(|i| (pole + i) % 3);
+    let across = middle[x].hypot(middle[y]);
+    let [c, s] = if across > 0.0 { [middle[x] / across, middle[y] / across] } else { [1.0, 0.0] };
+    let to_cube = move |point: Point| {
+        let w = <[f64; 3]>::from(point);
+        let is_unit = (length(w) - 1.0).abs() <= OFF;
+        let turn = (c * w[y] - s * w[x]).atan2(c * w[x] + s * w[y]) / TAU;
+        if is_unit { place(&[(0.5 + 0.5 * w[pole]).within(0.0, 1.0), 0.5 + turn]) } else { OUTSIDE }
+    };
+    let from_cube = move |at: Place| {
+        let (z, (sin, cos)) = (2.0 * at[0] - 1.0, (TAU * (at[1] - 0.5)).sin_cos());
+        let r = (1.0 - z * z).at_least(0.0).sqrt();
+        let mut w = [z; 3];
+        (w[x], w[y]) = (r * (c * cos - s * sin), r * (s * cos + c * sin));
+        w.into()
+    };
+    let axis = ["x", "y", "z"][pole];
+    let axes = vec![format!("(1 + {axis}) / 2"), format!("turns about {axis} from the middle")];
+    of_closures(2, to_cube, from_cube, |_| 2.0 * TAU).even(2.0 * TAU).with_axes(axes).in_leaves()
 }
 
 /// The sine of θ up to which densities in proportion to 1/sin θ are not compared: points do not tell their integrals there.

@@ -12,6 +12,7 @@ mod triangle;
 
 pub use chart::{Chart, ChartFunctions, Cube, Place, Space, chart, place};
 pub(crate) use chart::{inside, steps};
+pub(crate) use directions::around;
 pub use directions::{Directions, Pole};
 pub use finite::{Discrete, Indexed};
 pub use line::{Axis, Circle, HalfLine, Line, RealLine};

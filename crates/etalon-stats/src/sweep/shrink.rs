@@ -22,7 +22,7 @@ const THETAS: [f64; 9] = [0.0, 45.0, 60.0, 30.0, 75.0, 80.0, 85.0, 89.0, 89.9];
 /// Azimuths in degrees, from the simplest.
 const PHIS: [f64; 3] = [0.0, 90.0, 45.0];
 /// Every coordinate may become simpler after others have: two rounds find most of that.
-const ROUNDS: usize = 2;
+pub(super) const ROUNDS: usize = 2;
 
 /// What a check says of a configuration if it fails there: for an exact one that something is wrong, for a statistical one
 /// p < [`CONFIRM_LEVEL`].
@@ -109,7 +109,7 @@ fn simpler(configuration: &Configuration, parameters: &[Parameter], axis: usize)
 
 /// Values of the last parameter from the simplest: the default, those of parameters before it with the same range (widths
 /// of an isotropic surface), a power of ten, one digit, the nearest end of the range, two digits.
-fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
+pub(super) fn round_values(values: &[f64], parameters: &[Parameter]) -> Vec<f64> {
     let ([before @ .., value], [others @ .., Parameter { value: default, range, .. }]) = (values, parameters) else {
         return Vec::new();
     };

@@ -23,7 +23,7 @@ pub enum Strategy {
 pub struct Space {
     parameters: Vec<Parameter>,
     strategy: Strategy,
-    /// 1, or 2 if light is transmitted: `wo` lies above the surface, or on either side.
+    /// 1, or 2 if light is transmitted: `wo` lies above the surface, or on either side. 0 without directions.
     sides: u64,
     /// For the grid: values of each parameter, and angles on each side.
     levels: [u64; 2],
@@ -62,23 +62,37 @@ impl Space {
         let parameters = family.parameters();
         let defaults: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
         let sides = if family.with(&defaults)?.properties().transmission { 2 } else { 1 };
-        let each_side = (configurations / sides).max(1);
+        Ok(Self::over(family.name(), parameters, sides, strategy, configurations, seed))
+    }
+
+    /// At most `configurations` of what is called `name` and has these parameters, seen from so many `sides`; 0 for what has no directions.
+    pub(super) fn over(
+        name: &str,
+        parameters: Vec<Parameter>,
+        sides: u64,
+        strategy: Strategy,
+        configurations: u64,
+        seed: u64,
+    ) -> Self {
+        let each_side = (configurations / sides.max(1)).max(1);
         // As many values of each parameter as of the angle, and what remains for the angle.
         let axes = parameters.len() as u32 + 1;
         let values = (1..).take_while(|n: &u64| n.checked_pow(axes).is_some_and(|all| all <= each_side)).take(1 << 20);
         let values = if axes == 1 { 1 } else { values.last().unwrap_or(1) };
         let levels = [values, each_side / values.pow(axes - 1)];
         let mut choices: Vec<Vec<Choice>> = (0..parameters.len()).map(|i| special(&parameters, i)).collect();
-        choices.extend([ANGLES.to_vec(), AZIMUTHS.to_vec()]);
-        let combinations = choices.iter().map(|choices| choices.len() as u64).product::<u64>() * sides;
+        if sides > 0 {
+            choices.extend([ANGLES.to_vec(), AZIMUTHS.to_vec()]);
+        }
+        let combinations = choices.iter().map(|choices| choices.len() as u64).product::<u64>() * sides.max(1);
         let len = match strategy {
-            Strategy::Grid => sides * levels[0].pow(axes - 1) * levels[1],
+            Strategy::Grid => sides.max(1) * levels[0].pow(axes - 1) * levels[1],
             Strategy::Random => configurations,
             Strategy::Edges => combinations.min(configurations),
         };
         // Families have random numbers of their own.
-        let seed = family.name().bytes().fold(mix64(seed), |seed, byte| mix64(seed ^ u64::from(byte)));
-        Ok(Self { parameters, strategy, sides, levels, choices, len, seed })
+        let seed = name.bytes().fold(mix64(seed), |seed, byte| mix64(seed ^ u64::from(byte)));
+        Self { parameters, strategy, sides, levels, choices, len, seed }
     }
 
     /// The number of configurations.
@@ -147,7 +161,7 @@ impl Space {
         let of = |level: u64, levels: u64| level as f64 / (levels - 1) as f64;
         let level = digit(angles);
         let theta = if angles > 1 { LARGEST_ANGLE * of(level, angles) } else { 45.0 };
-        let side = digit(self.sides) as f64;
+        let side = digit(self.sides.max(1)) as f64;
         let value = |parameter: &Parameter| {
             let level = digit(values);
             if values > 1 { parameter.at(of(level, values)) } else { parameter.value }
@@ -158,12 +172,12 @@ impl Space {
 
     /// All combinations; where they are too many, some that a golden stride spreads over all.
     fn at_edges(&self, number: u64, shares: &[f64]) -> (Vec<f64>, [f64; 3]) {
-        let combinations = self.choices.iter().map(|choices| choices.len() as u64).product::<u64>() * self.sides;
+        let combinations = self.choices.iter().map(|choices| choices.len() as u64).product::<u64>() * self.sides.max(1);
         let stride = coprime((combinations as f64 * 0.618_033_988_749_895) as u64, combinations);
         let spread = u128::from(number) * u128::from(stride) % u128::from(combinations);
         let mut rest = if self.len < combinations { spread as u64 } else { number };
-        let side = (rest % self.sides) as f64;
-        rest /= self.sides;
+        let side = (rest % self.sides.max(1)) as f64;
+        rest /= self.sides.max(1);
         let [.., theta, azimuth, _] = self.angles(shares)[..] else { return (Vec::new(), [0.0; 3]) };
         let inside: Vec<f64> =
             self.parameters.iter().zip(shares).map(|(parameter, &share)| parameter.at(share)).collect();
@@ -177,9 +191,8 @@ impl Space {
                 Choice::Inside => inside,
             });
         }
-        let azimuth = chosen.pop().unwrap_or_default();
-        let theta = chosen.pop().unwrap_or_default();
-        (chosen, [theta, azimuth, side])
+        let directions = chosen.split_off(self.parameters.len());
+        (chosen, [directions.first().copied().unwrap_or(theta), directions.get(1).copied().unwrap_or(azimuth), side])
     }
 }
 

@@ -1,12 +1,13 @@
-//! BSDFs over their parameters in another program.
+//! BSDFs, phase functions and lights over their parameters in another program.
 //!
 //! | request | response |
 //! |---|---|
-//! | `etalon 1` | `etalon 1 kind=bsdf KEY=VALUE …`, then a line `name default from to` for each parameter |
+//! | `etalon 1` | `etalon 1 kind=KIND KEY=VALUE …`, then a line `name default from to` for each parameter |
 //! | `set VALUE …`, one for each parameter | nothing, or a line `KEY=VALUE …` of what these values change |
 //! | `eval N`, then N lines `wo wi [random numbers]` | N lines with f in every channel |
 //! | `pdf N`, then N lines `wo wi` | N lines with the pdf |
-//! | `sample N`, then N lines `wo random numbers` | N lines `wi weight [pdf]`, `delta wi weight probability` or `none` |
+//! | `sample N`, then N lines `wo random numbers` | N lines `wi weight [pdf [point]]`, `delta wi weight probability [point]` or `none` |
+//! | `hits N`, then N lines `wo wi`, of a light that has them | N lines `distance normal [pdf per area]` or `none` |
 //! | `lobes N`, then N lines `wo`, if it has delta lobes | N lines `wi probability throughput …` of all lobes, or `none` |
 
 use super::connection::{self, Connection, protocol_error};
@@ -15,7 +16,8 @@ use crate::protocol::sampler::write_numbers;
 use etalon_core::error::Result;
 use etalon_core::import::place::{number, quote, real};
 use etalon_stats::bsdf::{
-    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Pair, Parameter, PdfKind, Properties, Spectrum,
+    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family, Hit, Kind, Pair, Parameter, PdfKind, Properties,
+    Spectrum,
 };
 use std::sync::{Mutex, PoisonError};
 
@@ -30,15 +32,19 @@ pub struct Program {
     state: Mutex<State>,
 }
 
-struct State {
-    connection: Box<dyn Connection>,
+pub(super) struct State {
+    pub connection: Box<dyn Connection>,
     /// The values of the parameters that were set last, and what the program answered.
     set: Option<(Vec<f64>, String)>,
 }
 
 impl State {
+    pub fn new(connection: impl Connection + 'static) -> Self {
+        Self { connection: Box::new(connection), set: None }
+    }
+
     /// Sets the parameters unless they are set; returns the answer.
-    fn set(&mut self, values: &[f64]) -> Result<&str> {
+    pub fn set(&mut self, values: &[f64]) -> Result<&str> {
         if values.is_empty() {
             return Ok("");
         }
@@ -55,16 +61,20 @@ impl State {
 }
 
 impl Program {
-    pub(super) fn new(connection: impl Connection + 'static, mut greeting: Greeting) -> Result<Self> {
+    pub(super) fn new(
+        connection: impl Connection + 'static,
+        mut greeting: Greeting,
+        known: Properties,
+    ) -> Result<Self> {
         let name = greeting.take("name").unwrap_or_else(|| "exec".to_owned());
-        let properties = declared(Properties { map: None, ..Properties::default() }, &greeting)?;
+        let properties = declared(known, &greeting)?;
         let parameters = greeting.lines.iter().map(|line| parameter(&greeting.program, line)).collect::<Result<_>>()?;
-        let state = Mutex::new(State { connection: Box::new(connection), set: None });
+        let state = Mutex::new(State::new(connection));
         Ok(Self { name, parameters, properties, state })
     }
 }
 
-fn parameter(program: &str, line: &str) -> Result<Parameter> {
+pub(super) fn parameter(program: &str, line: &str) -> Result<Parameter> {
     let read = || {
         let [name, value, from, to] = line.split_ascii_whitespace().collect::<Vec<_>>().try_into().ok()?;
         let [value, from, to] = [real(value)?, real(from)?, real(to)?];
@@ -149,13 +159,18 @@ impl Configured<'_> {
         let numbers = numbers(words)?;
         let (wi, rest) = numbers.split_first_chunk::<3>()?;
         let (weight, density) = rest.split_at_checked(self.properties.channels)?;
+        let is_light = matches!(self.properties.kind, Kind::Light { .. });
+        let (density, point) = match density {
+            [density, point @ ..] if is_light && point.len() == 3 => (&[*density][..], point.try_into().ok()),
+            all => (all, None),
+        };
         let density = match density {
             [probability] if is_delta => Density::Delta(*probability),
             [pdf] => Density::Pdf(*pdf),
             [] if !is_delta => Density::Unknown,
             _ => return None,
         };
-        Some(Some(BsdfSample::new(*wi, self.spectrum(weight)?, density)))
+        Some(Some(BsdfSample { point, ..BsdfSample::new(*wi, self.spectrum(weight)?, density) }))
     }
 
     fn read_lobes(&self, words: &[&str]) -> Option<Vec<DeltaLobe>> {
@@ -218,6 +233,26 @@ impl BatchBsdf for Configured<'_> {
         let expected = "\"WI PROBABILITY THROUGHPUT\" for each lobe, or \"none\"";
         let lines = wos.iter().map(|wo| wo.to_vec());
         Ok(self.ask(["lobes", expected], lines, |words| self.read_lobes(words))?)
+    }
+
+    fn hits(&self, pairs: &[Pair]) -> etalon_stats::Result<Vec<Option<Hit>>> {
+        if !matches!(self.properties.kind, Kind::Light { hits: true, .. }) {
+            return Ok(vec![None; pairs.len()]);
+        }
+        let read = |words: &[&str]| match numbers(words) {
+            _ if words == ["none"] => Some(None),
+            Some(numbers) => match numbers[..] {
+                [distance, x, y, z] => Some(Some(Hit { distance, normal: [x, y, z], pdf_area: None })),
+                [distance, x, y, z, pdf] => Some(Some(Hit { distance, normal: [x, y, z], pdf_area: Some(pdf) })),
+                _ => None,
+            },
+            None => None,
+        };
+        Ok(self.ask(
+            ["hits", "\"DISTANCE NORMAL\", \"DISTANCE NORMAL PDF\" or \"none\""],
+            pairs.iter().map(line),
+            read,
+        )?)
     }
 }
 
@@ -301,7 +336,9 @@ mod tests {
             let error = program(answers).0.err().map(|error| error.to_string()).unwrap_or_default();
             assert!(error.contains(why) && error.contains("recorded"), "{error}");
         };
-        refused(|_| "etalon 1 kind=light\n".to_owned(), "\"kind=light\", which has no meaning");
+        refused(|_| "etalon 1 kind=lamp\n".to_owned(), "\"kind=lamp\", which has no meaning");
+        refused(|_| "etalon 1 kind=light eta=2\n".to_owned(), "\"eta=2\", which has no meaning");
+        refused(|_| "etalon 1 kind=phase mean_cosine=2\n".to_owned(), "\"mean_cosine=2\", which has no meaning");
         refused(|_| "etalon 1 kind=bsdf channels=2\n".to_owned(), "\"channels=2\", which has no meaning");
         refused(|_| "etalon 1 kind=bsdf energy=much\n".to_owned(), "energy=much");
         refused(|_| "etalon 1 kind=bsdf map=1,7\n".to_owned(), "has a map");

@@ -1,4 +1,4 @@
-"""Serves the sampler or the BSDF of a Python file by the protocol for external programs.
+"""Serves the sampler, BSDF, phase function or light of a Python file by the protocol for external programs.
 
 Arguments: the file, and the domain of its samples if that is given. NumPy is used if the file has imported it.
 """
@@ -14,8 +14,13 @@ from types import ModuleType
 ROWS = 11  # of a first call that shows how a function is written: no point and no spectrum has so many coordinates
 WIDTHS = {}  # of points of the domains, by name: `etalon` fills it in
 CHART = ("to_cube", "from_cube", "jacobian")
-DECLARED = ("mass", "table", "precision", "dimension")
-DECLARED_OF_BSDFS = ("scatters", "eta", "reciprocal", "energy", "map", "precision", "dimension")
+DECLARED = ("mass", "table", "precision", "dimension", "stochastic")
+DECLARED_BY_KIND = {
+    "bsdf": ("scatters", "eta", "reciprocal", "energy", "map", "precision", "dimension"),
+    "phase": ("wo", "reciprocal", "energy", "map", "precision", "dimension"),
+    "light": ("one_sided", "reference_points", "reference_box", "delta", "map", "precision", "dimension"),
+}
+VALUES = {"value": "bsdf", "phase": "phase", "radiance": "light"}  # the functions that say what a file has
 
 
 class Refused(Exception):
@@ -203,12 +208,46 @@ def declaration(module, names):
         if value is not None:
             text = {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
             separator = "x" if name == "table" else ","
-            words.append(f"{name}={separator.join(map(str, text)) if isinstance(text, (tuple, list)) else text}")
+            words.append(f"{name}={separator.join(map(str, flat(text))) if isinstance(text, (tuple, list)) else text}")
     return words
+
+
+def weighted(read, of_weights):
+    """Reads pairs of points and weights as rows that end with the weight."""
+
+    def read_pair(value, by_arrays, n):
+        if value is None and not by_arrays:
+            return None
+        if not isinstance(value, tuple) or len(value) != 2:
+            wanted = "wanted sample(u) and pdf(w), or a sample that returns (point, weight)"
+            raise Refused(f"it has no function pdf; {wanted}, and it returned {repr(value)[:100]}", 2)
+        points, weights = read(value[0], by_arrays, n), of_weights(value[1], by_arrays, n)
+        return [[*point, *weight] for point, weight in zip(points, weights)] if by_arrays else [*points, *weights]
+
+    return read_pair
+
+
+def ranges_of(module):
+    """The file's parameters: of each, its value, which is that of the variable unless it is said, and the ends of its range."""
+    declared = getattr(module, "parameters", {})
+    return {name: ends if len(ends) == 3 else (getattr(module, name), *ends) for name, ends in declared.items()}
+
+
+def declared_ranges(parameters):
+    return "".join(f"\n{name} {value!r} {low!r} {high!r}" for name, (value, low, high) in parameters.items())
+
+
+def set_values(module, parameters, values):
+    for name, value in zip(parameters, values):
+        setattr(module, name, value)
 
 
 class SamplerFile:
     def __init__(self, module, domain):
+        self.module, self.parameters = module, ranges_of(module)
+        set_values(module, self.parameters, [value for value, *_ in self.parameters.values()])
+        has_pdf, target = hasattr(module, "pdf"), getattr(module, "target", None)
+        density, name = (module.pdf, "pdf") if has_pdf else (target, "target")
         count = parameters(module.sample, "sample")
         if count == 0:
             raise Refused("sample takes no argument; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
@@ -223,11 +262,14 @@ class SamplerFile:
                 points = [point for point in points if point is not None]
                 if not points:
                     raise Refused("sample returned None for all of the first samples: is a return missing?")
-                width = len(points[0])
+                width = len(points[0]) - (not has_pdf)
+                points = [point[:width] for point in points]
+                pdf = None
                 try:
-                    pdf, _ = first(forms(module.pdf, "pdf", [width], numbers_of("pdf", [1]), points))
+                    if density is not None:
+                        pdf, _ = first(forms(density, name, [width], numbers_of(name, [1]), points))
                 except Exception:
-                    self.compare(width, expected_width(module.pdf, "pdf", width), points[0], sample.by_arrays)
+                    self.compare(width, expected_width(density, name, width), points[0], sample.by_arrays)
                     raise
             except Exception as error:
                 # Further than any attempt whose samples make no sense
@@ -236,6 +278,8 @@ class SamplerFile:
             return dimension, sample, pdf
 
         read = maybe(numbers_of("sample", [3, 2, 1, 4, 5, 6, 7, 8]))
+        if not has_pdf:
+            read = weighted(numbers_of("sample", [4, 3, 2, 1, 5, 6, 7, 8]), numbers_of("the weight of sample", [1]))
         attempts = (
             lambda d=d, form=form: attempt(d, form)
             for d in dimensions
@@ -244,7 +288,7 @@ class SamplerFile:
         dimension, sample, pdf = first(attempts)
         self.functions = {"sample": sample, "pdf": pdf}
         found = sample(uniform(1024, dimension))
-        points = [point for point in found if point is not None]
+        points = [point if has_pdf else point[:-1] for point in found if point is not None]
         own = self.chart(module, points)
         if self.domain is None and not own:
             self.domain = guessed(points)
@@ -253,11 +297,16 @@ class SamplerFile:
             wanted = " or ".join(map(str, widths))
             raise Refused(f"sample returns {len(points[0])} coordinates; a point of the domain {self.domain} has {wanted}")
         words = declaration(module, DECLARED)
-        if len(points) < len(found) and not hasattr(module, "mass"):
+        if not has_pdf:
+            words.append("weights=yes" if target is None else "weights=target")
+        narrow = getattr(module, "narrow", None)
+        if narrow:
+            words.append("narrow=" + ";".join(",".join(map(str, place)) for place in narrow))
+        if has_pdf and len(points) < len(found) and not hasattr(module, "mass"):
             words.append("mass=at-most-1")
         if not hasattr(module, "dimension"):
             words.append(f"dimension={dimension}")
-        self.greeting = " ".join([own or f"domain={self.domain}", *words])
+        self.greeting = " ".join([own or f"domain={self.domain}", *words]) + declared_ranges(self.parameters)
 
     def chart(self, module, points):
         """The chart of the file's own, declared for the greeting; None if it has none."""
@@ -293,6 +342,9 @@ class SamplerFile:
     def answer(self, verb, rows):
         return self.functions[verb](rows)
 
+    def set(self, values):
+        set_values(self.module, self.parameters, values)
+
 
 def widths_of(domain):
     """How many coordinates points of a domain may have; none if it is not known here."""
@@ -315,19 +367,34 @@ def guessed(points):
     return {2: "square", 1: "line"}[width]
 
 
+def flat(value):
+    """The numbers of a nested list."""
+    return [x for part in value for x in flat(part)] if hasattr(value, "__len__") else [value]
+
+
 class BsdfFile:
+    """A BSDF, or what is tested like one: a phase function, or a light, whose `wo` is a reference point."""
+
     def __init__(self, module):
+        name = next((name for name in VALUES if hasattr(module, name)), "radiance" if is_delta_light(module) else "eval")
+        self.kind = VALUES.get(name, "bsdf")
+        self.is_delta = self.kind == "light" and is_delta_light(module)
         count = parameters(module.sample, "sample")
         if count is not None and count < 2:
-            raise Refused(f"sample takes {count} arguments; wanted sample(wo, u)")
-        self.module, self.parameters = module, getattr(module, "parameters", {})
+            raise Refused(f"sample takes {count} arguments; wanted sample({'point' if self.kind == 'light' else 'wo'}, u)")
+        self.module, self.parameters = module, ranges_of(module)
         wos = [[0.6 * x, 0.6 * y, (1 - 0.36 * (x * x + y * y)) ** 0.5] for x, y in uniform(ROWS, 2)]
         pairs = [[*wo, *wi] for wo, wi in zip(wos, reversed(wos))]
-        name = "value" if hasattr(module, "value") else "eval"
-        function = getattr(module, name)
-        self.value, values = first(forms(function, name, [3, 3], numbers_of(name, [1, 3]), pairs))
-        self.pdf, _ = first(forms(module.pdf, "pdf", [3, 3], numbers_of("pdf", [1]), pairs))
-        self.channels = len(values[0])
+        self.channels = getattr(module, "channels", 1)
+        if self.is_delta:
+            self.value, self.pdf = lambda rows: [[0.0] * self.channels] * len(rows), lambda rows: [[0.0]] * len(rows)
+        else:
+            self.value, values = first(forms(getattr(module, name), name, [3, 3], numbers_of(name, [1, 3]), pairs))
+            self.pdf, _ = first(forms(module.pdf, "pdf", [3, 3], numbers_of("pdf", [1]), pairs))
+            self.channels = len(values[0])
+        self.hits = None
+        if self.kind == "light" and hasattr(module, "hit"):
+            self.hits, _ = first(forms(module.hit, "hit", [3, 3], met, pairs))
         own = getattr(module, "dimension", None)
         dimensions = [own] if own else [count - 1] if count and count > 2 else [3, 2, 1]
         attempts = (
@@ -337,48 +404,81 @@ class BsdfFile:
                 module.sample, "sample", [3, d], self.scattered, [wo + u for wo, u in zip(wos, uniform(ROWS, d))]
             )
         )
-        dimension, (self.sample, _) = first(attempts)
-        words = declaration(module, DECLARED_OF_BSDFS)
+        self.dimension, (self.sample, _) = first(attempts)
+        words = declaration(module, DECLARED_BY_KIND[self.kind]) + self.cosine() + (["hits=yes"] if self.hits else [])
         if own is None:
-            words.insert(0, f"dimension={dimension}")
-        lines = [f"\n{name} {value!r} {low!r} {high!r}" for name, (value, low, high) in self.parameters.items()]
-        self.greeting = " ".join(["kind=bsdf", f"channels={self.channels}", *words]) + "".join(lines)
+            words.insert(0, f"dimension={self.dimension}")
+        self.greeting = " ".join([f"kind={self.kind}", f"channels={self.channels}", *words]) + declared_ranges(self.parameters)
 
     def scattered(self, value, by_arrays, n):
         """What `sample` returned as rows of wi, the weight or [], the pdf or []; None where there is no sample."""
         if value is None and not by_arrays:
             return None
+        most = 4 if self.kind == "light" else 3
         is_wi = not isinstance(value, tuple) or not hasattr(value[0], "__len__")
         if is_wi or (by_arrays and getattr(value[0], "ndim", 2) == 1):
             value = (value,)
-        if not 1 <= len(value) <= 3:
-            raise Refused(f"sample returned {len(value)} values; wanted wi, (wi, weight) or (wi, weight, pdf)", 2)
-        widths = ([3], [self.channels], [1])
-        names = ("sample", "the weight of sample", "the pdf of sample")
+        if not 1 <= len(value) <= most:
+            also = " or (wi, weight, pdf, point)" if most == 4 else ""
+            raise Refused(f"sample returned {len(value)} values; wanted wi, (wi, weight) or (wi, weight, pdf){also}", 2)
+        widths = ([3], [self.channels], [1], [3])
+        names = ("sample", "the weight of sample", "the pdf of sample", "the point of sample")
         if by_arrays:
-            parts = [array_rows(part, name, n, width) for part, name, width in zip(value, names, widths)]
-            return [list(row) + [[]] * (3 - len(row)) for row in zip(*parts)]
-        parts = [one_row(part, name, width) for part, name, width in zip(value, names, widths)]
-        return parts + [[]] * (3 - len(parts))
+            parts = [
+                [[]] * n if part is None else array_rows(part, name, n, width)
+                for part, name, width in zip(value, names, widths)
+            ]
+            return [list(row) + [[]] * (4 - len(row)) for row in zip(*parts)]
+        parts = [[] if part is None else one_row(part, name, width) for part, name, width in zip(value, names, widths)]
+        return parts + [[]] * (4 - len(parts))
 
     def answer(self, verb, rows):
-        if verb != "sample":
-            return (self.value if verb == "eval" else self.pdf)(rows)
+        if verb in ("eval", "pdf", "hits"):
+            return {"eval": self.value, "pdf": self.pdf, "hits": self.hits}[verb](rows)
+        if verb == "lobes":
+            found = self.sample([row + [0.5] * self.dimension for row in rows])
+            return [s and [*s[0], (s[2] or [1.0])[0], *(w * (s[2] or [1.0])[0] for w in s[1])] for s in found]
         found = self.sample(rows)
+        if self.is_delta:
+            return [s and ["delta", *s[0], *s[1], *(s[2] or [1.0]), *s[3]] for s in found]
         pairs = [row[:3] + sample[0] for row, sample in zip(rows, found) if sample is not None]
         # What `sample` leaves out follows from the other functions
         pdfs = iter(self.pdf(pairs) if any(sample and not sample[2] for sample in found) else ())
         values = iter(self.value(pairs) if any(sample and not sample[1] for sample in found) else ())
         return [sample and self.completed(*sample, next(pdfs, None), next(values, None)) for sample in found]
 
-    def completed(self, wi, weight, own, pdf, value):
+    def completed(self, wi, weight, own, point, pdf, value):
         """A sample with all of its numbers; None, "no sample", where the pdf is 0."""
         (p,) = own or pdf
-        return [*wi, *(weight or [f * abs(wi[2]) / p for f in value]), p] if p != 0 else None
+        cos = abs(wi[2]) if self.kind == "bsdf" else 1
+        return [*wi, *(weight or [f * cos / p for f in value]), p, *point] if p != 0 else None
+
+    def cosine(self):
+        """The mean cosine that the file declares, as words of the greeting."""
+        g = getattr(self.module, "mean_cosine", None) if self.kind == "phase" else None
+        return [] if g is None else [f"mean_cosine={float(g() if callable(g) else g)!r}"]
 
     def set(self, values):
-        for name, value in zip(self.parameters, values):
-            setattr(self.module, name, value)
+        set_values(self.module, self.parameters, values)
+        return [" ".join(self.cosine())] if self.cosine() else []
+
+
+def is_delta_light(module):
+    return getattr(module, "delta", False) is True and hasattr(module, "sample") and not hasattr(module, "pdf")
+
+
+def met(value, by_arrays, n):
+    """Reads where rays meet a light: rows of the distance, the normal and maybe the pdf per area; None where they do not."""
+    if value is None and not by_arrays:
+        return None
+    if not isinstance(value, tuple) or len(value) not in (2, 3):
+        raise Refused(f"hit returned {repr(value)[:100]}; wanted (distance, normal) or (distance, normal, pdf per area)", 2)
+    names, widths = ("the distance of hit", "the normal of hit", "the pdf of hit"), ([1], [3], [1])
+    if not by_arrays:
+        row = sum((one_row(part, name, width) for part, name, width in zip(value, names, widths)), [])
+        return row if isfinite(row[0]) else None
+    parts = [array_rows(part, name, n, width) for part, name, width in zip(value, names, widths)]
+    return [sum(row, []) if isfinite(row[0][0]) else None for row in zip(*parts)]
 
 
 def loaded(path, domain):
@@ -390,16 +490,19 @@ def loaded(path, domain):
     with open(path, "rb") as file:
         exec(compile(file.read(), path, "exec"), module.__dict__)
     missing = [name for name in ("sample", "pdf") if not hasattr(module, name)]
-    is_bsdf = hasattr(module, "value") or module.__dict__.get("eval")
-    if missing:
+    if is_delta_light(module):
+        return BsdfFile(module)
+    is_bsdf = any(callable(getattr(module, name, None)) for name in VALUES) or module.__dict__.get("eval")
+    if missing and (is_bsdf or missing != ["pdf"]):
         raise Refused(
             f"it has no function {' and no function '.join(missing)}; wanted sample(u) and pdf(w) for a sampler, "
-            "sample(wo, u), pdf(wo, wi) and value(wo, wi) for a BSDF"
+            "sample(wo, u), pdf(wo, wi) and value(wo, wi) for a BSDF, phase(wo, wi) for a phase function, "
+            "or sample(point, u), pdf(point, wi) and radiance(point, wi) for a light"
         )
     if is_bsdf:
         return BsdfFile(module)
     if next(iter(getattr(getattr(module.sample, "__code__", None), "co_varnames", ())), "") == "wo":
-        raise Refused("it has sample(wo, …) and no function value; wanted value(wo, wi), the BSDF without the cosine")
+        raise Refused("it has sample(wo, …) and no function value; wanted value(wo, wi), the BSDF without the cosine, or phase(wo, wi)")
     return SamplerFile(module, domain)
 
 
@@ -435,10 +538,10 @@ def serve(requests, answers):
             name = "-".join(os.path.splitext(os.path.basename(PATH))[0].split())
             lines = [f"etalon 1 name={name} {served.greeting}"]
         elif verb == "set":
-            served.set(map(float, words))
+            lines = served.set(map(float, words))
         else:
             rows = [[float(word) for word in next(requests).split()] for _ in range(int(words[0]))]
-            lines = ["none" if row is None else " ".join(map(float.hex, row)) for row in served.answer(verb, rows)]
+            lines = ["none" if row is None else " ".join(x if isinstance(x, str) else x.hex() for x in row) for row in served.answer(verb, rows)]
         answers.write("".join(f"{line}\n" for line in [*lines, "end"]))
         answers.flush()
 

@@ -1,8 +1,8 @@
-//! Samplers and BSDFs in other programs, called over their standard input and output.
+//! Samplers, BSDFs, phase functions and lights in other programs, called over their standard input and output.
 //!
 //! The program reads requests and responds to each with the requested lines and a line `end`. The first request is `etalon 1`;
 //! the response is a greeting, `etalon 1 KEY=VALUE …`, whose key `kind` says what the program has: a [`sampler`] with its pdf, or
-//! a [`bsdf`] over its parameters. The request `quit`, or the end of its input, ends the program.
+//! a [`bsdf`] over its parameters, which may be a phase function or a light, too. The request `quit`, or the end of its input, ends the program.
 //! The order of the other requests is not fixed: an answer depends on what a request holds, not on what was asked before. A line
 //! `error TEXT` in place of an answer ends the test.
 
@@ -33,7 +33,7 @@ const PYTHON: [&str; 2] = ["python3", "python"];
 /// What a program says in its greeting that it has.
 pub enum External {
     Sampler(sampler::Client),
-    /// BSDFs over their parameters.
+    /// BSDFs, phase functions or lights over their parameters.
     Bsdf(bsdf::Program),
 }
 
@@ -95,8 +95,12 @@ pub fn connect(mut connection: impl Connection + 'static, space: Option<Space>) 
     let mut greeting = Greeting::of(&mut connection)?;
     match greeting.take("kind").as_deref() {
         None | Some("sampler") => sampler::Client::new(connection, greeting, space).map(External::Sampler),
-        Some("bsdf") if space.is_some() => Err(Error::parameter("domain", "directions of a BSDF lie on the sphere")),
-        Some("bsdf") => bsdf::Program::new(connection, greeting).map(External::Bsdf),
-        Some(other) => Err(greeting.meaningless("kind", other)),
+        Some(kind) => match properties::of_kind(kind) {
+            None => Err(greeting.meaningless("kind", kind)),
+            Some(_) if space.is_some() => {
+                Err(Error::parameter("domain", format!("directions of a {kind} lie on the sphere")))
+            }
+            Some(properties) => bsdf::Program::new(connection, greeting, properties).map(External::Bsdf),
+        },
     }
 }

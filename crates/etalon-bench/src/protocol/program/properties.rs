@@ -4,7 +4,7 @@ use super::connection::{Connection, protocol_error};
 use super::sampler::DIMENSIONS;
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{quote, real};
-use etalon_stats::bsdf::{Energy, PdfKind, Properties, Reciprocity};
+use etalon_stats::bsdf::{Energy, Kind, PdfKind, Properties, Reciprocity};
 
 const VERSION: &str = "1";
 /// Most lines below the first.
@@ -76,6 +76,17 @@ impl Greeting {
     }
 }
 
+/// What is known of a kind of subject by its name; `None` if it has no meaning.
+#[must_use]
+pub fn of_kind(kind: &str) -> Option<Properties> {
+    match kind {
+        "bsdf" => Some(Properties { map: None, ..Properties::default() }),
+        "phase" => Some(Properties::phase()),
+        "light" => Some(Properties::light()),
+        _ => None,
+    }
+}
+
 /// `known` with those that `greeting` has keys for in their place.
 pub fn declared(known: Properties, greeting: &Greeting) -> Result<Properties> {
     let mut properties = known;
@@ -104,6 +115,52 @@ pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()
         "no" => Some(false),
         _ => None,
     };
+    let coordinates = || -> Option<Vec<[f64; 3]>> {
+        let numbers: Vec<f64> = value.split(',').map(real).collect::<Option<_>>()?;
+        let is_sound = numbers.len() % 3 == 0 && numbers.iter().all(|x| x.is_finite());
+        is_sound.then(|| numbers.as_chunks::<3>().0.to_vec())
+    };
+    match (&mut properties.kind, key) {
+        (Kind::Phase { wo_points_away, .. }, "wo") => {
+            *wo_points_away = match value {
+                "away" => true,
+                "along" => false,
+                _ => return None,
+            };
+            return Some(());
+        }
+        (Kind::Phase { mean_cosine, .. }, "mean_cosine") => {
+            *mean_cosine = Some(real(value).filter(|g| (-1.0..=1.0).contains(g))?);
+            return Some(());
+        }
+        (Kind::Light { hits, .. }, "hits") => {
+            *hits = yes()?;
+            return Some(());
+        }
+        (Kind::Light { one_sided, .. }, "one_sided") => {
+            *one_sided = yes()?;
+            return Some(());
+        }
+        (Kind::Light { points, .. }, "reference_points") => {
+            *points = coordinates()?;
+            return Some(());
+        }
+        (Kind::Light { points, .. }, "reference_box") => {
+            /// Shares of three edges, by the golden ratio's generalization.
+            const SHARES: [f64; 3] = [0.819_172_513, 0.671_043_606, 0.549_700_478];
+            let [low, high] = coordinates()?.try_into().ok()?;
+            let inside = |i: usize| {
+                [0, 1, 2].map(|axis| low[axis] + (high[axis] - low[axis]) * (SHARES[axis] * i as f64).fract())
+            };
+            *points = (1..=6).map(inside).collect();
+            return Some(());
+        }
+        (Kind::Light { .. }, "scatters" | "eta" | "reciprocal" | "energy")
+        | (Kind::Phase { .. }, "scatters" | "eta") => {
+            return None;
+        }
+        _ => {}
+    }
     let count = |least: usize| value.parse().ok().filter(|n| (least..=DIMENSIONS).contains(n));
     match key {
         "channels" => properties.channels = value.parse().ok().filter(|n| [1, 3].contains(n))?,

@@ -2,8 +2,9 @@
 //!
 //! | request | response |
 //! |---|---|
-//! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom |
-//! | `sample N`, then N lines of uniform random numbers | N lines `coordinates [pdf]`, `atom coordinates` or `none` |
+//! | `etalon 1` | `etalon 1 KEY=VALUE …`, then a line `coordinates probability` for each atom, `name default from to` for each parameter |
+//! | `set VALUE …`, one for each parameter | nothing, or a line `KEY=VALUE …` of what these values change |
+//! | `sample N`, then N lines of uniform random numbers | N lines `coordinates [pdf]`, `coordinates weight`, `atom coordinates` or `none` |
 //! | `sample N SEED`, if its dimension is 0 | the same, from random numbers of its own that start from SEED < 2³² |
 //! | `pdf N`, then N lines of coordinates | N lines with a pdf |
 //! | `invert N`, then N lines of coordinates | N lines of random numbers, or `none` |
@@ -13,13 +14,17 @@
 //!
 //! Keys: `name`; `dimension`, the random numbers of a sample (2; 0 if it has its own); `mass`, what the pdf integrates
 //! to (1, `at-most-1` or `unknown`); `table=ROWSxCOLUMNS`, of a pdf that is constant in the cells of a table; `domain`; `invert=yes`;
-//! `chart=DIMENSION`, of a domain of its own; `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference).
+//! `chart=DIMENSION`, of a domain of its own; `precision`, of the pdfs that samples carry (`exact`, `single` or a relative difference);
+//! `weights` (`yes`: samples carry weights, and there is no pdf; `target`: `pdf` is asked for their target); `stochastic=yes`, of a pdf whose
+//! values are random; `narrow`, where it is narrow in the chart (`X,Y` or `X,Y,X,Y`, separated by `;`).
 
+use super::bsdf::{State, parameter};
 use super::connection::{self, Connection, protocol_error};
 use super::properties::Greeting;
 use crate::protocol::sampler::{Space, write_numbers, write_point};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::{number, quote, real};
+use etalon_stats::bsdf::Parameter;
 use etalon_stats::{
     Atom, Chart, ChartFunctions, Density, Domain, Mass, Place, Point, SINGLE_PRECISION, Sample, Sampler, place,
 };
@@ -48,11 +53,24 @@ struct Description {
     invert: bool,
     /// Precision of the pdfs that samples carry.
     precision: f64,
+    weights: Weights,
+    stochastic: bool,
+    narrow: Vec<[[f64; 2]; 2]>,
 }
 
-impl Description {
-    fn of(greeting: &Greeting) -> Result<Self> {
-        let mut found = Self {
+/// Whether samples carry weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Weights {
+    No,
+    /// Estimates of 1/pdf.
+    Yes,
+    /// The program says their target.
+    Target,
+}
+
+impl Default for Description {
+    fn default() -> Self {
+        Self {
             name: "exec".to_owned(),
             dimension: 2,
             mass: Mass::Exactly(1.0),
@@ -61,6 +79,21 @@ impl Description {
             table: None,
             invert: false,
             precision: 0.0,
+            weights: Weights::No,
+            stochastic: false,
+            narrow: Vec::new(),
+        }
+    }
+}
+
+impl Description {
+    /// These, with those that `greeting` has keys for in their place.
+    fn declared(self, greeting: &Greeting) -> Result<Self> {
+        let mut found = self;
+        let is = |value: &str| match value {
+            "yes" => Some(true),
+            "no" => Some(false),
+            _ => None,
         };
         for (key, value) in &greeting.keys {
             let refused = || greeting.meaningless(key, value);
@@ -89,10 +122,14 @@ impl Description {
                         number(value).filter(|n| (1..=6).any(|d| f64::from(d) == *n)).ok_or_else(refused)? as usize,
                     );
                 }
-                "invert" => {
-                    found.invert = match value.as_str() {
-                        "yes" => true,
-                        "no" => false,
+                "invert" => found.invert = is(value).ok_or_else(refused)?,
+                "stochastic" => found.stochastic = is(value).ok_or_else(refused)?,
+                "narrow" => found.narrow = narrow(value).ok_or_else(refused)?,
+                "weights" => {
+                    found.weights = match value.as_str() {
+                        "no" => Weights::No,
+                        "yes" => Weights::Yes,
+                        "target" => Weights::Target,
                         _ => return Err(refused()),
                     }
                 }
@@ -112,6 +149,20 @@ fn precision(value: &str) -> Option<f64> {
     }
 }
 
+/// Points and boxes of the chart: `X,Y;X,Y,X,Y`.
+fn narrow(value: &str) -> Option<Vec<[[f64; 2]; 2]>> {
+    let part = |text: &str| {
+        let read = |word| real(word).filter(|x| (0.0..=1.0).contains(x));
+        match text.split(',').map(read).collect::<Option<Vec<f64>>>()?[..] {
+            [x] => Some([[x; 2], [0.0, 1.0]]),
+            [x, y] => Some([[x; 2], [y; 2]]),
+            [x0, y0, x1, y1] if x0 <= x1 && y0 <= y1 => Some([[x0, x1], [y0, y1]]),
+            _ => None,
+        }
+    };
+    value.split(';').map(part).collect()
+}
+
 /// The sides of a table, `ROWSxCOLUMNS`, each from 1 to [`LONGEST`].
 fn table(value: &str) -> Option<[usize; 2]> {
     let (rows, columns) = value.split_once('x')?;
@@ -119,9 +170,12 @@ fn table(value: &str) -> Option<[usize; 2]> {
     Some([side(rows)?, side(columns)?])
 }
 
-/// The connection to a program, for all that ask it.
+/// The connection to a program, for all that ask it, and the values of the parameters for which they ask.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<Box<dyn Connection>>>);
+struct Shared {
+    state: Arc<Mutex<State>>,
+    values: Vec<f64>,
+}
 
 impl Shared {
     /// Asks `verb` for `count` lines and reads the words of each by `read`.
@@ -134,8 +188,9 @@ impl Shared {
         read: impl Fn(&[&str]) -> Option<T>,
     ) -> Result<Vec<T>> {
         // A panic elsewhere leaves nothing half done that matters here.
-        let mut connection = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        connection::ask(&mut **connection, [verb, expected], count, request, read)
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.set(&self.values)?;
+        connection::ask(&mut *state.connection, [verb, expected], count, request, read)
     }
 }
 
@@ -207,19 +262,27 @@ fn request<'a>(verb: &str, rows: impl ExactSizeIterator<Item = &'a [f64]>) -> St
     request
 }
 
-/// A running program: a sampler and its pdf over a domain. One request is in flight at a time.
+/// A running program: a sampler and its pdf over a domain, for some values of its parameters. One request is in flight at a time.
+#[derive(Clone)]
 pub struct Client {
     connection: Shared,
     description: Description,
+    parameters: Vec<Parameter>,
     atoms: Vec<Atom>,
     space: Space,
 }
 
 impl Client {
     pub(super) fn new(connection: impl Connection + 'static, greeting: Greeting, space: Option<Space>) -> Result<Self> {
-        let description = Description::of(&greeting)?;
+        let description = Description::default().declared(&greeting)?;
         let name = connection.name().to_owned();
-        let connection = Shared(Arc::new(Mutex::new(Box::new(connection))));
+        // Numbers are atoms, and names parameters.
+        let is_atom = |line: &&String| line.split_ascii_whitespace().next().is_none_or(|word| real(word).is_some());
+        let (of_atoms, others): (Vec<&String>, Vec<&String>) = greeting.lines.iter().partition(is_atom);
+        let parameters: Vec<Parameter> =
+            others.into_iter().map(|line| parameter(&name, line)).collect::<Result<_>>()?;
+        let values = parameters.iter().map(|parameter| parameter.value).collect();
+        let connection = Shared { state: Arc::new(Mutex::new(State::new(connection))), values };
         let own = match description.chart {
             None => description.domain.clone(),
             Some(dimension) => {
@@ -258,11 +321,31 @@ impl Client {
             let wrong = || format!("its atom {} is not \"{words} PROBABILITY\"", quote(line));
             read(line).ok_or_else(|| protocol_error(&name, wrong()))
         };
-        let atoms = greeting.lines.iter().map(of_line).collect::<Result<_>>()?;
+        let atoms = of_atoms.into_iter().map(of_line).collect::<Result<_>>()?;
         if let Some(sides) = description.table {
             space.steps(sides)?;
         }
-        Ok(Self { connection, description, atoms, space })
+        Ok(Self { connection, description, parameters, atoms, space })
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The same program for other values of its parameters.
+    ///
+    /// # Errors
+    /// Those of the program.
+    pub fn with(&self, values: &[f64]) -> Result<Self> {
+        let mut state = self.connection.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = state.set(values)?.to_owned();
+        let greeting = Greeting::of_line(state.connection.name(), &answer)?;
+        drop(state);
+        let description = self.description.clone().declared(&greeting)?;
+        let connection = Shared { values: values.to_vec(), ..self.connection.clone() };
+        Ok(Self { connection, description, ..self.clone() })
     }
 
     /// The name that the program gives its sampler.
@@ -278,13 +361,20 @@ impl Client {
     }
 
     fn ask_samples(&self, count: usize, request: String) -> Result<Vec<Option<Sample>>> {
-        let expected = format!("\"{0}\", \"{0} PDF\", \"atom {0}\" or \"none\"", self.space.names()[0].join(" "));
+        let point = self.space.names()[0].join(" ");
+        let expected = match self.description.weights {
+            Weights::No => format!("\"{point}\", \"{point} PDF\", \"atom {point}\" or \"none\""),
+            Weights::Yes | Weights::Target => format!("\"{point} WEIGHT\" or \"none\""),
+        };
         self.connection.ask("sample", count, request, &expected, |words| match words {
             ["none"] => Some(None),
             ["atom", point @ ..] => Some(Some(Sample::atom(self.space.read(point)?))),
-            [point @ .., pdf] if point.len() == self.space.width() => {
-                Some(Some(Sample::with_pdf(self.space.read(point)?, number(pdf)?)))
+            [point @ .., last] if point.len() == self.space.width() => {
+                let (point, last) = (self.space.read(point)?, number(last)?);
+                let is_weight = self.description.weights != Weights::No;
+                Some(Some(if is_weight { Sample::with_weight(point, last) } else { Sample::with_pdf(point, last) }))
             }
+            _ if self.description.weights != Weights::No => None,
             point => Some(Some(Sample::new(self.space.read(point)?))),
         })
     }
@@ -338,6 +428,10 @@ impl Density for Client {
         if points.is_empty() {
             return Ok(());
         }
+        if self.description.weights == Weights::Yes {
+            out.resize(out.len() + points.len(), 1.0);
+            return Ok(());
+        }
         let request = self.at_points("pdf", points);
         let read_pdf = |words: &[&str]| match words {
             [pdf] => number(pdf),
@@ -353,6 +447,18 @@ impl Density for Client {
 
     fn precision(&self) -> f64 {
         self.description.precision
+    }
+
+    fn is_target(&self) -> bool {
+        self.description.weights != Weights::No
+    }
+
+    fn is_stochastic(&self) -> bool {
+        self.description.stochastic
+    }
+
+    fn narrow(&self) -> Vec<[[f64; 2]; 2]> {
+        self.description.narrow.clone()
     }
 
     fn steps(&self) -> Option<[Vec<f64>; 2]> {

@@ -106,7 +106,7 @@ impl Sampler for SampleFile {
                 true => self.density.value(point),
                 false => claimed,
             };
-            out.push(Some(Sample { point, pdf: claimed.map(agreed), atom: false }));
+            out.push(Some(Sample { pdf: claimed.map(agreed), ..Sample::new(point) }));
         }
         Ok(())
     }

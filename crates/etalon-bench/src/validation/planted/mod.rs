@@ -8,6 +8,7 @@ pub(super) mod maps;
 mod renders;
 mod surfaces;
 pub(super) mod warps;
+mod weights;
 
 #[cfg(test)]
 pub(crate) use bsdf::rough;
@@ -20,6 +21,7 @@ pub fn all() -> Vec<PlantedFault> {
         warps::numbers(),
         warps::hemispheres(),
         warps::domains(),
+        weights::weights(),
         lights::lights(),
         lights::light_paths(),
         renders::importance(),
