@@ -27,14 +27,14 @@ mi.set_variant("scalar_rgb")
 etalon = importlib.import_module("etalon_bench.mitsuba")
 
 
-def lazily(variant, name, domain, make, wrap, control="", **options):
+def lazily(variant, name, domain, make, wrap, control="", convention="", **options):
     """An entry whose objects are made in its variant when it runs."""
 
     def check(seed, figure):
         mi.set_variant(variant)
         return wrap(name, make, options).check(seed, figure)
 
-    return Entry(f"{variant} {name}", domain, check, control)
+    return Entry(f"{variant} {name}", domain, check, control, convention)
 
 
 def samplers(name, domain, make, variants=VARIANTS, **options):
@@ -168,7 +168,9 @@ WARPS = [
 ]  # fmt: skip
 
 
-# The pdfs of cone and lune do not ask whether a direction is in them: the caller does
+ASKED = "the pdf does not ask whether the direction is inside: the caller does, and so does the entry"
+
+
 def cone(cos):
     return etalon.sampler(lambda u: mi.warp.square_to_uniform_cone(u, cos), lambda w: dr_select(w.z >= cos, mi.warp.square_to_uniform_cone_pdf(w, cos)), "sphere")
 
@@ -248,8 +250,8 @@ ENTRIES = [
     *bsdfs("diffuse, control", {}, control="right"),
     *bsdfs("diffuse, control, said to be white", {}, control="wrong", energy="conserved:0.01"),
     *(samplers(f"warp {name} {' '.join(map(str, a))}".strip(), domain, lambda name=name, domain=domain, a=a: etalon.warp(f"square_to_{name}", *a, domain=domain)) for name, domain, *a in WARPS),
-    *(samplers(f"warp uniform_cone {c}", "sphere", lambda c=c: cone(c)) for c in (0.3, 0.99)),
-    samplers("warp uniform_spherical_lune", "sphere", lune),
+    *(samplers(f"warp uniform_cone {c}", "sphere", lambda c=c: cone(c), convention=ASKED) for c in (0.3, 0.99)),
+    samplers("warp uniform_spherical_lune", "sphere", lune, convention=ASKED),
     *(samplers(f"warp rough_fiber {k}, {w}", "sphere", lambda k=k, w=w: fibre(k, w)) for k in (3.0, 50.0) for w in (OBLIQUE, GRAZING)),
     samplers("warp bilinear", "square", lambda: bilinear(0.1, 2.0, 0.7, 1.2)),
     samplers("warp interval_to_linear", "line", lambda: etalon.sampler(lambda u: mi.warp.interval_to_linear(0.2, 1.8, u), lambda x: 0.2 + 1.6 * x, "line", dimension=1)),

@@ -82,6 +82,9 @@ def generator(name, make, **options):
 class Numbers(qmc.QMCEngine):
     """An engine of independent numbers: what is tested is what SciPy makes of them."""
 
+    def __init__(self, d, *, rng=None):
+        super().__init__(d, rng=rng)
+
     def _random(self, n=1, *, workers=1):
         return self.rng.random((n, self.d))
 

@@ -23,9 +23,9 @@ def surface(name, mesh, weight=None, claimed=None, **options):
     return sampler(f"sample_surface {name}", sample, lambda x: 2 * share[x[:, 0].astype(int)], f"{len(share)}*triangle", dimension=0, **options)
 
 
-def seeded(name, draw, pdf, domain):
+def seeded(name, draw, pdf, domain, **options):
     """What draws from NumPy's global generator."""
-    return sampler(name, lambda n, seed: (np.random.seed(seed), draw(n))[1], pdf, domain, dimension=0)
+    return sampler(name, lambda n, seed: (np.random.seed(seed), draw(n))[1], pdf, domain, dimension=0, **options)
 
 
 uniform = lambda w: np.full(len(w), 0.25 / np.pi)  # noqa: E731
@@ -39,8 +39,8 @@ ENTRIES = [
     surface("icosphere, weights", ball, weight=np.arange(len(ball.faces), dtype=float)),
     seeded("volume_rectangular", lambda n: (sampling.volume_rectangular([1, 2, 3], n) / [1, 2, 3] + 0.5)[:, :2], ones, "square"),
     seeded("volume_rectangular, third axis", lambda n: sampling.volume_rectangular([1, 2, 3], n)[:, 2] / 3 + 0.5, ones, "line"),
-    seeded("random_quaternion", lambda n: np.array([trimesh.transformations.quaternion_matrix(trimesh.transformations.random_quaternion())[:3, 1] for _ in range(n)]), uniform, "sphere"),
-    seeded("random_rotation_matrix", lambda n: np.array([trimesh.transformations.random_rotation_matrix()[:3, 2] for _ in range(n)]), uniform, "sphere"),
+    seeded("random_quaternion", lambda n: np.array([trimesh.transformations.quaternion_matrix(trimesh.transformations.random_quaternion())[:3, 1] for _ in range(n)]), uniform, "sphere", detect=0.1),
+    seeded("random_rotation_matrix", lambda n: np.array([trimesh.transformations.random_rotation_matrix()[:3, 2] for _ in range(n)]), uniform, "sphere", detect=0.1),
     seeded("unitize of normal", lambda n: trimesh.unitize(np.random.normal(size=(n, 3))), uniform, "sphere"),
 ]
 
