@@ -286,7 +286,8 @@ pub fn geometry(subject: &Subject) -> Result<Option<Outcome>> {
         };
         let words = |k: usize| at(of_area[k].0, "pdf per solid angle, pdf per area · r²/cos");
         if !found.near(&numbers, quick, words)? {
-            let names: [(&str, fn(f64, f64) -> f64); 5] = [
+            type OfDistance = fn(f64, f64) -> f64;
+            let names: [(&str, OfDistance); 5] = [
                 ("the pdf is per area, not per solid angle: the factor r²/cos is missing", |r, c| c / (r * r)),
                 ("the pdf lacks the cosine at the light", |_, c| c),
                 ("the pdf lacks r²", |r, _| 1.0 / (r * r)),
@@ -294,7 +295,7 @@ pub fn geometry(subject: &Subject) -> Result<Option<Outcome>> {
                 ("the pdf is multiplied by the cosine at the light, not divided", |_, c| c * c),
             ];
             let ratio = |k: usize| numbers[k][0] / numbers[k][1];
-            let is = |of: fn(f64, f64) -> f64| {
+            let is = |of: OfDistance| {
                 let first = ratio(0) / of(of_area[0].1, of_area[0].2);
                 let same = (0..numbers.len())
                     .all(|k| (ratio(k) / of(of_area[k].1, of_area[k].2) / first - 1.0).abs() <= EQUAL);
@@ -335,8 +336,9 @@ pub fn geometry(subject: &Subject) -> Result<Option<Outcome>> {
         };
         let there = bsdf.delta_lobes(&[moved(from, lobe.wi, 0.5 * distance)])?.swap_remove(0);
         let throughput = there.first().map_or([f64::NAN; 3], |lobe| lobe.throughput);
-        for channel in 0..subject.properties.channels {
-            let numbers = [[throughput[channel], 4.0 * lobe.throughput[channel]]];
+        let channels = throughput.into_iter().zip(lobe.throughput).take(subject.properties.channels);
+        for (found_there, here) in channels {
+            let numbers = [[found_there, 4.0 * here]];
             let words = |_| {
                 (Some(lobe.wi), format!("{} (from half the distance, 4 times that from here)", subject.at(lobe.wi)))
             };
@@ -621,7 +623,7 @@ mod tests {
     #[ignore = "takes a minute"]
     fn false_alarms_of_phase_functions_and_lights_are_at_most_7_of_200() {
         let is_accepted = |seed: u64| {
-            let subject: &dyn BatchBsdf = if seed % 2 == 0 { &GREENSTEIN } else { &DISK };
+            let subject: &dyn BatchBsdf = if seed.is_multiple_of(2) { &GREENSTEIN } else { &DISK };
             let report = report(subject, seed);
             report.with(crate::outcome::Verdict::Reject).next().is_none()
         };

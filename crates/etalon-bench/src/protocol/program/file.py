@@ -306,7 +306,7 @@ class SamplerFile:
             words.append("mass=at-most-1")
         if not hasattr(module, "dimension"):
             words.append(f"dimension={dimension}")
-        self.greeting = " ".join([own or f"domain={self.domain}", *words]) + declared_ranges(self.parameters)
+        self.greeting = " ".join([own or f"domain={str(self.domain).replace(' ', '')}", *words]) + declared_ranges(self.parameters)
 
     def chart(self, module, points):
         """The chart of the file's own, declared for the greeting; None if it has none."""

@@ -117,7 +117,7 @@ pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()
     };
     let coordinates = || -> Option<Vec<[f64; 3]>> {
         let numbers: Vec<f64> = value.split(',').map(real).collect::<Option<_>>()?;
-        let is_sound = numbers.len() % 3 == 0 && numbers.iter().all(|x| x.is_finite());
+        let is_sound = numbers.len().is_multiple_of(3) && numbers.iter().all(|x| x.is_finite());
         is_sound.then(|| numbers.as_chunks::<3>().0.to_vec())
     };
     match (&mut properties.kind, key) {
