@@ -1,0 +1,15 @@
+// @stdlib/random-base 0.2.3, hypergeometric: what findings/stdlib.toml says: cd catalogue/.env/stdlib && node ../../confirm/stdlib.mjs
+import { createRequire } from 'node:module'
+
+const require = createRequire(process.cwd() + '/')
+const hypergeometric = require('@stdlib/random-base').hypergeometric
+const { pmf } = require('@stdlib/stats-base-dists').hypergeometric
+for (const [N, K, n] of [[60, 20, 15], [170, 60, 40], [171, 60, 40], [5000, 2000, 400]]) {
+  const draw = hypergeometric.factory(N, K, n, { seed: 7 })
+  const all = Array.from({ length: 100000 }, () => draw())
+  const mean = all.reduce((sum, x) => sum + x, 0) / all.length
+  const variance = all.reduce((sum, x) => sum + (x - mean) ** 2, 0) / all.length
+  let total = 0
+  for (let k = 0; k <= n; k++) total += pmf(k, N, K, n)
+  console.log(`hypergeometric(${N}, ${K}, ${n}): mean ${mean.toFixed(4)}, right ${n * K / N}; variance ${variance.toFixed(3)}, right ${(n * K / N * (1 - K / N) * (N - n) / (N - 1)).toFixed(3)}; ${all.filter(x => Number.isNaN(x)).length} NaN; the pmf adds up to ${total}; at its mean ${pmf(Math.round(n * K / N), N, K, n)}`)
+}
