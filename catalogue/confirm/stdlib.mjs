@@ -1,4 +1,4 @@
-// @stdlib/random-base 0.2.3, hypergeometric: what findings/stdlib.toml says: cd catalogue/.env/stdlib && node ../../confirm/stdlib.mjs
+// @stdlib/random-base 0.2.3, hypergeometric and binomial: what findings/stdlib.toml says: cd catalogue/.env/stdlib && node ../../confirm/stdlib.mjs
 import { createRequire } from 'node:module'
 
 const require = createRequire(process.cwd() + '/')
@@ -12,4 +12,13 @@ for (const [N, K, n] of [[60, 20, 15], [170, 60, 40], [171, 60, 40], [5000, 2000
   let total = 0
   for (let k = 0; k <= n; k++) total += pmf(k, N, K, n)
   console.log(`hypergeometric(${N}, ${K}, ${n}): mean ${mean.toFixed(4)}, right ${n * K / N}; variance ${variance.toFixed(3)}, right ${(n * K / N * (1 - K / N) * (N - n) / (N - 1)).toFixed(3)}; ${all.filter(x => Number.isNaN(x)).length} NaN; the pmf adds up to ${total}; at its mean ${pmf(Math.round(n * K / N), N, K, n)}`)
+}
+
+const binomial = require('@stdlib/random-base').binomial
+for (const [n, p] of [[10, 0.3], [200, 0.3], [1000, 0.02], [1000, 0.7]]) {
+  const draw = binomial.factory(n, p, { seed: 7 })
+  const all = Array.from({ length: 300000 }, () => draw())
+  const mean = all.reduce((sum, x) => sum + x, 0) / all.length
+  const variance = all.reduce((sum, x) => sum + (x - mean) ** 2, 0) / all.length
+  console.log(`binomial(${n}, ${p}): mean ${mean.toFixed(3)} ± ${(Math.sqrt(variance / all.length)).toFixed(3)}, right ${n * p}; variance ${variance.toFixed(2)}, right ${(n * p * (1 - p)).toFixed(2)}`)
 }
