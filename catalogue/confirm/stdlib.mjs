@@ -22,3 +22,16 @@ for (const [n, p] of [[10, 0.3], [200, 0.3], [1000, 0.02], [1000, 0.7]]) {
   const variance = all.reduce((sum, x) => sum + (x - mean) ** 2, 0) / all.length
   console.log(`binomial(${n}, ${p}): mean ${mean.toFixed(3)} ± ${(Math.sqrt(variance / all.length)).toFixed(3)}, right ${n * p}; variance ${variance.toFixed(2)}, right ${(n * p * (1 - p)).toFixed(2)}`)
 }
+
+// The same with products that begin one factor later, as the recurrence p(i) / p(i - 1) = (n + 1) r / i - r has it
+const { readFileSync } = require('node:fs')
+const path = require.resolve('@stdlib/random-base-binomial').replace(/(lib|dist)\/index\.js$/, 'lib/sample2.js')
+const source = readFileSync(path, 'utf8').replace('i = m; i <= k', 'i = m + 1; i <= k').replace('i = k; i <= m', 'i = k + 1; i <= m')
+const mended = { exports: null }
+new Function('require', 'module', source)(require('node:module').createRequire(path), mended)
+const uniform = require('@stdlib/random-base').mt19937.factory({ seed: 7 }).normalized
+for (const [n, p] of [[200, 0.3], [1000, 0.02]]) {
+  const all = Array.from({ length: 300000 }, () => mended.exports(uniform, n, p))
+  const mean = all.reduce((sum, x) => sum + x, 0) / all.length
+  console.log(`binomial(${n}, ${p}), products mended: mean ${mean.toFixed(3)}, variance ${(all.reduce((sum, x) => sum + (x - mean) ** 2, 0) / all.length).toFixed(2)}`)
+}
