@@ -286,11 +286,11 @@ def check_phase(
     *,
     name: str = "phase",
     level: float = 0.01,
-    detect: float = 0.02,
+    detect: float = 0.05,
     samples: int | None = None,
     seed: int = 1,
 ) -> Result:
-    """Tests a phase function, value, pdf, weights and mean cosine, each against the others, for six oblique directions wo.
+    """Tests a phase function, value, pdf, weights and mean cosine, each against the others, for three oblique directions wo.
 
     Arguments and errors are those of `check_bsdf`.
     """
@@ -303,7 +303,7 @@ def check_light(
     *,
     name: str = "light",
     level: float = 0.01,
-    detect: float = 0.02,
+    detect: float = 0.09,
     samples: int | None = None,
     seed: int = 1,
 ) -> Result:

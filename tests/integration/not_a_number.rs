@@ -101,7 +101,7 @@ const ENTRIES: [Entry; 14] = [
     (
         "etalon validate examples/phase.py",
         &[
-            ("validate --samples 400 phase.py", 1, "phase/values/60"),
+            ("validate --samples 400 phase.py", 1, "phase/values/85"),
             ("validate --samples 400 light.py", REFUSED, "light.py"),
         ],
     ),

@@ -309,7 +309,8 @@ impl Domain for Leaves<'_> {
             _ => Some(format!("{} {}..{}", names[axis], number(0, axis), number(1, axis))),
         };
         let words = around.iter().enumerate().filter_map(words).collect::<Vec<_>>().join(", ");
-        if is_box { words } else { format!("part of {}", if words.is_empty() { "the whole" } else { &words }) }
+        let words = if words.is_empty() { "the whole".to_owned() } else { words };
+        if is_box { words } else { format!("part of {words}") }
     }
 }
 

@@ -16,6 +16,7 @@ use etalon_figures::figure::Style;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::{validation as view, validation_cells as cells};
+use etalon_stats::bsdf::Kind;
 use etalon_stats::{Protocol, SampleCount};
 use external::{SampleSource, Subject};
 use std::collections::BTreeMap;
@@ -56,9 +57,11 @@ pub struct Validate {
     /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
-    /// Relative error of a pdf to detect with 90 % probability
-    #[arg(long, value_name = "W", default_value_t = 0.02, allow_negative_numbers = true)]
-    detect: f64,
+    /// Relative error of a pdf to detect with 90 % probability [default: 0.02]
+    ///
+    /// By default 0.05 for a phase function and 0.09 for a light, whose integrals take long.
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    detect: Option<f64>,
     /// Probability that a run of correct samplers rejects any of them
     #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
@@ -91,7 +94,7 @@ impl Validate {
                 list(&faults.iter().map(|fault| fault.name.to_owned()).collect::<Vec<_>>(), console);
                 return Ok(Verdict::Good);
             }
-            return planted::run(faults, &self.names, &self.protocol(global), &self.reports, global, console);
+            return planted::run(faults, &self.names, &self.protocol(global, None), &self.reports, global, console);
         }
         if self.museum {
             let exhibits = select(museum::all(), &self.names)?;
@@ -100,7 +103,7 @@ impl Validate {
                 return Ok(Verdict::Good);
             }
             let style = self.style.style()?;
-            let protocol = self.protocol(global);
+            let protocol = self.protocol(global, None);
             return museum::run(exhibits, &self.names, &protocol, &style, &self.reports, global, console);
         }
         let subject = self.subject(console)?;
@@ -108,7 +111,8 @@ impl Validate {
             list(&subject.names(), console);
             return Ok(Verdict::Good);
         }
-        let protocol = self.protocol(global);
+        let kind = if let Subject::Bsdf(bsdf) = &subject { Some(bsdf.kind()) } else { None };
+        let protocol = self.protocol(global, kind);
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
         let named = subject.name().map(|name| vec![name.to_owned()]);
@@ -144,10 +148,15 @@ impl Validate {
         })
     }
 
-    fn protocol(&self, global: &Global) -> Protocol {
+    fn protocol(&self, global: &Global, kind: Option<&Kind>) -> Protocol {
+        let usual = match kind {
+            Some(Kind::Phase { .. }) => 0.05,
+            Some(Kind::Light { .. }) => 0.09,
+            _ => 0.02,
+        };
         let samples = match self.samples() {
             Some(SampleSource::Count(count)) => SampleCount::Fixed(count),
-            _ => SampleCount::Detect(self.detect),
+            _ => SampleCount::Detect(self.detect.unwrap_or(usual)),
         };
         Protocol { seed: global.seed, samples, level: self.level, ..Protocol::default() }
     }

@@ -5,7 +5,7 @@ use super::run::{Tested, Validation};
 use crate::likeness::Claim;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, UNSEEN, is_edge_on, places};
+use etalon_stats::bsdf::{ALL, BatchBsdf, Check, Direction, Family, Kind, UNSEEN, is_edge_on, places};
 use etalon_stats::{Extremes, Outcome, Protocol, decide};
 use std::time::Instant;
 
@@ -107,6 +107,7 @@ const UNSEEN_BESIDE_A_MODEL: &str =
 /// A BSDF of a family, and its tests.
 pub struct WholeBsdf<F> {
     family: F,
+    kind: Kind,
     values: Vec<f64>,
     tests: Vec<Test>,
 }
@@ -128,7 +129,7 @@ impl<F: Family> WholeBsdf<F> {
         let tests =
             ALL.iter().flat_map(|check| places.iter().filter_map(|place| test(check, place)).collect::<Vec<_>>());
         let tests = tests.collect();
-        Ok(Self { family, values, tests })
+        Ok(Self { family, kind, values, tests })
     }
 
     /// The same, which is tested to be this model, too.
@@ -164,6 +165,11 @@ impl<F: Family> WholeBsdf<F> {
     /// The name of the BSDF.
     pub fn name(&self) -> &str {
         self.family.name()
+    }
+
+    /// Whether it is a BSDF, a phase function or a light.
+    pub fn kind(&self) -> &Kind {
+        &self.kind
     }
 
     /// The names of all tests, those included that do not apply to the BSDF.

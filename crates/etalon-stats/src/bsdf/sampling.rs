@@ -72,7 +72,8 @@ pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
         return Ok(None);
     }
     let scattering = Scattering(subject);
-    let test = |domain: &dyn Domain| examine(domain, &scattering, &scattering, subject.protocol, subject.round).map(Some);
+    let test =
+        |domain: &dyn Domain| examine(domain, &scattering, &scattering, subject.protocol, subject.round).map(Some);
     if !subject.is_light() {
         return test(&sphere());
     }

@@ -175,7 +175,7 @@ fn level_and_power_are_as_stated_with_few_and_many_samples() {
     }
     for samples in [20_000, 200_000] {
         let [_, error] = rejected(&resampled::<4>(ramp, 4.0), Some(samples), 100);
-        let [share, _] = rejected(&resampled::<4>(ramp, 4.0 * (1.0 + error)), Some(samples), 300);
+        let [share, _] = rejected(&resampled::<4>(ramp, 4.0 / (1.0 + error)), Some(samples), 300);
         println!("  an error of {error:.4} is found in {share:.3}");
         assert!(share > 0.82, "{samples}: an error of {error} is found in {share}");
     }
