@@ -58,7 +58,7 @@ static const char *set(const double *values) {
 
 int main(int argc, char **argv) {
     etalon_bsdf glass = {"glass-c", "scatters=both delta=yes energy=conserved", 1, 1, eval, pdf, sample, lobes,
-                         1, "eta 1.5 1.01 3\n", set};
+                         1, "eta 1.5 1.01 3\n", set, 0};
     wrong = argc > 1 && argv[1][0];
     return etalon_serve_bsdf(&glass);
 }

@@ -14,7 +14,7 @@ static int sample(const double *u, double *w) {
 static double pdf(const double *w) { return w[2] > 0 ? w[2] / 3.141592653589793 : 0; }
 
 int main(int argc, char **argv) {
-    etalon_sampler cosine = {"cosine-c", "hemisphere", 2, sample, pdf, 0, 0, 0};
+    etalon_sampler cosine = {"cosine-c", "hemisphere", 2, sample, pdf, 0, 0, 0, 0, 0, 0};
     wrong = argc > 1 && argv[1][0];
     return etalon_serve_sampler(&cosine);
 }

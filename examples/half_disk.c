@@ -24,7 +24,7 @@ static int sample(const double *u, double *x) {
 static double pdf(const double *x) { return x[1] >= 0 ? 2 / pi : 0; }
 
 int main(void) {
-    const etalon_sampler half_disk = {"half-disk-c", 0, 2, sample, pdf, 0, 0, 0};
+    const etalon_sampler half_disk = {"half-disk-c", 0, 2, sample, pdf, 0, 0, 0, 0, 0, 0};
     const etalon_chart chart = {2, 2, to_cube, from_cube, jacobian};
     return etalon_serve_sampler_on(&half_disk, &chart);
 }

@@ -28,6 +28,6 @@ static int sample(const double *u, double *w) {
 static double pdf(const double *w) { return fmax(1 + w[2], 0) / (4 * PI); }
 
 int main(void) {
-    etalon_sampler cardioid = {"cardioid-c", "sphere", 0, sample, pdf, 0, seed, 0};
+    etalon_sampler cardioid = {"cardioid-c", "sphere", 0, sample, pdf, 0, seed, 0, 0, 0, 0};
     return etalon_serve_sampler(&cardioid);
 }

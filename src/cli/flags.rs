@@ -154,7 +154,7 @@ mod tests {
     use std::path::Path;
 
     /// Names that no argument sets: the errors tell a caller of the library of a mistake in its own code.
-    const OF_CALLERS: [&str; 19] = [
+    const OF_CALLERS: [&str; 20] = [
         "SIGMA",
         "cells",
         "chart",
@@ -168,6 +168,7 @@ mod tests {
         "layers",
         "mass",
         "metadata",
+        "narrow",
         "output file",
         "size",
         "table",

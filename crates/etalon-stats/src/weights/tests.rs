@@ -1,3 +1,5 @@
+//! Samplers with weights: right ones and wrong ones, level and power, stochastic pdfs.
+
 use crate::SamplerFn;
 use crate::prelude::*;
 

@@ -344,6 +344,7 @@ class SamplerFile:
 
     def set(self, values):
         set_values(self.module, self.parameters, values)
+        return []
 
 
 def widths_of(domain):

@@ -28,12 +28,12 @@ fn merged(ends: [[f64; 2]; 2], count: impl Fn(f64) -> f64 + Sync) -> impl Sample
 
 pub fn weights() -> Vec<PlantedFault> {
     vec![
-        PlantedFault::of("weights/merged-without-counts", Line::UNIT, |faulty| {
+        PlantedFault::of("warp/weights/merged-without-counts", Line::UNIT, |faulty| {
             let count = if faulty { 3.0 } else { 8.0 };
             (merged([[0.0, 1.0]; 2], move |_| count), target(|_: f64| 1.0))
         })
         .mistake("a merged reservoir counts as one candidate (pbrt-v4, before commit e273b3d8)"),
-        PlantedFault::of("weights/normalized-by-all", Line::UNIT, |faulty| {
+        PlantedFault::of("warp/weights/normalized-by-all", Line::UNIT, |faulty| {
             let count = move |x: f64| match x {
                 _ if faulty => 8.0,
                 ..0.25 => 2.0,
@@ -43,7 +43,7 @@ pub fn weights() -> Vec<PlantedFault> {
             (merged([[0.0, 0.75], [0.25, 1.0]], count), target(|_: f64| 1.0))
         })
         .mistake("all candidates count, though some could not have been the sample (as in RTXDI, pull request 42)"),
-        PlantedFault::of("weights/importance-of-another", Line::UNIT, |faulty| {
+        PlantedFault::of("warp/weights/importance-of-another", Line::UNIT, |faulty| {
             let moved = if faulty { 1.02 } else { 1.0 };
             let count = move |x: f64| 8.0 * importance(moved * x) / importance(x);
             (merged([[0.0, 1.0]; 2], count), target(|_: f64| 1.0))
