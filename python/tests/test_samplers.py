@@ -285,7 +285,7 @@ def test_weights_in_place_of_a_pdf() -> None:
     found = eb.check_sampler(resampled, None, "line", dimension=5)
     assert found and "variance of the weights" in str(found)
     wrong = eb.check_sampler(lambda u: resampled(u, normalization=3), None, "line", dimension=5)
-    assert wrong.verdict == "reject" and "1.333" in wrong.reason
+    assert wrong.verdict == "reject" and "1.33" in wrong.reason
     doubled = lambda u: resampled(u, normalization=2)
     assert eb.check_sampler(doubled, None, "line", target=lambda x: np.full(len(x), 2.0), dimension=5)
     with pytest.raises(TypeError, match="no weights"):
@@ -312,6 +312,6 @@ def test_stochastic_and_narrow_pdfs() -> None:
     assert not eb.check_sampler(lambda u: u[:, 0], lambda x: 2 * x * noise(x), "line", stochastic=True, detect=0.05)
     spike = lambda x: np.where(np.abs(x - 0.3) < 1e-9, 1e8, 0.0) + 0.8
     uniform = eb.check_sampler(lambda u: u[:, 0], spike, "line", narrow=[(0.3,)])
-    assert uniform.verdict == "reject" and "integrates to 1." in uniform.reason
+    assert uniform.verdict == "reject" and "too few for x 0.29" in uniform.reason
     with pytest.raises(ValueError, match="narrow"):
         eb.check_sampler(lambda u: u[:, 0], spike, "line", narrow=[(3.0,)])

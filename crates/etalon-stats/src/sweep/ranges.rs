@@ -13,6 +13,8 @@ use crate::outcome::Outcome;
 const VALUES: [(Strategy, u64); 2] = [(Strategy::Edges, 16), (Strategy::Random, 8)];
 /// The error that is detected at each of them, times that of a test of one.
 const COARSER: f64 = 2.5;
+/// About as many tests as the search for simple values and for the ends of what fails makes.
+const SEARCHED: f64 = 100.0;
 /// Bisections by which the end of what fails is found.
 const BISECTIONS: usize = 8;
 
@@ -83,6 +85,9 @@ pub fn over_ranges(
     let p = found.p.map(|p| any_of(p, all.len()));
     found.remarks.iter_mut().for_each(|remark| *remark = format!("{}: {remark}", named(&values)));
     if fails(&found) {
+        // The search makes tests of its own, whose number counts against the level
+        let level = (inner.own_level() / SEARCHED).at_least(found.p.unwrap_or(0.0));
+        let fails = |outcome: &Outcome| outcome.violation.is_some() || outcome.p.is_some_and(|p| p <= level);
         (values, found) = shrunk(parameters, values, found, &examine, fails)?;
         let region = region(parameters, &values, &|values| Ok(fails(&examine(values)?)))?;
         let place = format!("fails {region}, such as {}", named(&values));
