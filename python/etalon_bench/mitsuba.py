@@ -93,7 +93,7 @@ def bsdf(plugin: Any, *, zero: bool = False, **declared: Any) -> Bsdf:
         u[:, 0] = (np.arange(tries) + 0.5) / tries
         found = []
         for w in wo:
-            wi, weight, probability, delta, valid = sample(np.tile(w, (tries, 1)), u)
+            wi, weight, probability, delta, valid = sample(np.tile(w, (tries, 1)), u)[:5]
             first = np.unique(wi[delta & valid], axis=0, return_index=True)[1]
             found.append([column[delta & valid][first] for column in (wi, probability, weight)])
         most = max(1, *(len(directions) for directions, _, _ in found))
