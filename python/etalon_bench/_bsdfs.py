@@ -144,12 +144,16 @@ def check_bsdf(
     wanted(bsdf, "bsdf", Bsdf)
     if like is None and set:
         raise ValueError("set: parameters of a model, and no model is given by like")
-    bsdfs = _Bsdfs(name, lambda: bsdf, [])
     model = None if like is None else (like, [(key, float(value)) for key, value in (set or {}).items()])
-    return Result(_native.check_bsdf(bsdfs, plan(level, detect, samples, seed), model))
+    return _tested(bsdf, name, plan(level, detect, samples, seed), model)
 
 
 assert_bsdf = asserting(check_bsdf, "assert_bsdf")
+
+
+def _tested(subject: Any, name: str, how: Any, model: Any = None) -> Result:
+    """All checks of a BSDF, a phase function or a light."""
+    return Result(_native.check_bsdf(_Bsdfs(name, lambda: subject, []), how, model))
 
 
 def wanted(value: object, name: str, kind: type) -> None:
@@ -295,7 +299,7 @@ def check_phase(
     Arguments and errors are those of `check_bsdf`.
     """
     wanted(phase, "phase", Phase)
-    return Result(_native.check_bsdf(_Bsdfs(name, lambda: phase, []), plan(level, detect, samples, seed), None))
+    return _tested(phase, name, plan(level, detect, samples, seed))
 
 
 def check_light(
@@ -312,7 +316,7 @@ def check_light(
     Arguments and errors are those of `check_bsdf`.
     """
     wanted(light, "light", Light)
-    return Result(_native.check_bsdf(_Bsdfs(name, lambda: light, []), plan(level, detect, samples, seed), None))
+    return _tested(light, name, plan(level, detect, samples, seed))
 
 
 assert_phase = asserting(check_phase, "assert_phase")

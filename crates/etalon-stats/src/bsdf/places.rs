@@ -5,7 +5,7 @@ use super::subject::{Comparison, Subject, channel_of, cross, dot, length};
 use crate::error::Result;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
-use crate::hash::mix64;
+use crate::hash::{mix64, unit_f64};
 use crate::mistakes::{EQUAL, number};
 use crate::outcome::Outcome;
 use rand::RngExt;
@@ -78,8 +78,8 @@ pub fn places(bsdf: &dyn BatchBsdf) -> Result<Vec<(String, Direction)>> {
     let mean = [0, 1, 2].map(|i| normals.iter().map(|n| n[i]).sum::<f64>() / normals.len().max(1) as f64);
     let (is_open, is_point) = (length(mean) > 0.9, size == 0.0);
     let z = if is_open { unit(mean) } else { [0.0, 0.0, 1.0] };
-    let x = unit(cross(if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }, z));
-    let axes = [x, cross(z, x), z];
+    let [x, y] = tangents(z);
+    let axes = [x, y, z];
     let size = if is_point { 1.0 } else { size };
     let place = |(name, distance, [a, b, c]): (&str, f64, [f64; 3])| {
         let towards = [0, 1, 2].map(|i| a * axes[0][i] + b * axes[1][i] + c * axes[2][i]);
@@ -99,6 +99,12 @@ pub fn is_edge_on(name: &str) -> bool {
 
 fn unit(a: Direction) -> Direction {
     a.map(|x| x / length(a))
+}
+
+/// Two unit vectors perpendicular to `z` and to each other.
+fn tangents(z: Direction) -> [Direction; 2] {
+    let x = unit(cross(if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }, z));
+    [x, cross(z, x)]
 }
 
 fn moved(from: Direction, towards: Direction, distance: f64) -> Direction {
@@ -122,7 +128,7 @@ pub fn survey(bsdf: &dyn BatchBsdf) -> Result<Vec<(Direction, Option<Direction>)
         let from = sides.flat_map(|side| distances.iter().map(move |by| moved(centre, side, by * size)));
         let wos: Vec<Direction> = from.flat_map(|from| [from; SURVEYED]).collect();
         let dimension = bsdf.properties().dimension;
-        let number = |i: usize| (mix64(i as u64) >> 11) as f64 / (1u64 << 53) as f64;
+        let number = |i: usize| unit_f64(mix64(i as u64));
         let samples = bsdf.sample(&wos, &(0..wos.len() * dimension).map(number).collect::<Vec<f64>>())?;
         let (pairs, points): (Vec<Pair>, Vec<_>) =
             wos.iter().zip(samples).filter_map(|(wo, s)| s.map(|s| ([*wo, s.wi], s.point))).unzip();
@@ -233,10 +239,7 @@ pub fn geometry(subject: &Subject) -> Result<Option<Outcome>> {
             found.named(is(2).then(|| "the distance by the ray is that of the point squared".to_owned()));
         }
         // Normals, and two directions beside each ray
-        let beside = |i: usize| {
-            let x = unit(cross(wis[i], if wis[i][0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
-            [x, cross(wis[i], x)].map(|side| [from, unit(moved(wis[i], side, step))])
-        };
+        let beside = |i: usize| tangents(wis[i]).map(|side| [from, unit(moved(wis[i], side, -step))]);
         let near: Vec<Pair> = met.iter().flat_map(|&i| beside(i)).collect();
         let near_hits = bsdf.hits(&near)?;
         let values = bsdf.eval(&pairs, &[])?;
@@ -432,8 +435,7 @@ mod tests {
             let cos = (1.0 + g * g - ((1.0 - g * g) / (1.0 - g + 2.0 * g * u[0])).powi(2)) / (2.0 * g);
             let (sin, phi) = ((1.0 - cos * cos).max(0.0).sqrt(), TAU * u[1]);
             let z = if self.is_sampled_along_z { [0.0, 0.0, -1.0] } else { self.forward(wo) };
-            let x = unit(cross(if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }, z));
-            let y = cross(z, x);
+            let [x, y] = tangents(z);
             let wi = [0, 1, 2].map(|i| sin * (phi.cos() * x[i] + phi.sin() * y[i]) + cos * z[i]);
             let pdf = Bsdf::pdf(self, wo, wi);
             Some(BsdfSample::new(wi, Bsdf::eval(self, wo, wi, &[]).map(|f| f / pdf), Density::Pdf(pdf)))

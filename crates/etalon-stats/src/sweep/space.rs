@@ -4,7 +4,7 @@
 use crate::bsdf::{Direction, Family, Parameter};
 use crate::error::{Error, Result};
 use crate::extremes::Extremes;
-use crate::hash::mix64;
+use crate::hash::{mix64, unit_f64};
 
 /// How configurations are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -139,7 +139,7 @@ impl Space {
     /// Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
     fn share(&self, number: u64, axis: usize, dimension: usize) -> f64 {
         let root = (0..64).fold(1.5f64, |root, _| (1.0 + root).powf(1.0 / (dimension as f64 + 1.0)));
-        let shift = (mix64(self.seed.wrapping_add(axis as u64 + 1)) >> 11) as f64 / (1u64 << 53) as f64;
+        let shift = unit_f64(mix64(self.seed.wrapping_add(axis as u64 + 1)));
         (shift + number as f64 * root.powi(-(axis as i32 + 1))).fract()
     }
 
