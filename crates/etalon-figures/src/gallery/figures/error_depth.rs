@@ -160,7 +160,8 @@ fn depths(scenes: &[DepthCurve]) -> Drawing {
         let stroke = theme::series(i);
         // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
-        let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
+        let scene = depths.scene.replace('-', " ");
+        let label = format!("{scene} (depth {}: {})", deepest.depth, duration(deepest.cpu_seconds.value));
         let over =
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
@@ -173,7 +174,7 @@ fn depths(scenes: &[DepthCurve]) -> Drawing {
         }
     }
     Plot::new([
-        over_depth.title("Missing light by maximum depth"),
+        over_depth.title("Missing light by maximum depth").with_names_on_curves(),
         over_time.title("Missing light by time (labels: maximum depth)"),
     ])
     .draw()
