@@ -20,7 +20,9 @@ const NAME_GAP: f64 = 4.0;
 const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95];
 /// Distance of places along a curve, and how far the curve must be from the others where a line to its name ends.
 const STEP: f64 = 3.0;
-const APART: f64 = 5.0;
+const APART: f64 = 3.0;
+/// Places along a curve where a line to its name may end.
+const ENDS: usize = 24;
 /// Largest distance of a name from its curve: of one beside it, and of one with a line to it.
 const BESIDE: f64 = 16.0;
 const LED: f64 = 100.0;
@@ -211,16 +213,16 @@ impl Sketch<'_> {
                     |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
                 others().all(|other| distance(other) > 1.5 * distance(places))
             };
-            let along = ALONG.map(|share| (share * places.len() as f64) as usize).into_iter();
-            let ends: Vec<Point> = along.filter_map(|at| places.get(at).copied()).collect();
+            let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
             let mut near = |reach: f64, end: Point| {
                 self.space.nearest_free(end, [long, high], CLEAR + 3.5, reach).map(|place| (place, end))
             };
-            let beside: Vec<_> = ends.iter().filter_map(|&end| near(BESIDE, end)).collect();
+            let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
             let beside = beside.into_iter().map(|(place, _)| place).find(is_own);
             let mut led = || {
-                let is_clear = |end: &&Point| others().flatten().all(|other| apart(*other, **end) > APART);
-                let far: Vec<_> = ends.iter().filter(is_clear).filter_map(|&end| near(LED, end)).collect();
+                let is_clear = |end: &Point| others().flatten().all(|other| apart(*other, *end) > APART);
+                let ends = (1..ENDS).filter_map(|i| at(i as f64 / ENDS as f64));
+                let far: Vec<_> = ends.filter(is_clear).filter_map(|end| near(LED, end)).collect();
                 // As few other curves as possible lie between, and no label
                 let crossed = |(place, end): &(Rect, Point)| {
                     let line = leader(place, *end);

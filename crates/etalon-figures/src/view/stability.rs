@@ -162,8 +162,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
             .line("what rounding of the input explains, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
             .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
-    let panels =
-        [explained.title("Largest error"), ratios.title("Largest error over what rounding of the input explains")];
+    let panels = [explained.title("Largest error"), ratios.title("Largest error over rounding of the input")];
     Plot::new(panels).frame_size(380.0, LINE * families.len() as f64).draw()
 }
 

@@ -167,8 +167,8 @@ fn depths(scenes: &[DepthCurve]) -> Drawing {
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
         let bands: Vec<_> = levels.iter().map(band).collect();
-        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label.clone(), stroke, by_depth);
-        over_time = over_time.dotted_line(label, stroke, by_time);
+        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label, stroke, by_depth);
+        over_time = over_time.dotted_line("", stroke, by_time);
         for level in levels {
             over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string(), stroke.colour);
         }

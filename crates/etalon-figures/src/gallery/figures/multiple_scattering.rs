@@ -214,7 +214,7 @@ fn curves(rows: &[AlbedoRow]) -> Drawing {
     let panel = |(name, _)| {
         let mut panel = Panel::new(
             Axis::linear("width /{α} of the distribution of normals").range(0.0, 1.0),
-            Axis::linear("directional albedo").range(0.2, 1.05),
+            Axis::linear("directional albedo").range(0.2, 1.12),
         )
         .title(format!("{name}, a metal that reflects everything"))
         .with_names_on_curves();
