@@ -66,7 +66,7 @@ impl Density for Scattering<'_> {
 }
 
 /// Cells of a phase function or a light, most of which are plainer than BSDFs: fewer cells need fewer samples and values.
-const CELLS: usize = 64;
+const CELLS: usize = 100;
 
 /// Counts samples in cells, at delta lobes, and "no sample"; see [`examine`]. The integral of the pdf is tested with them, and
 /// the pdf that each sample carries.
