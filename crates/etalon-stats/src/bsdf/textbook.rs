@@ -379,24 +379,24 @@ fn subjects() -> Vec<(&'static str, Box<dyn BatchBsdf>)> {
 fn false_alarms(seeds: u64) {
     let subjects = subjects();
     let all: Vec<_> = subjects.iter().flat_map(|subject| (1..=seeds).map(move |seed| (subject, seed))).collect();
-    let is_rejected = |((name, subject), seed): &(&(&str, Box<dyn BatchBsdf>), u64)| {
+    let verdicts = |((name, subject), seed): &(&(&str, Box<dyn BatchBsdf>), u64)| {
         let of_light = matches!(subject.properties().kind, Kind::Light { .. });
         let samples = SampleCount::Detect(if of_light { 0.09 } else { 0.05 });
         let places = places(&**subject).unwrap().into_iter().filter(|(name, _)| !is_edge_on(name));
         let places: Vec<Direction> = places.map(|(_, place)| place).collect();
         let report =
             test(name, &**subject, &places, &Protocol { seed: *seed, samples, ..Protocol::default() }).unwrap();
-        assert_eq!(report.with(Verdict::Inconclusive).count(), 0, "{report}");
-        let is_rejected = report.with(Verdict::Reject).next().is_some();
-        if is_rejected {
+        let has = |verdict| u64::from(report.with(verdict).next().is_some());
+        if !report.is_accepted() {
             println!("seed {seed}: {report}");
         }
-        is_rejected
+        [has(Verdict::Reject), has(Verdict::Inconclusive)]
     };
-    let (n, alarms) = (all.len() as u64, all.par_iter().filter(|of| is_rejected(of)).count() as u64);
+    let found = all.par_iter().map(verdicts).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let (n, [alarms, undecided]) = (all.len() as u64, found);
     let most = Binomial::new(0.01, n).unwrap().inverse_cdf(0.999);
-    println!("{alarms} of {n} reports reject at level 1 %; more than {most} have a probability of 0.1 %");
-    assert!(alarms <= most, "{alarms} of {n} at level 1 %");
+    println!("{alarms} of {n} reports reject at level 1 % ({most} at most), {undecided} do not decide");
+    assert!(alarms <= most && undecided == 0, "{alarms} of {n} reject at level 1 %, {undecided} do not decide");
 }
 
 #[test]
@@ -408,5 +408,5 @@ fn phase_functions_and_lights_of_textbooks_are_accepted() {
 #[test]
 #[ignore = "takes a minute"]
 fn false_alarms_of_phase_functions_and_lights_are_within_the_binomial_limit() {
-    false_alarms(40);
+    false_alarms(20);
 }
