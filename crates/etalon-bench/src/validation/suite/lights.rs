@@ -118,9 +118,13 @@ impl Bsdf for Emitter {
     }
 
     fn pdf(&self, from: Direction, wi: Direction) -> f64 {
-        let is_sampled =
-            if self.shape.is_some() { Bsdf::hit(self, from, wi).is_some() } else { self.eval(from, wi, &[])[0] > 0.0 };
-        if is_sampled { f64::from(self.light.pdf(DVec3::from_array(from).as_vec3())) } else { 0.0 }
+        let point = DVec3::from_array(from).as_vec3();
+        f64::from(match &self.shape {
+            Some(_) if Bsdf::hit(self, from, wi).is_some() => self.light.pdf(point),
+            // No ray meets the sky, so that the renderer asks for no pdf: samples have it.
+            None if self.eval(from, wi, &[])[0] > 0.0 => self.light.sample(point, [0.5; 2]).pdf,
+            _ => 0.0,
+        })
     }
 
     fn sample(&self, from: Direction, u: &[f64]) -> Option<BsdfSample> {

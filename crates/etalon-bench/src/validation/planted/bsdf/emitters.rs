@@ -133,7 +133,7 @@ impl Bsdf for Sky {
 }
 
 pub fn faults() -> Vec<PlantedFault> {
-    use Change::{PdfAndWeight, Sample, Value, ValueAndWeight};
+    use Change::{PdfAndWeight, Sample, Value};
     let right = || Greenstein { mean_cosine: Greenstein::G };
     let phase = |name, change, mistake| planted(name, right, &[30.0, 110.0], change, mistake);
     let panel = |name, places: &[Direction], change, mistake| {
@@ -148,7 +148,7 @@ pub fn faults() -> Vec<PlantedFault> {
         ),
         phase(
             "whole/phase/backward-for-forward",
-            ValueAndWeight(|m, o, i| m.pdf(o.map(|x| -x), i)),
+            Value(|m, o, i| m.pdf(o.map(|x| -x), i)),
             "values for wo along the light, samples for wo that points away",
         ),
         planted_at(
@@ -176,7 +176,7 @@ pub fn faults() -> Vec<PlantedFault> {
             "whole/light/point-of-other-numbers",
             &BEFORE,
             Sample(|m, p, u| {
-                let point = m.sample(p, &[u[1], u[0], u[2]])?.point;
+                let point = m.sample(p, &[u[1], u[0]])?.point;
                 Some(BsdfSample { point, ..m.sample(p, u)? })
             }),
             "a sampled point that is not where the direction leads",
