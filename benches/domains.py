@@ -18,7 +18,7 @@ import numpy as np
 from scipy import special, stats
 
 PI, TAU = np.pi, 2 * np.pi
-normal = special.ndtri
+normal = lambda u: special.ndtri(np.fmax(u, 1e-300))  # of 0, too: an infinity times 0 is no number
 SAMPLERS = {}  # by name: the domain or the functions of a chart, random numbers of a sample, the parameter, and the family
 
 
