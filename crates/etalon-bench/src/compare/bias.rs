@@ -108,6 +108,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn the_ratio_is_in_its_interval() {
         const PAIRS: u64 = 200;
         for factor in [0.5, 1.0, 1.5, 3.0] {

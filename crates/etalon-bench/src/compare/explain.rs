@@ -465,6 +465,7 @@ mod tests {
     ];
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn edits_of_noisy_renders_are_named_and_nothing_else_is() {
         // With light above 1, which a clamp changes
         for (mut scene, request) in [builtin::cornell_lambert(), builtin::cornell_spheres()] {

@@ -308,6 +308,7 @@ fn against_one(runs: u64, make: fn(&mut CounterRng, [usize; 2]) -> Image, n: usi
 }
 
 #[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
 fn noise_in_few_pixels_of_an_exact_image_is_seen() {
     for n in [2, 4, 16] {
         for (name, make) in

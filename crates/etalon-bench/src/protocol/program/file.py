@@ -7,7 +7,7 @@ import inspect
 import os
 import sys
 import traceback
-from itertools import accumulate
+from itertools import accumulate, islice
 from math import isfinite
 from types import ModuleType
 
@@ -50,7 +50,7 @@ def array_rows(value, name, n, widths):
     if shape[:1] == (n,) and kind not in "fiu":
         raise Refused(f"{name} returned an array of dtype {array.dtype}; wanted real numbers", 2)
     if shape == (n,) and 1 in widths:
-        return [[float(x)] for x in array.tolist()]
+        return array.astype(float)[:, None].tolist()
     if len(shape) == 2 and shape[0] == n and shape[1] in widths and (shape[1] > 1 or name == "sample"):
         return array.astype(float).tolist()
     wanted = " or ".join(shape_of(width, n) for width in widths)
@@ -441,7 +441,7 @@ class BsdfFile:
             return [s and [*s[0], (s[2] or [1.0])[0], *(w * (s[2] or [1.0])[0] for w in s[1])] for s in found]
         found = self.sample(rows)
         if self.is_delta:
-            return [s and ["delta", *s[0], *s[1], *(s[2] or [1.0]), *s[3]] for s in found]
+            return [s and [*s[0], *s[1], *(s[2] or [1.0]), *s[3]] for s in found]
         pairs = [row[:3] + sample[0] for row, sample in zip(rows, found) if sample is not None]
         # What `sample` leaves out follows from the other functions
         pdfs = iter(self.pdf(pairs) if any(sample and not sample[2] for sample in found) else ())
@@ -541,8 +541,12 @@ def serve(requests, answers):
         elif verb == "set":
             lines = served.set(map(float, words))
         else:
-            rows = [[float(word) for word in next(requests).split()] for _ in range(int(words[0]))]
-            lines = ["none" if row is None else " ".join(x if isinstance(x, str) else x.hex() for x in row) for row in served.answer(verb, rows)]
+            # Millions of numbers go through these lines: all of them at once, by functions that are not written in Python
+            numbers = list(map(float, "".join(islice(requests, int(words[0]))).split()))
+            width = len(numbers) // int(words[0])
+            rows = [numbers[i : i + width] for i in range(0, len(numbers), width)]
+            prefix = "delta " if verb == "sample" and getattr(served, "is_delta", False) else ""
+            lines = ["none" if row is None else prefix + " ".join(map(float.hex, row)) for row in served.answer(verb, rows)]
         answers.write("".join(f"{line}\n" for line in [*lines, "end"]))
         answers.flush()
 

@@ -452,6 +452,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "takes seconds: cargo test -- --ignored"]
     fn p_values_of_right_images_are_uniform() {
         let mis = Settings { density: Some(MapSampling::MAP), ..Settings::default() };
         let hemisphere = Settings { sampling: Sampling::Hemisphere, ..Settings::default() };
