@@ -97,7 +97,7 @@ def plane_student(t):
 @sampler("thin-ring", "plane", 2, 0.02)
 def ring(t):
     radius = stats.norm(2, t)
-    return lambda u: polar(radius.ppf(u[:, 0]), u[:, 1]), lambda x: radius.pdf(np.hypot(*x.T)) / (TAU * np.hypot(*x.T))
+    return lambda u: polar(radius.ppf(np.fmax(u[:, 0], 1e-300)), u[:, 1]), lambda x: radius.pdf(np.hypot(*x.T)) / (TAU * np.hypot(*x.T))
 
 
 @sampler("banana", "plane:2", 2, 0.3)
