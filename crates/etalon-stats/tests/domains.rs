@@ -285,15 +285,15 @@ fn assert_level_and_power(seeds: u64) {
         assert!(*rejected <= most(seeds, LEVEL), "{name}: {rejected} of {seeds}");
         assert!(seeds - found <= most(seeds, 0.1), "{name}: {found} of {seeds} found");
     }
-    let all = right.iter().map(|(_, rejected)| rejected).sum::<u64>();
+    let [rejected, found] = [&right, &wrong].map(|runs| runs.iter().map(|(_, rejected)| rejected).sum::<u64>());
     let runs = seeds * right.len() as u64;
-    println!("rejected {all} of {runs}; at most {} are explained", most(runs, LEVEL));
-    assert!(all <= most(runs, LEVEL));
+    println!("rejected {rejected} of {runs}, at most {} are explained; found {found}", most(runs, LEVEL));
+    assert!(rejected <= most(runs, LEVEL) && runs - found <= most(runs, 0.1));
 }
 
 #[test]
 fn right_samplers_are_accepted_and_planted_twins_found() {
-    assert_level_and_power(3);
+    assert_level_and_power(1);
 }
 
 #[ignore = "takes minutes"]
