@@ -194,11 +194,13 @@ impl Counting<'_> {
             }
             Integration::Lattices(_) => {
                 counted.integral = Integral::of_standard_errors(&integrals, tally, self.risk);
-                let missed = |cell: usize| self.missed(tally, cell);
-                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, missed);
+                // What samples found above the integrals is an error, too.
+                let missed: Vec<f64> = (0..integrals.errors.len()).map(|cell| self.missed(tally, cell)).collect();
+                let errors = integrals.errors.iter().zip(&missed).map(|(error, missed)| (scale * error).hypot(*missed));
+                counted.errors = errors.collect();
                 let noise = noise(tally.samples, &counted.values, |cell| counted.errors[cell]);
-                counted.uncertain |= noise.may_exceed(MOST_NOISE * counted.values.len() as f64);
-                let all_missed: f64 = (0..self.subdivision.grid.len()).map(missed).sum();
+                counted.uncertain = noise.may_exceed(MOST_NOISE * counted.values.len() as f64);
+                let all_missed: f64 = missed.iter().sum();
                 counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
                 return Ok(None);
             }

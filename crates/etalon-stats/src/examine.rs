@@ -133,7 +133,8 @@ impl Protocol {
     pub(crate) fn coarsest(&self) -> f64 {
         match self.samples {
             SampleCount::Fixed(_) => COARSEST,
-            SampleCount::Detect(w) => w.at_least(COARSEST),
+            // Errors of integrals take a little of what was asked for.
+            SampleCount::Detect(w) => (1.25 * w).at_least(COARSEST),
         }
     }
 }

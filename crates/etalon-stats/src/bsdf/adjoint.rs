@@ -28,7 +28,7 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
     let samples = subject.samples()?;
     let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
     // Directions along the surface have no other side, and no cosine to divide by.
-    let directions = subject.directions().into_iter().filter(|wi| wi[2].abs() > 1e-6);
+    let directions = subject.directions()?.into_iter().filter(|wi| wi[2].abs() > 1e-6);
     let directions: Vec<Direction> = sampled.chain(directions).collect();
     let pairs = subject.pairs(&directions);
     let (there, back) = (bsdf.eval(&pairs, &[])?, bsdf.eval(&subject.swapped(&pairs), &[])?);

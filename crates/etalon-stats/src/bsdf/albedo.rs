@@ -189,6 +189,9 @@ impl UniformDirections {
 
 /// Two estimates of one albedo: the mean of the weights of samples, and the integral of the values.
 pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
+    if subject.has_known_weights()? {
+        return Ok(None);
+    }
     let pilot = Pilot::new(subject)?;
     if let Some(unresolved) = pilot.unresolved(subject)? {
         return Ok(Some(unresolved));

@@ -1,6 +1,6 @@
 //! The light that a BSDF scatters into each cell of the sphere: ∫ f |cos θᵢ| over the cell, with its error.
 
-use super::contract::{Direction, Spectrum};
+use super::contract::{Direction, Kind, Spectrum};
 use super::subject::{Subject, directions, sphere};
 use crate::cubature::{Integration, InvalidPdf, Probe, Refinement, first_invalid};
 use crate::domain::{Domain, Point};
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const PILOT: usize = 1 << 12;
 /// Values of a stochastic BSDF that are asked for at a time.
 const BATCH: usize = 1 << 13;
-/// Samples that measure the light between the nodes of the cubature.
+/// Samples that measure the light of a BSDF between the nodes of the cubature; a phase function has as many as the pilot.
 const SAMPLES: usize = 1 << 14;
 /// Random points at which integrals are checked.
 const CHECKS: u64 = 1 << 12;
@@ -198,8 +198,9 @@ impl Light<'_> {
     /// The random points of [`Refinement::check`] lie where the nodes predict light and do not meet narrow tails between
     /// the nodes. Fresh samples do.
     fn missed(&self, refinement: &Refinement, grid: &Grid) -> Result<MissedLight> {
-        let samples = Pilot::of(self.subject, SAMPLES, 2)?;
-        let (n, mut squares, mut largest) = (SAMPLES as f64, 0.0, 0f64);
+        let count = if self.subject.properties.kind == Kind::Surface { SAMPLES } else { PILOT };
+        let samples = Pilot::of(self.subject, count, 2)?;
+        let (n, mut squares, mut largest) = (count as f64, 0.0, 0f64);
         let mut cells = vec![0.0; grid.len()];
         for (probe, weight) in self.probes(&samples)?.iter().zip(&samples.weights) {
             let factor = if self.power { self.subject.eta2(sphere().direction_at(probe.at)) } else { 1.0 };

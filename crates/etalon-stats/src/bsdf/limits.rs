@@ -19,7 +19,7 @@ pub fn same_values(a: &dyn BatchBsdf, b: &dyn BatchBsdf, wo: Direction, protocol
     let mut found = Comparison::default();
     let samples = a.samples()?;
     let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
-    let directions: Vec<Direction> = sampled.chain(a.directions()).collect();
+    let directions: Vec<Direction> = sampled.chain(a.directions()?).collect();
     let pairs = a.pairs(&directions);
     let mut compare = |[one, other]: [Vec<f64>; 2], value: &dyn Fn(&[Pair]) -> Result<Vec<f64>>, what: &str| {
         let numbers: Vec<[f64; 2]> = one.into_iter().zip(other).map(|(f, g)| [g, f]).collect();

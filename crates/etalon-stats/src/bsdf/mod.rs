@@ -141,7 +141,7 @@ pub const ALL: [Check; 12] = [
     },
     Check {
         name: "mean-cosine",
-        finds: "mean cosines of a phase function other than declared",
+        finds: "mean cosines of a phase function other than declared, mean weights other than 1",
         is_statistical: true,
         run: places::mean_cosine,
     },
@@ -177,3 +177,5 @@ pub const UNSEEN: &str =
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod textbook;

@@ -2,13 +2,13 @@
 //! the pdf of a lobe times the Jacobian determinant of its map from random numbers to directions is the probability of choosing
 //! the lobe.
 
-use super::contract::{BsdfSample, Density as Probability, Direction, Pair, PdfKind};
+use super::contract::{BsdfSample, Density as Probability, Direction, Kind, Pair, PdfKind};
 use super::mistakes::{self, PDF};
 use super::subject::{Comparison, Subject, cross, directions, length, sphere};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point, around};
 use crate::error::Result;
-use crate::examine::examine;
+use crate::examine::{Protocol, examine};
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, Mistake, Variable, common_factor, number};
 use crate::outcome::Outcome;
@@ -65,6 +65,9 @@ impl Density for Scattering<'_> {
     }
 }
 
+/// Cells of a phase function or a light, most of which are plainer than BSDFs: fewer cells need fewer samples and values.
+const CELLS: usize = 100;
+
 /// Counts samples in cells, at delta lobes, and "no sample"; see [`examine`]. The integral of the pdf is tested with them, and
 /// the pdf that each sample carries.
 pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
@@ -72,14 +75,16 @@ pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
         return Ok(None);
     }
     let scattering = Scattering(subject);
-    let test =
-        |domain: &dyn Domain| examine(domain, &scattering, &scattering, subject.protocol, subject.round).map(Some);
-    if !subject.is_light() {
+    let most = if subject.properties.kind == Kind::Surface { subject.protocol.cells } else { CELLS };
+    let protocol = Protocol { cells: subject.protocol.cells.min(most), ..*subject.protocol };
+    let test = |domain: &dyn Domain| examine(domain, &scattering, &scattering, &protocol, subject.round).map(Some);
+    let spread = |(_, sample): (_, BsdfSample)| Some(sample.wi).filter(|_| !sample.is_delta());
+    let towards: Vec<Direction> = subject.samples_inside()?.into_iter().filter_map(spread).collect();
+    if !subject.is_light() || towards.is_empty() {
         return test(&sphere());
     }
     // The pdf of a light ends at its edges.
-    let add = |sum: Direction, (_, sample): (_, BsdfSample)| [0, 1, 2].map(|i| sum[i] + sample.wi[i]);
-    test(&around(subject.samples_inside()?.into_iter().fold([0.0; 3], add)))
+    test(&around(towards.into_iter().fold([0.0; 3], |sum, wi| [0, 1, 2].map(|i| sum[i] + wi[i]))))
 }
 
 /// Points at which the derivative is taken, and samples that are tried for them.

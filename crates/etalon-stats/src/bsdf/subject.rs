@@ -1,7 +1,9 @@
 //! A BSDF for one `wo` under a protocol: what every check starts from, and how exact checks compare numbers; vectors of three
 //! numbers.
 
-use super::contract::{BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Kind, Pair, Properties, Spectrum};
+use super::contract::{
+    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Kind, Pair, PdfKind, Properties, Spectrum,
+};
 use super::places::survey;
 use crate::diagnosis::{count, different};
 use crate::domain::{Directions, Domain, Point, Pole};
@@ -35,8 +37,6 @@ pub struct Subject<'a> {
     pub properties: Properties,
     pub wo: Direction,
     pub deltas: Vec<DeltaLobe>,
-    /// Points of a light.
-    pub surface: Vec<[f64; 3]>,
     pub protocol: &'a Protocol,
     pub round: u64,
 }
@@ -45,9 +45,7 @@ impl<'a> Subject<'a> {
     pub fn new(bsdf: &'a dyn BatchBsdf, wo: Direction, protocol: &'a Protocol, round: u64) -> Result<Self> {
         let deltas = bsdf.delta_lobes(&[wo])?.swap_remove(0);
         let properties = bsdf.properties();
-        let surface = if matches!(properties.kind, Kind::Light { .. }) { survey(bsdf)? } else { Vec::new() };
-        let surface = surface.into_iter().map(|(point, _)| point).collect();
-        Ok(Self { bsdf, properties, wo, deltas, surface, protocol, round })
+        Ok(Self { bsdf, properties, wo, deltas, protocol, round })
     }
 
     /// Whether this is a light that is not sampled from here.
@@ -85,6 +83,15 @@ impl<'a> Subject<'a> {
     /// Whether values are deterministic.
     pub fn is_deterministic(&self) -> bool {
         self.properties.eval_dimension == 0
+    }
+
+    /// Whether what is sampled tells all of the weights of a phase function: they are values over pdfs by the check `formula`, samples follow the
+    /// pdf by `sampling`, and their mean weight is that of all light by `mean-cosine`.
+    pub fn has_known_weights(&self) -> Result<bool> {
+        let Properties { kind, pdf, energy, .. } = &self.properties;
+        let is_known = matches!((kind, pdf, energy), (Kind::Phase { .. }, PdfKind::Exact, Energy::Conserved(_)));
+        let carries = |(_, sample): &(_, BsdfSample)| matches!(sample.density, Density::Pdf(_));
+        Ok(is_known && self.is_deterministic() && self.samples()?.iter().all(carries))
     }
 
     /// The square of the index of refraction on the side of `wi` over that on the side of `wo`.
@@ -134,22 +141,23 @@ impl<'a> Subject<'a> {
         Ok(samples.filter_map(|(sample, u)| Some((u.to_vec(), sample?))).collect())
     }
 
-    /// Directions that do not come from the sampler: a spiral over the sphere, the poles, and directions along the surface.
-    pub fn directions(&self) -> Vec<Direction> {
+    /// Directions that do not come from the sampler: a spiral over the sphere, the poles, and directions along the surface; of a light to
+    /// points of it.
+    pub fn directions(&self) -> Result<Vec<Direction>> {
         let spiral = |i: usize| {
             sphere().direction_at([(i as f64 + 0.5) / DIRECTIONS as f64, (i as f64 * 0.618_033_988_749_895).fract()])
         };
         if self.is_light() {
-            let to = |point: &[f64; 3]| {
+            let to = |(point, _): &([f64; 3], _)| {
                 let to = [0, 1, 2].map(|i| point[i] - self.wo[i]);
                 to.map(|x| x / length(to))
             };
-            return (0..DIRECTIONS).map(spiral).chain(self.surface.iter().map(to)).collect();
+            return Ok((0..DIRECTIONS).map(spiral).chain(survey(self.bsdf)?.iter().map(to)).collect());
         }
         let [x, y, z] = self.wo;
         let special = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], self.wo, [-x, -y, -z], [-x, -y, z], [x, y, -z]];
         let along = [[1.0, 0.0, 0.0], [0.6, -0.8, 0.0], [0.6, 0.8, -0.0], [1.0, 0.0, 1e-20], [0.0, 1.0, -1e-20]];
-        (0..DIRECTIONS).map(spiral).chain(special).chain(along).collect()
+        Ok((0..DIRECTIONS).map(spiral).chain(special).chain(along).collect())
     }
 
     /// What rounding may change of each of `f`, the values of `function` at two directions: a few last places, and the change

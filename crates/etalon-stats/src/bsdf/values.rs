@@ -29,7 +29,7 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     // Values and pdfs in all directions.
     let mut rng = subject.random(1, 0);
     let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
-    let directions: Vec<Direction> = subject.directions().into_iter().chain(sampled).collect();
+    let directions: Vec<Direction> = subject.directions()?.into_iter().chain(sampled).collect();
     let pairs = subject.pairs(&directions);
     let u: Vec<f64> = (0..directions.len() * properties.eval_dimension).map(|_| rng.random::<f64>()).collect();
     let (values, pdfs) = (bsdf.eval(&pairs, &u)?, bsdf.pdf(&pairs)?);
@@ -122,7 +122,7 @@ fn unseen_lobes(subject: &Subject, mut lit: Lit) -> Result<Vec<String>> {
             break;
         }
         let normal = Subject::new(*bsdf, wo, subject.protocol, subject.round)?;
-        let directions = normal.directions();
+        let directions = normal.directions()?;
         let u = vec![0.5; directions.len() * properties.eval_dimension];
         let values = bsdf.eval(&normal.pairs(&directions), &u)?;
         lit.add(&normal, directions.into_iter().zip(values), &normal.samples()?);
@@ -459,7 +459,7 @@ pub fn partition(subject: &Subject) -> Result<Option<Outcome>> {
     }
     let samples = subject.samples()?;
     let sampled = samples.iter().filter(|(_, sample)| !sample.is_delta()).map(|(_, sample)| sample.wi);
-    let directions: Vec<Direction> = sampled.chain(subject.directions()).collect();
+    let directions: Vec<Direction> = sampled.chain(subject.directions()?).collect();
     let pairs = subject.pairs(&directions);
     let mut numbers: Vec<[f64; 2]> = bsdf.pdf(&pairs)?.into_iter().map(|pdf| [0.0, pdf]).collect();
     for lobe in 0..bsdf.lobes() {

@@ -2,20 +2,28 @@
 //! sky as the kernel samples directions towards them, in lanes; and which of many lights the light tree chooses.
 
 use super::super::case::Case;
+use super::super::whole;
 use super::inputs::{in_lanes, short};
+use etalon_core::error::Error;
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Real, Rgb};
 use etalon_core::sampling::rectangle::{SphericalRectangle, solid_angle};
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::scene::{
-    Emission, EmitterVisibility, Falloff, Light, Material, Mesh, Object, Rectangle, Scene, Shape, Sphere, builtin,
+    Bvh, Emission, EmitterVisibility, Falloff, Light, Material, Mesh, Object, Ray, Rectangle, Scene, Shape, Sphere,
+    builtin,
 };
 use etalon_render::Settings;
 use etalon_render::probe::light_lanes::{sample_each, sample_many};
 use etalon_render::probe::{
     BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection, at,
 };
-use etalon_stats::{Directions, Discrete, Domain, Mass, Pole, Sample, Sampler, Square, density, sampler};
+use etalon_stats::bsdf::{
+    Bsdf, BsdfSample, DeltaLobe, Density, Direction, Hit, Kind, Properties, Spectrum, is_edge_on, places,
+};
+use etalon_stats::{
+    Directions, Discrete, Domain, Mass, Pole, Protocol, Sample, SampleCount, Sampler, Square, density, sampler,
+};
 use glam::{DVec3, Vec3};
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -67,7 +75,115 @@ pub fn directions() -> Vec<Case> {
     let by_solid_angle = |pdf, _area| pdf;
     cases.extend(TRIANGLES.map(|(name, corners)| triangle(format!("light/triangle/{name}"), corners, by_solid_angle)));
     cases.push(sky());
+    cases.extend(whole_lights());
     cases
+}
+
+/// A light of the renderer as its users call it: samples of it, their pdfs, and rays that meet it.
+struct Emitter {
+    light: Sampled,
+    shape: Option<(Shape, Bvh)>,
+    two_sided: bool,
+}
+
+impl Emitter {
+    fn of(object: Option<(Shape, bool)>, light: Option<Light>) -> Option<Self> {
+        let two_sided = object.as_ref().is_none_or(|(_, two_sided)| *two_sided);
+        let sampled = match object.clone() {
+            Some((shape, two_sided)) => emitting(shape, two_sided),
+            None => light_of(None, light),
+        };
+        let shape = object.map(|(shape, _)| (shape.clone(), Bvh::build(&[&shape])));
+        Some(Self { light: sampled?, shape, two_sided })
+    }
+
+    fn emits(&self, Hit { normal, .. }: &Hit, wi: Direction) -> bool {
+        self.two_sided || DVec3::from_array(*normal).dot(DVec3::from_array(wi)) < 0.0
+    }
+}
+
+impl Bsdf for Emitter {
+    fn properties(&self) -> Properties {
+        let kind = Kind::Light { hits: self.shape.is_some(), one_sided: !self.two_sided, points: Vec::new() };
+        let delta = !self.light.has_extent();
+        Properties { kind, delta, precision: f64::from(f32::EPSILON), ..Properties::light() }
+    }
+
+    fn eval(&self, from: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        let is_lit = match &self.shape {
+            Some(_) => Bsdf::hit(self, from, wi).is_some_and(|hit| self.emits(&hit, wi)),
+            None => self.light.has_extent() && wi[1] > 0.0,
+        };
+        [f64::from(is_lit); 3]
+    }
+
+    fn pdf(&self, from: Direction, wi: Direction) -> f64 {
+        let point = DVec3::from_array(from).as_vec3();
+        f64::from(match &self.shape {
+            Some(_) if Bsdf::hit(self, from, wi).is_some() => self.light.pdf(point),
+            // No ray meets the sky, so that the renderer asks for no pdf: samples have it.
+            None if self.eval(from, wi, &[])[0] > 0.0 => self.light.sample(point, [0.5; 2]).pdf,
+            _ => 0.0,
+        })
+    }
+
+    fn sample(&self, from: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let from = DVec3::from_array(from).as_vec3();
+        let LightSample { wi, distance, weight, pdf } = self.light.sample(from, [u[0], u[1]].map(short));
+        let density = if self.light.has_extent() { Density::Pdf(f64::from(pdf)) } else { Density::Delta(1.0) };
+        let point = (from + distance * wi).is_finite().then(|| (from + distance * wi).as_dvec3().to_array());
+        let sample = BsdfSample::new(wi.as_dvec3().to_array(), [f64::from(weight.x); 3], density);
+        Some(BsdfSample { point, ..sample })
+    }
+
+    fn delta_lobes(&self, from: Direction) -> Vec<DeltaLobe> {
+        let lobe = |s: BsdfSample| DeltaLobe { wi: s.wi, probability: 1.0, throughput: s.weight };
+        let sample = Bsdf::sample(self, from, &[0.5; 2]).filter(BsdfSample::is_delta);
+        sample.map(lobe).into_iter().collect()
+    }
+
+    fn hit(&self, from: Direction, wi: Direction) -> Option<Hit> {
+        let [origin, direction] = [from, wi].map(|v| DVec3::from_array(v).as_vec3());
+        let (shape, tree) = self.shape.as_ref()?;
+        let hit = tree.nearest(&Ray { origin, direction }, f32::INFINITY)?;
+        let normal = match shape {
+            Shape::Sphere(sphere) => (origin + hit.t * direction - sphere.centre).normalize(),
+            _ => tree.plane(hit.place).0.normal,
+        };
+        Some(Hit { distance: f64::from(hit.t), normal: normal.as_dvec3().to_array(), pdf_area: None })
+    }
+}
+
+/// Lights as their users call them: every number of each against the others.
+fn whole_lights() -> Vec<Case> {
+    let rectangle = || Rectangle::new(POINT, Vec3::new(0.3, -0.3, 0.0), Vec3::new(0.2, 0.2, 0.1)).map(Shape::Rectangle);
+    let mesh = || Mesh::new(TRIANGLES[1].1.into(), Vec::new(), vec![[0, 1, 2]]).ok();
+    let triangle = move || mesh().map(|mesh| Shape::Mesh(Arc::new(mesh)));
+    let sphere = || Some(Shape::Sphere(Sphere { centre: POINT, radius: 0.7 }));
+    let lamp = Light::Point { position: POINT, intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
+    let sun = Light::Directional { direction: Vec3::new(0.48, 0.6, -0.64), irradiance: Rgb::ONE };
+    let of = |name: &str, make: Box<dyn Fn() -> Option<Emitter> + Send + Sync>| {
+        Case::new(format!("whole/light/{name}"), move |protocol, round| {
+            let emitter = make().ok_or_else(|| Error::parameter("light", "nothing is emitted"))?;
+            let all = places(&emitter)?.into_iter().filter(|(name, _)| !is_edge_on(name));
+            // Integrals over lights end at edges and take long.
+            let samples = match protocol.samples {
+                SampleCount::Detect(error) => SampleCount::Detect(error.max(0.09)),
+                fixed @ SampleCount::Fixed(_) => fixed,
+            };
+            let all: Vec<Direction> = all.map(|(_, place)| place).collect();
+            whole::examine(&emitter, &all, &Protocol { samples, ..*protocol }, round)
+        })
+    };
+    vec![
+        of("rectangle", Box::new(move || Emitter::of(Some((rectangle()?, false)), None))),
+        of("triangle", Box::new(move || Emitter::of(Some((triangle()?, true)), None))),
+        of("ball", Box::new(move || Emitter::of(Some((sphere()?, false)), None))),
+        of("ball-of-two-sides", Box::new(move || Emitter::of(Some((sphere()?, true)), None))),
+        of("point", Box::new(move || Emitter::of(None, Some(lamp.clone())))),
+        of("sun", Box::new(move || Emitter::of(None, Some(sun.clone())))),
+        of("sky", Box::new(|| Emitter::of(None, Some(Light::Hemisphere { radiance: Rgb::ONE })))),
+    ]
 }
 
 /// A position along a side, from 0 to 1: in f32 the sides themselves are rounded.

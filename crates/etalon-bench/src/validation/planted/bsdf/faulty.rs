@@ -3,7 +3,7 @@
 use super::super::fault::PlantedFault;
 use crate::validation::case::Case;
 use crate::validation::{plain, whole};
-use etalon_stats::bsdf::{Bsdf, BsdfSample, DeltaLobe, Density, Direction, Properties, Spectrum};
+use etalon_stats::bsdf::{Bsdf, BsdfSample, DeltaLobe, Density, Direction, Hit, Properties, Spectrum};
 use etalon_stats::{Protocol, SampleCount};
 
 /// A value for two directions, in place of the right one.
@@ -35,6 +35,8 @@ pub enum Change<M> {
     Throughput(fn(&M, Direction, &DeltaLobe) -> f64),
     /// The probability of a lobe times its pdf.
     LobePdf(fn(&M, Direction, Direction, usize) -> f64),
+    /// Where rays meet a light.
+    Hit(fn(Hit) -> Hit),
 }
 
 /// A BSDF of one channel with a change, or right.
@@ -152,6 +154,11 @@ impl<M: Bsdf> Bsdf for Faulty<M> {
     fn albedo(&self, wo: Direction) -> Option<Spectrum> {
         self.right.albedo(wo)
     }
+
+    fn hit(&self, wo: Direction, wi: Direction) -> Option<Hit> {
+        let hit = self.right.hit(wo, wi)?;
+        Some(if let Some(Change::Hit(changed)) = self.change { changed(hit) } else { hit })
+    }
 }
 
 /// The unit vector at that angle in degrees with the normal, in no symmetric position to the tangents.
@@ -168,17 +175,28 @@ pub fn planted<M: Bsdf + Copy + 'static>(
     change: Change<M>,
     mistake: &'static str,
 ) -> PlantedFault {
-    let wos = move || degrees.iter().map(|&degrees| towards(degrees)).collect::<Vec<Direction>>();
-    let case = move |kind: &str, change: Option<Change<M>>| {
+    let make = move |is_faulty: bool| Faulty { right: right(), change: is_faulty.then_some(change) };
+    planted_at(name, make, degrees.iter().map(|&degrees| towards(degrees)).collect(), mistake)
+}
+
+/// What `make` builds with the mistake or without it, tested for these directions `wo` or from these reference points.
+pub fn planted_at<M: Bsdf>(
+    name: &'static str,
+    make: impl Fn(bool) -> Faulty<M> + Clone + Send + Sync + 'static,
+    wos: Vec<Direction>,
+    mistake: &'static str,
+) -> PlantedFault {
+    let case = |kind: &str, is_faulty: bool| {
+        let [(make, wos), (other, same)] = [(make.clone(), wos.clone()), (make.clone(), wos.clone())];
         Case::new(format!("{kind}/{name}"), move |protocol, round| {
             // The mistakes are larger than what the tests of samplers look for.
             let samples = match protocol.samples {
                 SampleCount::Detect(error) => SampleCount::Detect((3.0 * error).min(1.0)),
                 fixed @ SampleCount::Fixed(_) => fixed,
             };
-            whole::examine(&Faulty { right: right(), change }, &wos(), &Protocol { samples, ..*protocol }, round)
+            whole::examine(&make(is_faulty), &wos, &Protocol { samples, ..*protocol }, round)
         })
-        .with_plain(move |seed| plain::p_value_of_bsdf(&Faulty { right: right(), change }, &wos(), seed))
+        .with_plain(move |seed| plain::p_value_of_bsdf(&other(is_faulty), &same, seed))
     };
-    PlantedFault { name, mistake, faulty: case("planted", Some(change)), sound: case("sound", None) }
+    PlantedFault { name, mistake, faulty: case("planted", true), sound: case("sound", false) }
 }

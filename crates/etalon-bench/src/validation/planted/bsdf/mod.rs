@@ -1,4 +1,4 @@
-//! Mistakes in whole BSDFs: a right one of the textbook in f64, and one thing changed; and mistakes at limits, where a BSDF
+//! Mistakes in whole BSDFs, phase functions and lights: a right one of the textbook in f64, and one thing changed; and mistakes at limits, where a BSDF
 //! should become another one.
 
 mod claims;
@@ -6,6 +6,7 @@ mod coated;
 pub(crate) mod compensated;
 mod conductor;
 mod dielectric;
+mod emitters;
 pub(crate) mod faulty;
 pub(crate) mod mixture;
 mod resampled;
@@ -32,6 +33,7 @@ pub fn faults() -> Vec<PlantedFault> {
         compensated::faults(),
         coated::faults(),
         resampled::faults(),
+        emitters::faults(),
         limits(),
     ]
     .into_iter()
