@@ -5,6 +5,7 @@
 
 A twin has the samples of one parameter and the pdf of another. The size of its fault is the root mean square of the relative error of
 the pdf; the parameter is moved until that is 1.5 times the error that the test of the right sampler says it detects.
+That is an error over the cells: the twin of `thin-ring` is wrong within them only, and is not found.
 """
 import argparse
 import json
