@@ -249,8 +249,12 @@ impl Fresnel {
         let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
         let target = global.target();
         let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let files =
-            output::write(&stem, &view::dielectric(&curves), &self.style.style()?, &output::csv(&curves.rows)?)?;
+        let files = output::write(
+            &stem,
+            &view::dielectric(&curves, &interface.name),
+            &self.style.style()?,
+            &output::csv(&curves.rows)?,
+        )?;
         let written = target.written(files);
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));

@@ -5,7 +5,7 @@ use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, W
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
-use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_infinite, outside};
+use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_beyond_charts, is_infinite, outside};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision};
 use crate::hash::{mix32, mix64};
@@ -308,6 +308,11 @@ pub struct Tally {
     pub outside_support: u64,
     /// Samples where the pdf is infinite.
     pub infinite: u64,
+    /// Finite samples of an unbounded set that its chart does not tell apart, and samples at infinity.
+    pub beyond: u64,
+    pub at_infinity: u64,
+    /// One of the samples at infinity.
+    pub first_at_infinity: Option<String>,
     /// The share of the pdf at each sample that the cubature misses, summed over the samples of each cell.
     pub missed: Vec<Share>,
     /// Some of the places where the nodes do not predict the pdf, at most [`FOUND`].
@@ -328,6 +333,12 @@ impl Tally {
         }
     }
 
+    /// How many samples are at infinity, in words, if any is.
+    pub fn at_infinity(&self) -> Option<String> {
+        let first = self.first_at_infinity.as_ref()?;
+        Some(format!("{} of {} samples are at infinity, such as {first}", self.at_infinity, self.samples))
+    }
+
     fn plus(mut self, other: Self) -> Self {
         self.samples += other.samples;
         self.observed.iter_mut().zip(other.observed).for_each(|(sum, n)| *sum += n);
@@ -338,6 +349,9 @@ impl Tally {
         self.none += other.none;
         self.outside_support += other.outside_support;
         self.infinite += other.infinite;
+        self.beyond += other.beyond;
+        self.at_infinity += other.at_infinity;
+        self.first_at_infinity = self.first_at_infinity.or(other.first_at_infinity);
         add(&mut self.missed, &other.missed);
         self.found.extend(other.found);
         self.found.truncate(FOUND);
@@ -531,6 +545,12 @@ impl Source<'_> {
             tally.carried.count(sample, pdf, precision, words);
             tally.outside_support += u64::from(pdf == 0.0);
             tally.infinite += u64::from(density == f64::INFINITY);
+            if is_infinite(&sample.point) {
+                tally.at_infinity += 1;
+                tally.first_at_infinity.get_or_insert_with(|| tuple(&sample.point) + &sampled_from(u, i, dimension));
+            } else if is_beyond_charts(&sample.point) && self.domain.measure().is_infinite() {
+                tally.beyond += 1;
+            }
             let (cell, probe) = (subdivision.grid.find(at), Probe { at, density });
             tally.observed[cell] += 1;
             tally.parts.cells[subdivision.find(cell, at)] += 1;

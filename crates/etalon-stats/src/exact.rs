@@ -19,6 +19,11 @@ pub fn is_infinite(point: &Point) -> bool {
     point.coordinates().iter().any(|x| x.is_infinite())
 }
 
+/// Whether a point of an unbounded set is so far away, or so close to 0, that charts do not tell it from others.
+pub fn is_beyond_charts(point: &Point) -> bool {
+    point.coordinates().iter().any(|x| *x != 0.0 && !(1e-60..1e60).contains(&x.abs()))
+}
+
 /// What is wrong with `pdf`, the density's value at a sample, if no pdf can have it. At single points a pdf may be infinite.
 pub fn invalid_pdf(sample: &Sample, pdf: f64) -> Option<String> {
     (pdf.is_nan() && !is_infinite(&sample.point) || pdf < 0.0)

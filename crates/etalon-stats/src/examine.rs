@@ -247,8 +247,9 @@ pub fn examine(
     // What explains most of the counts of the first look that rejects
     let named: RefCell<Option<Option<Named>>> = RefCell::new(None);
     let rejects = |counted: &Counted| {
-        let Findings { p, violation, is_mass_wrong, counts, samples, .. } = test.find(counted, false);
+        let Findings { p, violation, is_mass_wrong, counts, samples, beyond, .. } = test.find(counted, false);
         match violation {
+            _ if beyond.is_some() => true,
             // A wrong mass ends the test when counts tell what else is wrong.
             Some(_) => !is_mass_wrong || mistakes::is_clear(&counts),
             None if p.is_none_or(|p| p >= protocol.own_level()) => false,
@@ -307,6 +308,8 @@ struct Findings {
     violation: Option<String>,
     /// Whether the violation is that of the mass.
     is_mass_wrong: bool,
+    /// Why nothing can be said: too many samples are where integrals do not reach.
+    beyond: Option<String>,
 }
 
 impl Test<'_> {
@@ -408,9 +411,17 @@ impl Test<'_> {
             .map(|p| looks.overall(p, tally.samples, level));
 
         // Single precision returns the ends of an interval now and then; a density that is infinite more often is none.
-        let p_of_infinite = with_impossible(1.0, tally.infinite, n * ROUNDING);
-        let infinite_violation = (looks.overall(p_of_infinite, tally.samples, level) < level)
-            .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite));
+        let is_often = |count| looks.overall(with_impossible(1.0, count, n * ROUNDING), tally.samples, level) < level;
+        let infinite_violation = is_often(tally.infinite)
+            .then(|| format!("the pdf is infinite at {} of {samples} samples", tally.infinite))
+            .or_else(|| tally.at_infinity().filter(|_| is_often(tally.at_infinity)));
+        let beyond = is_often(tally.beyond).then(|| {
+            format!(
+                "{} of {samples} samples are beyond 10⁶⁰, or closer to 0 than 10⁻⁶⁰, where integrals of the pdf do not reach: \
+                 test their logarithms",
+                tally.beyond
+            )
+        });
         let (of_samples, carried) = (tally.violation.clone(), tally.carried.violation());
         let of_corners = corners.violation.clone();
         // What concerns all of the pdf comes first.
@@ -419,7 +430,9 @@ impl Test<'_> {
         let is_mass_wrong = mass_violation.is_some();
         let violations = [mass_violation, invalid, carried.or(of_corners)];
         let violations: Vec<String> = violations.into_iter().flatten().collect();
-        let violation = Some(violations.join("; ")).filter(|text| !text.is_empty());
+        // Numbers that have become 0 or infinite are no more than one expects beyond.
+        let violation = Some(violations.join("; ")).filter(|text| !text.is_empty() && beyond.is_none());
+        let p = p.filter(|_| beyond.is_none());
         let grid = subdivision.grid.clone();
         Findings {
             counts: Counts {
@@ -438,14 +451,16 @@ impl Test<'_> {
             p,
             violation,
             is_mass_wrong,
+            beyond,
         }
     }
 
     /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
     fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, noise, certain, structure, p, mut violation, .. } =
+        let Findings { counts, samples, mass, test, noise, certain, structure, p, mut violation, beyond, .. } =
             self.find(&counted, true);
+        let is_within = beyond.is_none();
         let Counted { uncertain, integral, tally, far, .. } = counted;
         let Structure { scales, words, mut remarks, .. } = structure;
         remarks.extend(
@@ -454,6 +469,7 @@ impl Test<'_> {
                 .as_ref()
                 .map(|at| format!("the pdf is infinite at the point {at}, which has no part in integrals")),
         );
+        remarks.extend(tally.at_infinity().filter(|_| violation.is_none()));
         remarks.extend(far.map(|InvalidPdf { point, value }| {
             format!("the pdf at {} is {value}: far from all samples it counts as 0", tuple(&point))
         }));
@@ -469,6 +485,7 @@ impl Test<'_> {
             _ => test.map(|test| detectable(test.dof, level, samples) * (1.0 + noise).sqrt()),
         };
         let inconclusive_reason = match detectable {
+            _ if beyond.is_some() => beyond,
             _ if uncertain => Some(
                 "the integrals of the pdf are too uncertain for that many samples; a pdf with steps can declare them (`table`)"
                     .to_owned(),
@@ -484,11 +501,14 @@ impl Test<'_> {
         // A pdf of unknown mass is in units of its integral, and of its samples nobody knows how many had to be.
         let (unit, draws) =
             if self.is_normalized() { (integral.plus(self.at_atoms()).value, None) } else { (1.0, Some(pilots)) };
+        let repeated = || {
+            exact::discrete(domain, pilot, unit)
+                .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
+                .or_else(|| exact::collisions(domain, pilot, draws?))
+        };
         violation = violation
             .or_else(|| exact::same_batches(domain, &tally.serial))
-            .or_else(|| exact::discrete(domain, pilot, unit))
-            .or_else(|| exact::repeated_values(domain, pilot, &tally.repeats, unit))
-            .or_else(|| exact::collisions(domain, pilot, draws?));
+            .or_else(|| repeated().filter(|_| is_within));
         // Name the mistake: of the pdfs that samples carry, and of their places.
         let mut mistakes = Vec::new();
         if tally.carried.violation().is_some() && !tally.carried.is_rounding() {

@@ -156,6 +156,25 @@ fn a_density_may_be_infinite_at_single_points() {
 }
 
 #[test]
+fn samples_beyond_the_chart_are_inconclusive_and_infinite_ones_named() {
+    use std::f64::consts::PI;
+    let cauchy = |u: f64| (PI * (u - 0.5)).tan();
+    let logarithmic = sampler(1, move |u: &[f64]| Some(Sample::new(cauchy(u[0]).exp())));
+    let pdf = density(|x: f64| 1.0 / (PI * x * (1.0 + x.ln().powi(2))));
+    let outcome = tested(&HalfLine::POSITIVE, &logarithmic, &pdf);
+    assert_eq!(outcome.verdict, Verdict::Inconclusive, "{outcome}");
+    assert!(outcome.to_string().contains("beyond 10⁶⁰"), "{outcome}");
+    let pdf = density(|x: f64| 1.0 / (PI * (1.0 + x * x)));
+    for (share, is_named) in [(0.0, false), (1e-3, true)] {
+        let infinite =
+            move |u: &[f64]| Some(Sample::new(if u[1] < share || u[0] == 0.0 { f64::INFINITY } else { cauchy(u[0]) }));
+        let outcome = tested(&RealLine::UNIT, &sampler(2, infinite), &pdf);
+        assert_eq!(outcome.is_accepted(), !is_named, "{outcome}");
+        assert_eq!(outcome.violation.is_some_and(|violation| violation.contains("at infinity")), is_named);
+    }
+}
+
+#[test]
 fn broken_contracts_are_rejected_and_named() {
     type Draw = Box<dyn Fn(&[f64]) -> Option<Sample> + Sync>;
     let half = Directions::hemisphere(Pole::Z);

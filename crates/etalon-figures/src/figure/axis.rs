@@ -73,8 +73,11 @@ impl Axis {
         Some(Self { every: Some(every), ..self.clone() })
     }
 
-    /// The axis without the names of its places, if they are those of another one.
+    /// The axis without its title and the names of its places, if they are those of another one.
     pub(super) fn without_names_of(mut self, other: &Self) -> Self {
+        if self == *other && self.range.is_some() {
+            self.label.clear();
+        }
         if self.names == other.names {
             self.names.iter_mut().for_each(String::clear);
         }

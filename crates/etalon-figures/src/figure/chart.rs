@@ -4,7 +4,7 @@ use super::frame::{self, Axes, Sides};
 use super::legend::{Legend, Occupancy};
 use super::page::Page;
 use super::panel::{Mark, Panel};
-use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Text};
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::{heatmap, text, theme};
 
 /// Distance of labels from curves and from each other.
@@ -18,6 +18,17 @@ const NAME_SAMPLE: f64 = 18.0;
 const NAME_GAP: f64 = 4.0;
 /// Where along a curve its name may stand, the best place first.
 const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95];
+/// Distance of places along a curve, and how far the curve must be from the others where a line to its name ends.
+const STEP: f64 = 3.0;
+const APART: f64 = 3.0;
+/// Places along a curve where a line to its name may end.
+const ENDS: usize = 24;
+/// Largest distance of a name from its curve: of one beside it, and of one with a line to it.
+const BESIDE: f64 = 16.0;
+const LED: f64 = 100.0;
+/// The line to a name, and the dot at its end.
+const LEADER: f64 = 0.8;
+const LEADER_END: f64 = 2.2;
 /// Distance of a legend from the frame.
 const INSET: f64 = 8.0;
 
@@ -43,6 +54,7 @@ impl Chart {
             above: Occupancy::new(Rect::new(-OUTSIDE, -OUTSIDE, width + 2.0 * OUTSIDE, OUTSIDE)),
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
             outside: Sides::default(),
+            labels: Vec::new(),
             axes,
         };
         // Grid or heat map below, marks above it
@@ -87,8 +99,9 @@ pub(super) struct Sketch<'a> {
     pub space: Occupancy,
     above: Occupancy,
     beside: Occupancy,
-    /// Room taken by labels outside the frame.
+    /// Room taken by labels outside the frame, and the places of those within.
     outside: Sides,
+    labels: Vec<Rect>,
 }
 
 impl Sketch<'_> {
@@ -138,7 +151,7 @@ impl Sketch<'_> {
         // No free place inside: the nearest one beside the frame or above it, else next to it
         let place = match (found, mark) {
             (Some(place), _) => {
-                self.space.add(&place.grown(CLEAR));
+                self.take_label(&place);
                 // Lines of the grid run on behind notes, which may be many
                 if !matches!(mark, Mark::Note { .. }) {
                     self.drawing.rect(place, Colour::WHITE.faded(0.85));
@@ -169,42 +182,87 @@ impl Sketch<'_> {
         self.drawing.text(if place.height > place.width { text.upwards() } else { text });
     }
 
-    /// Writes the names of curves beside them, each with a sample of its line, wherever its own curve is the nearest one; returns the
-    /// names that have a place.
+    fn take_label(&mut self, place: &Rect) {
+        self.space.add(&place.grown(CLEAR));
+        self.labels.push(*place);
+    }
+
+    /// Writes the names of curves, each with a sample of its line, beside them wherever its own curve is the nearest one, else further off
+    /// with a line to the curve; returns the names that have a place.
     fn name_curves(&mut self, marks: &[Mark]) -> Vec<String> {
         let curve = |mark: &Mark| match mark {
             Mark::Line { label, stroke, points } if !label.is_empty() => {
-                let inside = |p: &Point| p.iter().all(|v| (0.0..=1.0).contains(v));
-                let places = points.iter().map(|&p| self.position(p)).filter(inside).map(|p| self.place(p));
-                Some((label.clone(), *stroke, places.collect::<Vec<Point>>()))
+                let places = points.windows(2).flat_map(|ends| self.between(ends));
+                let of_label = |mark: &Mark| match mark {
+                    Mark::Dots { label: of, colour, marker, .. } if of == label => Some((*marker, *colour)),
+                    _ => None,
+                };
+                Some((label.clone(), *stroke, marks.iter().find_map(of_label), places.collect::<Vec<Point>>()))
             }
             _ => None,
         };
         let curves: Vec<_> = marks.iter().filter_map(curve).collect();
         let mut named = Vec::new();
-        for (i, (label, stroke, places)) in curves.iter().enumerate() {
+        for (i, (label, stroke, marker, places)) in curves.iter().enumerate() {
             // Indices stand lower than letters
             let high = theme::NOTE_SIZE + 8.0;
             let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
+            let others = || curves.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, curve)| &*curve.3);
             let is_own = |place: &Rect| {
                 let distance =
                     |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
-                let others = curves.iter().enumerate().filter(|(other, _)| *other != i);
-                others.map(|(_, (.., places))| distance(places)).all(|other| other > 1.5 * distance(places))
+                others().all(|other| distance(other) > 1.5 * distance(places))
             };
-            let along = ALONG.map(|share| (share * places.len() as f64) as usize).into_iter();
-            let near = along.filter_map(|at| places.get(at));
-            let found: Vec<Rect> =
-                near.filter_map(|&at| self.space.nearest_free(at, [long, high], CLEAR + 3.5, 16.0)).collect();
-            let Some(place) = found.into_iter().find(is_own) else { continue };
-            self.space.add(&place.grown(CLEAR));
+            let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
+            let mut near = |reach: f64, end: Point| {
+                self.space.nearest_free(end, [long, high], CLEAR + 3.5, reach).map(|place| (place, end))
+            };
+            let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
+            let beside = beside.into_iter().map(|(place, _)| place).find(is_own);
+            let mut led = || {
+                let is_clear = |end: &Point| others().flatten().all(|other| apart(*other, *end) > APART);
+                let ends = (1..ENDS).filter_map(|i| at(i as f64 / ENDS as f64));
+                let far: Vec<_> = ends.filter(is_clear).filter_map(|end| near(LED, end)).collect();
+                // As few other curves as possible lie between, and no label
+                let crossed = |(place, end): &(Rect, Point)| {
+                    let line = leader(place, *end);
+                    let meets = |other: &[Point]| other.iter().any(|p| line.iter().any(|q| apart(*p, *q) < STEP));
+                    let over = self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
+                    (!over).then(|| others().filter(|other| meets(other)).count())
+                };
+                let ranked = far.into_iter().filter_map(|found| Some((crossed(&found)?, found)));
+                ranked.min_by_key(|(crossed, _)| *crossed).map(|(_, found)| found)
+            };
+            let Some((place, end)) = beside.map(|place| (place, None)).or_else(|| led().map(|(p, end)| (p, Some(end))))
+            else {
+                continue;
+            };
+            self.take_label(&place);
+            if let Some(end) = end {
+                let line = leader(&place, end);
+                self.space.add_line(&line, CLEAR);
+                self.drawing.line(line, Stroke::solid(stroke.colour, LEADER));
+                self.drawing.circle(end, LEADER_END, stroke.colour);
+            }
             let [x, y] = [place.x + 2.0, place.centre()[1]];
             self.drawing.line([[x, y], [x + NAME_SAMPLE, y]], *stroke);
+            if let Some((marker, colour)) = *marker {
+                self.drawing.marker([x + 0.5 * NAME_SAMPLE, y], theme::DOT, marker, colour);
+            }
             let text = Text::new([x + NAME_SAMPLE + NAME_GAP, y], theme::NOTE_SIZE, label.clone());
             self.drawing.text(text.held(Anchor::Start, Level::Middle));
             named.push(label.clone());
         }
         named
+    }
+
+    /// Places along a part of a curve, those within the frame.
+    fn between(&self, ends: &[Point]) -> Vec<Point> {
+        let [from, to] = [ends[0], ends[1]].map(|end| self.place(self.position(end)));
+        let count = (apart(from, to) / STEP).ceil();
+        let count = if count.is_finite() { count.clamp(1.0, 1e3) as usize } else { 0 };
+        let at = |i: usize| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * i as f64 / count as f64);
+        (0..count).map(at).filter(|&place| self.axes.frame.contains(place)).collect()
     }
 
     /// Draws the legend in a free corner, or returns it when there is none.
@@ -223,6 +281,17 @@ impl Sketch<'_> {
         }
         Some(legend)
     }
+}
+
+fn apart(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Places along the line from the edge of a name to a curve.
+fn leader(place: &Rect, end: Point) -> Vec<Point> {
+    let from = [end[0].clamp(place.x, place.right()), end[1].clamp(place.y, place.bottom())];
+    let count = (apart(from, end) / STEP).ceil().max(1.0) as usize;
+    (0..=count).map(|i| [0, 1].map(|axis| from[axis] + (end[axis] - from[axis]) * i as f64 / count as f64)).collect()
 }
 
 /// Offsets from `from` up to `to` in steps of two cells.

@@ -341,10 +341,18 @@ mod tests {
             for page in drawing.pages(&style).unwrap() {
                 assert!((page.width * page.unit * 25.4 / 96.0 - 84.0).abs() < 0.3, "{}", page.width);
                 assert!(smallest_type(&page) * page.unit * 0.75 >= 7.0);
+                assert!(smallest_index(&page) * page.unit * 0.75 >= 5.5);
                 assert!(page.height <= 1.5 * page.width, "{} by {}", page.width, page.height);
             }
         }
         assert!(Plot::new(panels(3)).draw().pages(&style).unwrap().len() > 1, "a page of all would be too high");
+    }
+
+    /// The smallest index or exponent.
+    fn smallest_index(page: &Page) -> f64 {
+        let texts = page.items.iter().filter_map(|item| if let Item::Text(text) = item { Some(text) } else { None });
+        let sizes = texts.flat_map(|text| text::runs(&text.markup, text.size, text.bold)).map(|run| run.size);
+        sizes.fold(f64::INFINITY, f64::min)
     }
 
     #[test]

@@ -13,8 +13,9 @@ use super::{text, theme};
 
 /// Panels that make up one figure.
 ///
-/// Every panel's legend goes into a corner that is free of data, or else below the panel. Panels with the same legend
-/// share one, below all of them, and so do heat maps of one scale with their colour bar.
+/// Every panel's legend goes into a corner that is free of data, or else below the panel, or below its row if no other panel of the row has
+/// one there. Panels with the same legend share one, below all of them, and so do heat maps of one scale with their colour bar; neighbours
+/// share the title of the y axis.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Plot {
@@ -204,15 +205,27 @@ impl Plot {
         let draw_row = |(number, row): (usize, &Row), width: f64| -> Vec<Chart> {
             let before: usize = rows[..number].iter().map(|row| row.panels.len()).sum();
             let draw = |(column, panel): (usize, &Panel)| {
-                let has_own = Parts { legend: legend.is_none() && is_last(before + column), bar: bar.is_none() };
-                // Names of places stand once in a row
+                let next = row.panels.get(column + 1);
+                let is_shared = |map: &Heatmap| {
+                    next.and_then(|panel| panel.heatmap.as_ref()).is_some_and(|next| next.has_scale_of(map))
+                };
+                let has_own = Parts {
+                    legend: legend.is_none() && is_last(before + column),
+                    bar: bar.is_none() && !panel.heatmap.as_ref().is_some_and(is_shared),
+                };
+                // Names of places and titles of axes stand once in a row
                 let mut panel = panel.clone();
                 if column > 0 {
                     panel.y = panel.y.without_names_of(&row.panels[column - 1].y);
                 }
                 chart(&panel, [width, height], has_own, limit)
             };
-            row.panels.iter().enumerate().map(draw).collect()
+            let mut charts: Vec<Chart> = row.panels.iter().enumerate().map(draw).collect();
+            let legends = charts.iter().filter(|chart| chart.legend.is_some()).count();
+            if charts.len() == 1 || legends > 1 {
+                charts.iter_mut().for_each(|chart| chart.legend_below([width, height]));
+            }
+            charts
         };
         let charts: Vec<Vec<Chart>> = rows.iter().enumerate().map(|row| draw_row(row, width)).collect();
         // All curves are named where they run, or all in a legend
@@ -240,7 +253,10 @@ impl Plot {
         let charts: Vec<Vec<Chart>> = rows.iter().enumerate().zip(charts).map(widened).collect();
         let mut page = Page::new(0.0, 0.0, PIXELS);
         let mut y = EDGE;
-        for (charts, Row { heading, .. }) in charts.into_iter().zip(rows) {
+        let whole = columns.iter().map(|column| (column.left + width + column.right + BETWEEN).ceil()).sum::<f64>()
+            - BETWEEN
+            + 2.0 * EDGE;
+        for (mut charts, Row { heading, .. }) in charts.into_iter().zip(rows) {
             if !heading.is_empty() {
                 for line in text::wrapped(heading, theme::TITLE_SIZE, true, limit * count as f64) {
                     let text = Text::new([EDGE, y + theme::TITLE_SIZE], theme::TITLE_SIZE, line).bold();
@@ -250,6 +266,7 @@ impl Plot {
                 }
             }
             let room = around(&mut charts.iter());
+            let of_row = charts.iter_mut().find_map(|chart| chart.legend.take());
             let mut x = EDGE;
             for (chart, column) in charts.into_iter().zip(&columns) {
                 let (left, width) = (if is_usual(&chart) { usual } else { column.left }, chart.drawing.width);
@@ -258,6 +275,13 @@ impl Plot {
             }
             page.width = page.width.max(x - BETWEEN + EDGE);
             y += (room.top + height + room.bottom + BETWEEN).ceil();
+            if let Some(legend) = of_row {
+                let columns = legend.columns_within(whole - 2.0 * EDGE);
+                let [w, h] = legend.size(columns);
+                legend.draw(&mut page, [((whole - w) / 2.0).max(EDGE), y - BETWEEN + LEGEND_GAP], columns);
+                page.width = page.width.max(w + 2.0 * EDGE);
+                y += (LEGEND_GAP + h).ceil();
+            }
         }
         page.width = page.width.max(2.0 * EDGE).ceil();
         page.height = (y - BETWEEN + EDGE).max(2.0 * EDGE).ceil();
@@ -310,8 +334,7 @@ fn without_names(rows: &[Row]) -> Vec<Row> {
     rows.iter().map(of_row).collect()
 }
 
-/// A panel drawn. Below the frame go a legend that found no free place inside it, and on a page of limited size a colour bar whose label
-/// is longer than the frame is high.
+/// A panel drawn. On a page of limited size a colour bar whose label is longer than the frame is high goes below it.
 fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Chart {
     let is_long = |map: &&Heatmap| limit.is_finite() && text::width(&map.label, theme::LABEL_SIZE, false) > height;
     let lying = panel.heatmap.as_ref().filter(|map| has_own.bar && is_long(map));
@@ -321,17 +344,20 @@ fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -
         let bar = map.lying_bar(width, limit);
         chart.below(bar, [width, height]);
     }
-    if let Some(legend) = chart.legend.take() {
-        let columns = legend.columns_within(width + 0.5 * chart.room.left);
-        let [w, h] = legend.size(columns);
-        let mut page = Page::new(w, h, PIXELS);
-        legend.draw(&mut page, [0.0, 0.0], columns);
-        chart.below(page, [width, height]);
-    }
     chart
 }
 
 impl Chart {
+    /// Puts a legend that found no free place inside the frame below it.
+    fn legend_below(&mut self, frame: [f64; 2]) {
+        let Some(legend) = self.legend.take() else { return };
+        let columns = legend.columns_within(frame[0] + 0.5 * self.room.left);
+        let [w, h] = legend.size(columns);
+        let mut page = Page::new(w, h, PIXELS);
+        legend.draw(&mut page, [0.0, 0.0], columns);
+        self.below(page, frame);
+    }
+
     /// Adds something below the frame: in its middle, or further to the left where there is no room to the right.
     fn below(&mut self, page: Page, [width, height]: [f64; 2]) {
         let x = (0.5 * (width - page.width)).min(width + self.room.right - page.width);

@@ -9,8 +9,8 @@ use std::sync::LazyLock;
 pub const CAP_HEIGHT: f64 = 0.729;
 /// What descends below the baseline (g, parentheses), in font sizes.
 pub const DESCENT: f64 = 0.236;
-/// An index or exponent is this much smaller than the text around it.
-const SMALL: f64 = 0.7;
+/// An index or exponent is this much smaller than the text around it: 5.5 pt where that has 7.1 pt.
+const SMALL: f64 = 0.78;
 
 /// The three cuts of DejaVu Sans that drawings use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -146,9 +146,9 @@ mod tests {
         let got = runs("/{R}_{∥} = 10^{−3}", 10.0, false);
         let expected = [
             ("R", Face::Oblique, 10.0, 0.0),
-            ("∥", Face::Regular, 7.0, -2.0),
+            ("∥", Face::Regular, 7.8, -2.0),
             (" = 10", Face::Regular, 10.0, 0.0),
-            ("−3", Face::Regular, 7.0, 4.0),
+            ("−3", Face::Regular, 7.8, 4.0),
         ];
         assert_eq!(got.len(), expected.len());
         for (run, (text, face, size, rise)) in got.iter().zip(expected) {
@@ -191,6 +191,6 @@ mod tests {
         // DejaVu Sans: a digit is 1303 of 2048 units wide.
         assert!((width("0123", 20.48, false) - 4.0 * 13.03).abs() < 1e-9);
         assert!(width("W", 10.0, true) > width("W", 10.0, false));
-        assert!((width("x^{0}", 10.0, false) - width("x", 10.0, false) - width("0", 7.0, false)).abs() < 1e-9);
+        assert!((width("x^{0}", 10.0, false) - width("x", 10.0, false) - width("0", 7.8, false)).abs() < 1e-9);
     }
 }

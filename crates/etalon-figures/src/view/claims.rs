@@ -125,28 +125,49 @@ const AROUND: f64 = 1.25;
 
 /// Each place in the image with all light, framed, beside its class alone.
 pub fn places(pictures: &[PlacePicture], depths: &Depths) -> Drawing {
+    let whole = depths.image(0);
+    let widths = pictures.iter().map(|picture| width_around(whole, &picture.place));
+    let width = widths.max().unwrap_or(1);
     let cells = pictures.iter().zip('a'..).flat_map(
         |(PlacePicture { title, word, depth, class, place, share, .. }, letter)| {
             let image = depths.image(*depth);
-            let part = surroundings(image, place);
-            let title = format!("({letter}) {title}: all light at depth {depth}");
+            let part = surroundings(image, place, width);
+            let title = format!("({letter}) {title}: image of depth\u{a0}{depth}");
             let factor = brightening(&cut(class, &part));
             let share = with_error([share.value, share.error()], Unit::Percent);
-            let alone = format!("{word} alone, ×\u{a0}{factor}: {share} of the light in the frame");
+            let alone = format!("{} alone, ×\u{a0}{factor}: {share} of the light in the frame", in_words(word));
             let class = cut(class, &part).map(|p| p * factor);
             [(title, framed(&tone_mapped(&cut(image, &part)), place, &part)), (alone, tone_mapped(&class))]
         },
     );
-    contact_sheet("", 4, &cells.collect::<Vec<_>>())
+    contact_sheet("Places in the image, and the paths that light them", 4, &cells.collect::<Vec<_>>())
+}
+
+/// A class of paths from the light to the eye: "light → mirror → glass → eye".
+fn in_words(word: &str) -> String {
+    let events = [
+        ("SₜSₜ", "through glass"),
+        ("Sᵣ", "off glass"),
+        ("Sₘ", "off the mirror"),
+        ("Sᵢ", "in glass"),
+        ("D", "off a wall"),
+    ];
+    let Some(class) = word.strip_prefix('L').and_then(|rest| rest.strip_suffix('E')) else { return word.to_owned() };
+    let said = events.iter().fold(class.to_owned(), |said, (event, words)| said.replace(event, &format!("{words} → ")));
+    format!("light → {said}eye").replace(" →", "\u{a0}→")
+}
+
+/// The width of a part of an image of 4 to 3 around a place.
+fn width_around(image: &Image, place: &Place) -> usize {
+    let size = [0, 1].map(|axis| AROUND * (place.to[axis] - place.from[axis]) as f64);
+    (size[0].max(size[1] * 4.0 / 3.0) as usize).max(image.width() / SHOWN)
 }
 
 /// A part of an image of 4 to 3 around a place.
-fn surroundings(image: &Image, place: &Place) -> Place {
+fn surroundings(image: &Image, place: &Place, width: usize) -> Place {
     let whole = [image.width(), image.height()];
-    let size = [0, 1].map(|axis| AROUND * (place.to[axis] - place.from[axis]) as f64);
-    let width = size[0].max(size[1] * 4.0 / 3.0).max((whole[0] / SHOWN) as f64).min(whole[0] as f64);
-    let size = [width as usize, (width * 0.75) as usize].map(|side| side.max(1));
-    let size = [size[0], size[1].min(whole[1])];
+    let width = width.min(whole[0]);
+    let size = [width, (width * 3 / 4).clamp(1, whole[1])];
     let from = [0, 1].map(|axis| {
         ((place.from[axis] + place.to[axis]) / 2).saturating_sub(size[axis] / 2).min(whole[axis] - size[axis])
     });

@@ -21,18 +21,27 @@ fn share_axis() -> Axis {
     Axis::linear("share of the power").range(-0.04, 1.04).every(0.2)
 }
 
-/// Curves of one interface, and beside them Schlick's error.
-pub fn dielectric(curves: &fresnel::DielectricCurves) -> Drawing {
+/// Curves of one interface of a medium, and beside them Schlick's error.
+pub fn dielectric(curves: &fresnel::DielectricCurves, medium: &str) -> Drawing {
     let [absolute, relative] = schlick_errors(curves);
-    Plot::new([shares(curves), absolute, relative]).frame_size(350.0, 290.0).draw()
+    Plot::new([shares(curves, medium), absolute, relative]).frame_size(350.0, 290.0).draw()
+}
+
+/// A side of an interface in words: air, or the medium with its index.
+fn side(eta: f64, medium: &str) -> String {
+    match (eta, medium.parse::<f64>()) {
+        (1.0, _) => "air".into(),
+        (_, Ok(_)) => format!("/{{η}} = {}", index(eta)),
+        (_, Err(_)) => format!("{medium} (/{{η}} = {})", index(eta)),
+    }
 }
 
 /// Curves of one interface with its special angles.
-fn shares(curves: &fresnel::DielectricCurves) -> Panel {
+fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
     let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let title = format!("From /{{η}} = {} into /{{η}} = {}", index(curves.eta_i), index(curves.eta_t));
+    let title = format!("From {} into {}", side(curves.eta_i, medium), side(curves.eta_t, medium));
     let schlick = match (curves.critical_deg, curves.model) {
         (None, _) => "Schlick",
         (Some(_), "exact") => "Schlick, angle of refraction",
@@ -249,9 +258,10 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
     let shares: Vec<Curve> = show.iter().copied().filter(|curve| *curve != Curve::Error).collect();
     let panel = |show: &[Curve], y: Axis| with_angles(panel(curves, show, y), curves, &angles);
     let mut panels = Vec::new();
+    let from = side(curves.eta_i, &curves.eta_i.to_string());
     let side = match &*curves.media {
-        [only] => format!("From /{{η}} = {} into {}", index(curves.eta_i), only.name),
-        _ => format!("Light from /{{η}} = {}", index(curves.eta_i)),
+        [only] => format!("From {from} into {}", only.name),
+        _ => format!("Light from {from}"),
     };
     if let [only] = *shares {
         let axis = Axis::linear(axis_name(only)).range(0.0, 1.0);
@@ -366,8 +376,9 @@ pub fn of_special_angles(angles: &AngleCurves) -> Drawing {
         let marked: Vec<Point> = angles.media.iter().map(|row| [row.eta_t, at(row)]).collect();
         let named: Vec<Point> = angles.media.iter().enumerate().map(|(i, row)| [at(row), i as f64 + 0.5]).collect();
         let stroke = Stroke { colour, width: theme::BOLD, dash };
-        curves = curves.line(label.clone(), stroke, line).markers(label, theme::INK, marker, marked);
+        curves = curves.line(label.clone(), stroke, line).markers(label, colour, marker, marked);
         media = media.markers("", colour, marker, named);
     }
+    let curves = curves.with_names_on_curves();
     Plot::new(if angles.media.is_empty() { vec![curves] } else { vec![curves, media] }).frame_size(400.0, 320.0).draw()
 }

@@ -179,7 +179,7 @@ impl Display {
         let markers: Vec<_> =
             rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), ALONE * side, colour(rgb))).collect();
         self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
-        drawing.into()
+        said(drawing, "a square for each sample, in the colour of its radiance")
     }
 
     /// The map with white lines between the regions and a blue dot at each centroid.
@@ -205,7 +205,7 @@ impl Display {
                 drawing.circle(centre, radius, colour);
             }
         }
-        drawing.into()
+        said(drawing, "lines: borders of regions of equal energy; dots: their centroids of energy")
     }
 
     /// The map, dimmed, with a marker at each centroid, in the colour of the region's total flux and of an area in proportion to it.
@@ -227,8 +227,13 @@ impl Display {
         let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
         let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), wide(r), colour(r))).collect();
         self.markers(&mut page, &markers, &[(1.5, theme::MARKER_RIM)]);
-        page.into()
+        said(page, "a square for each region, at its centroid, as large as its flux and in its colour")
     }
+}
+
+/// A picture with a sentence below it.
+fn said(page: Page, text: &str) -> Drawing {
+    Drawing::Picture(Picture { page, key: vec![(0.0, theme::INK, text.to_owned())] })
 }
 
 /// Samples that one marker covers.

@@ -51,17 +51,17 @@ pub fn costs(costs: &Costs) -> Drawing {
     let rows = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
     let columns = Axis::linear("azimuth (degrees)").range(0.0, 360.0).every(60.0);
     let top = vec![
-        densities("Proposals for the rows", rows, 180.0, &costs.rows, false),
-        densities("Proposals for the columns", columns, 360.0, &costs.columns, true),
+        densities("How often a row of the map is chosen", rows, 180.0, &costs.rows),
+        densities("How often a column is chosen", columns, 360.0, &costs.columns),
     ];
     let bottom = vec![
-        needed("Irradiance of a floor", costs, |cost| cost.irradiance_variance, false),
-        needed("Flux of the map (by the map: exact)", costs, |cost| cost.flux_variance, true),
+        needed("Cost of the irradiance of a floor", costs, |cost| cost.irradiance_variance),
+        needed("Cost of the flux of the map (by the map: one sample)", costs, |cost| cost.flux_variance),
     ];
     Plot::grid([(String::new(), top), (String::new(), bottom)]).frame_size(400.0, 230.0).draw()
 }
 
-fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>], legend: bool) -> Panel {
+fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>]) -> Panel {
     let binned = |probabilities: &[f64]| -> Vec<f64> {
         let per_bin = probabilities.len().div_ceil(BINS);
         let mean = |bin: &[f64]| bin.iter().sum::<f64>() / bin.len() as f64 * probabilities.len() as f64;
@@ -73,7 +73,7 @@ fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>], legend: bool)
     let mut panel = Panel::new(x, Axis::linear("probability over uniform")).title(title);
     for (i, (shape, probabilities)) in SHAPES.iter().zip(all).enumerate() {
         let (values, count) = (binned(probabilities), probabilities.len());
-        let label = if legend { shape.name() } else { String::new() };
+        let label = shape.name();
         let at = |i: usize| edge(i, count, count);
         panel = if *shape == Shape::Map {
             panel.bars(label, theme::OBSERVED, (0..=values.len()).map(at).collect(), values)
@@ -86,9 +86,9 @@ fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>], legend: bool)
     panel
 }
 
-fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64, legend: bool) -> Panel {
+fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64) -> Panel {
     let marks: [(Along, &str, Colour, Marker); 3] = [
-        (Along::Rows, "for the rows alone", theme::IMPORTANCE_SAMPLING, Marker::Triangle),
+        (Along::Rows, "the proposal for the rows alone", theme::IMPORTANCE_SAMPLING, Marker::Triangle),
         (Along::Columns, "for the columns alone", theme::HEMISPHERE_SAMPLING, Marker::Square),
         (Along::Both, "for both", theme::REFERENCE, Marker::Open),
     ];
@@ -97,9 +97,12 @@ fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64, legend: bool) 
     let mut panel = Panel::new(x, Axis::named("", names.clone())).title(title);
     for (along, label, colour, marker) in marks {
         let place = |cost: &Cost| names.iter().position(|name| *name == cost.proposal).unwrap_or(0) as f64 + 0.5;
-        let mine = costs.costs.iter().filter(|cost| cost.along == along && variance(cost) > 1e-9);
+        // By the map for the rows, for the columns and for both is one and the same
+        let is_mine =
+            |cost: &&Cost| cost.along == along && (along == Along::Both || cost.proposal != Shape::Map.name());
+        let mine = costs.costs.iter().filter(is_mine).filter(|cost| variance(cost) > 1e-9);
         let points: Vec<Point> = mine.map(|cost| [samples(variance(cost)), place(cost)]).collect();
-        panel = panel.markers(if legend { label } else { "" }, colour, marker, points);
+        panel = panel.markers(label, colour, marker, points);
     }
     panel
 }

@@ -52,7 +52,8 @@ fn errs(sweep: &Sweep, number: usize) -> bool {
 }
 
 fn heading(sweep: &Sweep, number: usize) -> String {
-    capitalized(&format!("{} ({})", sweep.family.about, sweep.family.sections[number].title))
+    let title = sweep.family.sections[number].title.replace(" = ", "\u{a0}=\u{a0}");
+    capitalized(&format!("{} ({title})", sweep.family.about))
 }
 
 /// What a variant is called in figures.
@@ -115,11 +116,16 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let rows: Vec<&ErrorRow> = rows.iter().filter(is_shown).collect();
     let mut families: Vec<&str> = rows.iter().map(|row| row.family.as_ref()).collect();
     families.dedup();
+    // The markers of a line stand above each other if there are several variants
+    let is_alone = rows.windows(2).all(|pair| look(pair[0].variant) == look(pair[1].variant));
+    let aside = |variant: &str| if is_alone { 0.0 } else { look(variant).1 };
     let panel = |label: &str, [least, most]: [f64; 2], names: &[&str], value: &dyn Fn(&ErrorRow) -> f64| {
         let names: Vec<String> =
-            names.iter().map(|name| name.trim_start_matches(ErrorRow::SPECIAL).to_owned()).collect();
-        let x = Axis::log(label).range(least / 3.0, most * 3.0);
+            names.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
+        let ends = [least / 3.0, most * 3.0];
+        let x = Axis::log(format!("{label} (grey: at the line or beyond)")).range(ends[0], ends[1]);
         let panel = Panel::new(x, Axis::named("", names));
+        let panel = panel.shade(ends[0], least, theme::INK).shade(most, ends[1], theme::INK);
         // The legend's entries in the same order on both sides
         let entries = [STABLE, TEXTBOOK, REPORT].into_iter().flat_map(|variant| Precision::ALL.map(|p| (variant, p)));
         let is_there = |(variant, precision): &(&str, Precision)| {
@@ -127,13 +133,13 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         };
         let entries = entries.filter(is_there);
         entries.fold(panel, |panel, (variant, precision)| {
-            let (colour, aside) = look(variant);
-            let of = rows.iter().filter(|row| row.precision == precision && look(row.variant) == (colour, aside));
+            let (colour, _) = look(variant);
+            let of = rows.iter().filter(|row| row.precision == precision && look(row.variant) == look(variant));
             let place = |row: &&ErrorRow| -> Point {
                 let line = families.iter().position(|family| *family == row.family).unwrap_or(0);
                 // What has no finite value is worse than any
                 let value = if value(row).is_nan() { most } else { value(row).clamp(least, most) };
-                [value, line as f64 + 0.5 + aside]
+                [value, line as f64 + 0.5 + aside(variant)]
             };
             let label = format!("{}, {}", title(variant).to_lowercase(), precision.name());
             panel.markers(label, colour, marker(precision), of.map(place).collect::<Vec<_>>())
@@ -145,19 +151,45 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         let line = families.iter().position(|family| *family == row.family).unwrap_or(0);
         let rounding = 0.5 * row.precision.unit(1.0);
         let reach = (row.condition_at_worst.max(1.0) * rounding).clamp(ERRORS[0], ERRORS[1]);
-        let y = line as f64 + 0.5 + look(row.variant).1;
+        let y = line as f64 + 0.5 + aside(row.variant);
         panel.line(
-            "explained by rounding of the input, as it renders",
+            "what rounding of the input explains, as it renders",
             theme::EXPLAINED_BY_INPUT,
             [[rounding, y], [reach, y]],
         )
     });
     let ratios =
         panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
-            .line("explained by rounding of the input, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
+            .line("what rounding of the input explains, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
             .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
-    let panels = [explained.title("Largest error"), ratios.title("Beyond rounding of the input")];
-    Plot::new(panels).frame_size(350.0, LINE * families.len() as f64).draw()
+    let panels = [explained.title("Largest error"), ratios.title("Largest error over rounding of the input")];
+    Plot::new(panels).frame_size(380.0, LINE * families.len() as f64).draw()
+}
+
+/// A family's name as people read it: "ggx-pdf" is "GGX, pdf of normals".
+fn in_words(family: &str) -> String {
+    let of = |distribution: &str, what: &str| {
+        let what = match what {
+            "d" => "distribution of normals /{D}",
+            "g" => "masking /{G}_{1}",
+            "g2" => "masking and shadowing /{G}_{2}",
+            "pdf" => "pdf of visible normals",
+            _ => "sampled visible normals",
+        };
+        format!("{distribution}, {what}")
+    };
+    match family {
+        "fresnel" => "Fresnel, dielectric".into(),
+        "conductor" => "Fresnel, conductor".into(),
+        "schlick" => "Schlick's approximation".into(),
+        "refraction" => "refracted direction".into(),
+        "dielectric-pdf" => "rough glass, pdf of directions".into(),
+        _ => match family.split_once('-') {
+            Some(("beckmann", what)) => of("Beckmann", what),
+            Some(("ggx", what)) => of("GGX", what),
+            _ => family.replace('-', " "),
+        },
+    }
 }
 
 /// The colour of a variant, and the vertical offset of its markers in lines, so that none hides another.

@@ -50,7 +50,7 @@ pub fn finding(text: &str) -> String {
             }
         }
     }
-    marked.join(" ").replace("theta", "/{θ}").replace("phi", "/{φ}").replace(" - ", " − ")
+    marked.join(" ").replace("theta", "/{θ}").replace("phi", "/{φ}").replace(" - ", " − ").replace("..", "–")
 }
 
 /// A p-value of a table: "0.1234", "1.5e-9", or "< 1e-300" for what f64 cannot hold.
@@ -118,7 +118,7 @@ mod tests {
             "neighbours differ by 42 % (RMS) (/{p} < 10^{−300})"
         );
         assert_eq!(finding("1 - cos θ (p = 3.76e-212)"), "1 − cos θ (/{p} ≈ 10^{−211})");
-        assert_eq!(finding("38 % too few for theta 1..2"), "38 % too few for /{θ} 1..2");
+        assert_eq!(finding("38 % too few for theta 1..2"), "38 % too few for /{θ} 1–2");
     }
 
     #[test]

@@ -77,7 +77,24 @@ pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
         Verdict::Inconclusive => "inconclusive",
     };
     let by = by(&tested.outcome).map_or(String::new(), |by| format!(": {by}"));
-    described(tested, capitalized(mistake), Some(format!("{said} by the test of the sampler{by}")))
+    /// Places that are named.
+    const PLACES: usize = 2;
+    let outcome = &tested.outcome;
+    let places = outcome.found().into_iter().chain(outcome.other_places()).take(PLACES);
+    let places = places.map(|place| finding(&whole_degrees(place.trim_start_matches("sampling: "))));
+    let (below, _) = picture(outcome);
+    below.headed(capitalized(mistake), std::iter::once(format!("{said}{by}")).chain(places).collect())
+}
+
+/// A text with its angles in whole degrees.
+fn whole_degrees(text: &str) -> String {
+    let rounded = |part: &str| {
+        let start = part.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |at| at + 1);
+        let start = start + part[start..].len() - part[start..].trim_start_matches('.').len();
+        let degrees = part[start..].parse::<f64>().map(|degrees| format!("{degrees:.0}"));
+        format!("{}{}", &part[..start], degrees.unwrap_or_else(|_| part[start..].to_owned()))
+    };
+    text.split('°').map(rounded).collect::<Vec<_>>().join("°")
 }
 
 fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
@@ -239,7 +256,9 @@ fn sky(end: f64, place: fn(f64) -> f64) -> Chart {
         let theta = x.hypot(y) * end;
         (theta < end).then(|| [place(theta), y.atan2(x).to_degrees().rem_euclid(360.0) / 360.0])
     };
-    let axis = |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees)")).range(-end, end).every(end / 3.0);
+    let horizon = if end > 90.0 { "; circle: horizon" } else { "" };
+    let axis =
+        |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees{horizon})")).range(-end, end).every(end / 3.0);
     (Box::new(at), [axis("cos"), axis("sin")])
 }
 
@@ -329,7 +348,7 @@ const EMPTY: f64 = 0.01;
 const NOTABLE: f64 = 5.0;
 
 /// Points of a map along each side.
-const POINTS: usize = 180;
+const POINTS: usize = 360;
 /// The share of the highest count that has the darkest colour where counts are peaked.
 const DARKEST: f64 = 1e-3;
 /// Times the median count that the highest one has where counts are peaked.

@@ -23,8 +23,8 @@ pub fn figures() -> Vec<Maker> {
 fn content(inputs: &Inputs) -> Result<Content> {
     let environment = Environment::upright(inputs.map.map.clone(), &inputs.map.name, builtin::BRUSHED_METAL_SCALE);
     let (scene, request) = builtin::brushed_metal(environment);
-    let request = Request { spp: 16, ..request };
-    let (scene, request) = scene.resized(request, inputs.effort.of([160, 80], [80, 40]));
+    let request = Request { spp: 8, ..request };
+    let (scene, request) = scene.resized(request, inputs.effort.of([320, 160], [80, 40]));
     let mut renders = Vec::new();
     for alpha_y in ALPHAS {
         for alpha_x in ALPHAS {
@@ -41,8 +41,11 @@ fn content(inputs: &Inputs) -> Result<Content> {
             checks.push(Check::at_most(name, narrow.elongation / wide.elongation, 1.0));
         }
     }
-    let cells: Vec<_> = renders.iter().map(|render| (widths(&render.row), &render.image)).collect();
-    Content::new(view::grid("Brushed copper, α along the grooves and across", 3, 0.0, &cells), &rows, checks)
+    let caption = |PairRow { alpha_x, alpha_y, .. }: &PairRow| {
+        format!("α = {alpha_x} along the grooves, {alpha_y} across").replace(" = ", "\u{a0}=\u{a0}")
+    };
+    let cells: Vec<_> = renders.iter().map(|render| (caption(&render.row), &render.image)).collect();
+    Content::new(view::grid("Highlights on brushed copper follow its grooves", 3, 0.0, &cells), &rows, checks)
 }
 
 fn widths(row: &PairRow) -> String {

@@ -51,7 +51,7 @@ fn row(erratum: &Erratum, place: Option<Place>) -> figure::Erratum {
 }
 
 /// Panels in a row, the size of a frame, and of the text under it.
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 5;
 const FRAME: [f64; 2] = [190.0, 140.0];
 const LINE: f64 = 16.0;
 const GAP: f64 = 18.0;

@@ -105,7 +105,7 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
     let names = [&CUTS[..], &SAMPLED].concat();
     let colours = theme::strategies(&names);
     let stroke = |i: usize| Stroke { colour: colours[i], ..theme::series(i) };
-    let labels = ["median-cut: fixed lights, biased", "variance-cut: fixed lights, biased"];
+    let labels = ["median cut (biased)", "variance cut (biased)"];
     for ((i, cut), label) in CUTS.into_iter().enumerate().zip(labels) {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
         add(label, stroke(i), Marker::Open, points.collect());
@@ -114,7 +114,7 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
         let stroke = stroke(i + CUTS.len());
-        add(&format!("{name}: sampled at each hit"), stroke, theme::marker(stroke), points);
+        add(&format!("sampled: {}", converge::label(name)), stroke, theme::marker(stroke), points);
     }
     let panels = [by_number.title("Error against lights"), by_time.title("Error against time")];
     Plot::new(panels.map(Panel::with_names_on_curves)).draw()

@@ -160,20 +160,21 @@ fn depths(scenes: &[DepthCurve]) -> Drawing {
         let stroke = theme::series(i);
         // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
-        let label = format!("{} (depth {}: {})", depths.scene, deepest.depth, duration(deepest.cpu_seconds.value));
+        let scene = depths.scene.replace('-', " ");
+        let label = format!("{scene} (depth {}: {})", deepest.depth, duration(deepest.cpu_seconds.value));
         let over =
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();
         let band = |l: &DepthLevel| [f64::from(l.depth), l.missing.low(), l.missing.high()];
         let (by_depth, by_time) = (over(&|l| f64::from(l.depth)), over(&|l| l.time_share));
         let bands: Vec<_> = levels.iter().map(band).collect();
-        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label.clone(), stroke, by_depth);
-        over_time = over_time.dotted_line(label, stroke, by_time);
+        over_depth = over_depth.band("", stroke.colour, bands).dotted_line(label, stroke, by_depth);
+        over_time = over_time.dotted_line("", stroke, by_time);
         for level in levels {
             over_time = over_time.note([level.time_share, level.missing.value], level.depth.to_string(), stroke.colour);
         }
     }
     Plot::new([
-        over_depth.title("Missing light by maximum depth"),
+        over_depth.title("Missing light by maximum depth").with_names_on_curves(),
         over_time.title("Missing light by time (labels: maximum depth)"),
     ])
     .draw()

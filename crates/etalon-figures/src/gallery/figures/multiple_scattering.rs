@@ -196,12 +196,16 @@ fn shows(scene: &Scene, request: &Request, number: usize) -> Vec<bool> {
 /// The curves, and below them the spheres.
 fn energy(rows: &[AlbedoRow], spheres: &[Spheres]) -> Drawing {
     let title = |spheres: &Spheres| {
-        let kind = if spheres.multiple { "single and multiple scattering" } else { "single scattering" };
+        let kind = if spheres.multiple {
+            "single and multiple scattering"
+        } else {
+            "single scattering, flanks darkened by neighbours"
+        };
         format!("{}: {kind}", spheres.metal)
     };
     let cells: Vec<_> = spheres.iter().map(|spheres| (title(spheres), &spheres.image)).collect();
     let alphas = ALPHAS.map(|alpha| alpha.to_string()).join(", ");
-    let title = format!("Spheres in light of radiance 1 from everywhere, /{{α}} = {alphas}");
+    let title = format!("Spheres in light of radiance 1 from everywhere, α = {alphas}");
     // Darker, so that radiance above 1 shows, too.
     Drawing::stacked(vec![curves(rows), grid(&title, 2, -0.5, &cells)], 0.5)
 }
@@ -210,9 +214,10 @@ fn curves(rows: &[AlbedoRow]) -> Drawing {
     let panel = |(name, _)| {
         let mut panel = Panel::new(
             Axis::linear("width /{α} of the distribution of normals").range(0.0, 1.0),
-            Axis::linear("directional albedo").range(0.2, 1.05),
+            Axis::linear("directional albedo").range(0.2, 1.12),
         )
-        .title(format!("{name}, a metal that reflects everything"));
+        .title(format!("{name}, a metal that reflects everything"))
+        .with_names_on_curves();
         // One line for all angles: they differ by less than its width.
         let multiple = Stroke { colour: theme::INK, dash: theme::DASHED, ..theme::series(0) };
         for (i, theta) in THETAS_DEG.into_iter().enumerate() {
