@@ -117,7 +117,7 @@ fn files_have_domains_by_name_and_charts_of_their_own() {
         (cone.replace("return 3 * z * z", "return z * z"), 2, "the volume per volume of the unit cube"),
     ];
     for (file, code, said) in cases {
-        let Some(ran) = validate(&file, &["--samples", "10000"]) else { return };
+        let Some(ran) = validate(&file, &["--detect", "0.2"]) else { return };
         assert!(ran.code == code && ran.stderr.contains(said), "{file}: {} {}", ran.stdout, ran.stderr);
     }
 }

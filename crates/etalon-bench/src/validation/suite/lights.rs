@@ -164,7 +164,7 @@ fn whole_lights() -> Vec<Case> {
     let sun = Light::Directional { direction: Vec3::new(0.48, 0.6, -0.64), irradiance: Rgb::ONE };
     let of = |name: &str, make: Box<dyn Fn() -> Option<Emitter> + Send + Sync>| {
         Case::new(format!("whole/light/{name}"), move |protocol, round| {
-            let emitter = make().ok_or_else(|| Error::parameter("light", "nothing is emitted"))?;
+            let emitter = make().ok_or_else(|| Error::parameter("names", "a case of a light that emits nothing"))?;
             let all = places(&emitter)?.into_iter().filter(|(name, _)| !is_edge_on(name));
             // Integrals over lights end at edges and take long.
             let samples = match protocol.samples {
