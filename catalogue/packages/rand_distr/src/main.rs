@@ -111,8 +111,14 @@ fn cases() -> Vec<Case> {
     }
     case!("StandardGeometric", "discrete:64", r::StandardGeometric, |x| 0.5f64.powf(x + 1.0));
     for (total, good, n) in [(60, 20, 15), (800, 300, 399), (5000, 2000, 400)] {
-        let law = s::Hypergeometric::new(total, good, n).unwrap();
-        case!(format!("Hypergeometric({total}, {good}, {n})"), format!("discrete:{}", n + 1), r::Hypergeometric::new(total, good, n).unwrap(), |x| law.pmf(x as u64));
+        // By logarithms: the binomials of 5000 are beyond f64
+        let ln_binomial = |n: u64, k: f64| ln_gamma(n as f64 + 1.0) - ln_gamma(k + 1.0) - ln_gamma(n as f64 - k + 1.0);
+        let (bad, of_all) = (total - good, ln_binomial(total, n as f64));
+        let pmf = move |x: f64| {
+            let others = n as f64 - x;
+            if x > good as f64 || others > bad as f64 { 0.0 } else { (ln_binomial(good, x) + ln_binomial(bad, others) - of_all).exp() }
+        };
+        case!(format!("Hypergeometric({total}, {good}, {n})"), format!("discrete:{}", n + 1), r::Hypergeometric::new(total, good, n).unwrap(), |x| pmf(x));
     }
     for m in [0.3, 9.9, 12.1, 400.0, 3000.0] {
         case!(format!("Poisson({m})"), "discrete:5000", r::Poisson::new(m).unwrap(), |x| (x * f64::ln(m) - m - ln_gamma(x + 1.0)).exp());
