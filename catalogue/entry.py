@@ -67,15 +67,14 @@ def program(name: str, command: Sequence[str], domain: str, *, control: str = ""
     return Entry(name, domain, check, control, convention)
 
 
-def library(name: str, control: str, parameters: list[float], scale: str) -> list[Entry]:
-    """The entries of a JavaScript library that packages/serve.mjs serves; the wrong control multiplies samples by `scale`."""
-    serve = ["node", str(Path(__file__).parent / "packages/serve.mjs"), name]
-    entries = [
-        program(f"{law}({', '.join(map(str, of))})", [*serve, law, json.dumps(of)], "by support")
-        for law, of in json.loads(subprocess.run([*serve, "list"], capture_output=True, text=True, check=True).stdout)
+def library(serve: Sequence[str], control: str) -> list[Entry]:
+    """The entries of a program that prints their names and domains for `list`, and serves one by its name; a second argument scales samples."""
+    listed = subprocess.run([*serve, "list"], capture_output=True, text=True, check=True).stdout.splitlines()
+    return [
+        *(program(name, [*serve, name], domain) for name, domain in (line.split("\t") for line in listed)),
+        program("control/right", [*serve, control], "real", control="right"),
+        program("control/wrong", [*serve, control, "1.05"], "real", control="wrong"),
     ]
-    served = [*serve, control, json.dumps(parameters)]
-    return [*entries, program("control/right", served, "real", control="right"), program("control/wrong", [*served, scale], "real", control="wrong")]
 
 
 def _of_result(result: eb.Result, figure: Path | None) -> dict[str, Any]:

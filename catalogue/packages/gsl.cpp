@@ -1,5 +1,5 @@
-// Distributions of the C++ standard library ("std/…") and of GSL, in the protocol; densities are those of GSL.
-//   gsl list      the names;     gsl NAME [SCALE]      serves one, samples multiplied by SCALE
+// Distributions of GSL, and of the C++ standard library ("std"), in the protocol; densities are those of GSL.
+//   client gsl|std list     names and domains;     client gsl|std NAME [SCALE]     serves one, samples multiplied by SCALE
 #include "etalon.h"
 #include <cmath>
 #include <functional>
@@ -18,7 +18,11 @@ static const Case *now;
 int main(int argc, char **argv) {
     r = gsl_rng_alloc(gsl_rng_mt19937);
     std::vector<Case> all;
-    const auto add = [&](std::string name, std::string domain, std::function<double()> draw, std::function<double(double)> pdf) { all.push_back({name, domain, draw, pdf}); };
+    const std::string library = argc > 2 ? argv[1] : "", asked = argc > 2 ? argv[2] : "";
+    const auto add = [&](std::string name, std::string domain, std::function<double()> draw, std::function<double(double)> pdf) {
+        const bool isStd = name.rfind("std/", 0) == 0;
+        if (isStd == (library == "std")) all.push_back({isStd ? name.substr(4) : name, domain, draw, pdf});
+    };
 #define REAL(NAME, DOMAIN, DRAW, PDF) add(NAME, DOMAIN, [=]() mutable { return double(DRAW); }, [=](double x) { return double(PDF); })
     REAL("gaussian polar", "real", gsl_ran_gaussian(r, 1), gsl_ran_gaussian_pdf(x, 1));
     REAL("gaussian ratio_method", "real", gsl_ran_gaussian_ratio_method(r, 1), gsl_ran_gaussian_pdf(x, 1));
@@ -88,15 +92,15 @@ int main(int argc, char **argv) {
     REAL("hypergeometric", "discrete:400", gsl_ran_hypergeometric(r, 300, 500, 399), gsl_ran_hypergeometric_pdf(unsigned(x), 300, 500, 399));
     REAL("geometric", "discrete:2000", gsl_ran_geometric(r, 0.05), gsl_ran_geometric_pdf(unsigned(x), 0.05));
     REAL("logarithmic", "discrete:2000", gsl_ran_logarithmic(r, 0.7), gsl_ran_logarithmic_pdf(unsigned(x), 0.7));
-    if (argc > 1 && !strcmp(argv[1], "list"))
+    if (asked == "list")
         for (const Case &c : all) printf("%s\t%s\n", c.name.c_str(), c.domain.c_str());
-    if (argc > 2) scale = atof(argv[2]);
+    if (argc > 3) scale = atof(argv[3]);
     for (const Case &c : all)
-        if (argc > 1 && c.name == argv[1]) {
+        if (c.name == asked) {
             now = &c;
-            etalon_sampler s = {"gsl", c.domain.c_str(), 0, [](const double *, double *x) { return *x = scale * now->draw(), 1; }, [](const double *x) { return now->pdf(*x); }, 0,
+            etalon_sampler s = {library.c_str(), c.domain.c_str(), 0, [](const double *, double *x) { return *x = scale * now->draw(), 1; }, [](const double *x) { return now->pdf(*x); }, 0,
                                 [](unsigned long seed) { gsl_rng_set(r, seed); g.seed(seed); }, 0};
             return etalon_serve_sampler(&s);
         }
-    return argc > 1 && !strcmp(argv[1], "list") ? 0 : 2;
+    return asked == "list" ? 0 : 2;
 }

@@ -230,8 +230,7 @@ def spectrum(plugin):
     return etalon.sampler(sample, pdf, "interval:360,830", dimension=1)
 
 
-SPECTRA = {
-    "uniform": {"type": "uniform", "value": 1.0},
+SPECTRA = {  # without `uniform`, which has no pdf
     "regular": {"type": "regular", "wavelength_min": 400, "wavelength_max": 700, "values": "0.1, 1, 0.3, 0.7"},
     "irregular": {"type": "irregular", "wavelengths": "380, 400, 550, 800", "values": "0.1, 1, 0.3, 0.7"},
     "blackbody": {"type": "blackbody", "temperature": 3000.0},

@@ -6,6 +6,8 @@
 # ///
 """ranjs (JavaScript): all distributions with their default parameters and others, by serve.mjs."""
 
+from pathlib import Path
+
 from entry import library, run
 
-run(library("ranjs", "Normal", [], "1.05"))
+run(library(["node", str(Path(__file__).with_name("serve.mjs")), "ranjs"], "Normal()"))

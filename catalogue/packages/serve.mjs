@@ -1,6 +1,6 @@
 // Distributions of ranjs and of stdlib in the protocol of `etalon validate --exec`.
-//   node serve.mjs LIBRARY list              the entries, as JSON
-//   node serve.mjs LIBRARY NAME PARAMETERS   serves one; PARAMETERS is a JSON array
+//   node serve.mjs LIBRARY list                          names, such as Normal(0, 1), and domains
+//   node serve.mjs LIBRARY 'NAME(PARAMETERS)' [SCALE]    serves one, samples multiplied by SCALE
 import { createRequire } from 'node:module'
 import { createInterface } from 'node:readline'
 
@@ -31,8 +31,8 @@ const libraries = {
     return { make, list }
   },
   stdlib () {
-    const random = require('@stdlib/random-base')
-    const dists = require('@stdlib/stats-base-dists')
+    // Of one distribution alone, as all of them take seconds to load
+    const kebab = name => name.replace(/[A-Z]/g, letter => `-${letter.toLowerCase()}`)
     const cases = {
       arcsine: [[-1, 2]], beta: [[0.5, 0.5], [2, 5], [0.3, 8], [200, 300]], betaprime: [[2, 3], [0.5, 0.7]], cauchy: [[0, 1], [100, 0.1]], chi: [[0.7], [4]],
       chisquare: [[0.5], [3], [60]], cosine: [[1, 2]], erlang: [[3, 2]], exponential: [[1], [1e-4]], f: [[3, 5], [0.8, 2]], frechet: [[2, 1, 0.5], [0.5, 3, -1]],
@@ -44,8 +44,8 @@ const libraries = {
     }
     const discrete = ['bernoulli', 'binomial', 'discreteUniform', 'geometric', 'hypergeometric', 'negativeBinomial', 'poisson']
     const make = (name, parameters) => {
-      const law = dists[name]
-      const family = random[name]
+      const law = require(`@stdlib/stats-base-dists-${kebab(name)}`)
+      const family = require(`@stdlib/random-base-${kebab(name)}`)
       let draw = family.factory(...parameters, { seed: 1 })
       const isDiscrete = discrete.includes(name)
       // The ends of cauchy are ±1.6e16: the tangent of π/2 in double precision
@@ -77,13 +77,14 @@ function placed (law) {
   return { domain: `discrete:${n}`, place: x => Math.min(Math.max(x - first, 0), n - 1), pdf: i => i < n - 1 ? inner[i] : last }
 }
 
-const [library, name, parameters, scale = '1'] = process.argv.slice(2)
+const [library, asked, scale = '1'] = process.argv.slice(2)
 const { make, list } = libraries[library]()
-if (name === 'list') {
-  console.log(JSON.stringify(list()))
+if (asked === 'list') {
+  console.log(list().map(([name, parameters]) => `${name}(${parameters.join(', ')})\tby support`).join('\n'))
   process.exit()
 }
-const law = make(name, JSON.parse(parameters))
+const [, name, parameters] = asked.match(/^(\w+)\((.*)\)$/)
+const law = make(name, JSON.parse(`[${parameters}]`))
 const { domain, place, pdf } = placed(law)
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]()
 for (let line; (line = (await lines.next()).value) !== undefined;) {

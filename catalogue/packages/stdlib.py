@@ -6,6 +6,8 @@
 # ///
 """stdlib (JavaScript): @stdlib/random-base against @stdlib/stats-base-dists, by serve.mjs."""
 
+from pathlib import Path
+
 from entry import library, run
 
-run(library("stdlib", "normal", [0, 1], "1.05"))
+run(library(["node", str(Path(__file__).with_name("serve.mjs")), "stdlib"], "normal(0, 1)"))

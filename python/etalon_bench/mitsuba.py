@@ -123,18 +123,16 @@ def bsdf(plugin: Any, *, zero: bool = False, **declared: Any) -> Bsdf:
 def phase(plugin: Any, wi: Sequence[float], *, zero: bool = False) -> Sampler:
     """Directions of a phase function, for light that comes from `wi`, as Mitsuba's integrators have it: away from the point."""
     plugin, context = _loaded(plugin), mi.PhaseFunctionContext()
-
-    def point() -> Any:
-        at = dr.zeros(mi.MediumInteraction3f)
-        at.wi = mi.Vector3f(_unit(wi))
-        at.sh_frame = mi.Frame3f(at.wi)
-        return _coloured(at)
+    at = dr.zeros(mi.MediumInteraction3f)
+    at.wi = mi.Vector3f(_unit(wi))
+    at.sh_frame = mi.Frame3f(at.wi)
+    at = _coloured(at)
 
     def sample(u: Any) -> tuple[Any, Any]:
-        wo, _, pdf = plugin.sample(context, point(), u.x, mi.Point2f(u.y, u.z))
+        wo, _, pdf = plugin.sample(context, at, u.x, mi.Point2f(u.y, u.z))
         return wo, pdf
 
-    return sampler(sample, lambda wo: plugin.eval_pdf(context, point(), wo)[1], "sphere", dimension=3, zero=zero)
+    return sampler(sample, lambda wo: plugin.eval_pdf(context, at, wo)[1], "sphere", dimension=3, zero=zero)
 
 
 def microfacets(distribution: Any, wi: Sequence[float], *, zero: bool = False) -> Sampler:
