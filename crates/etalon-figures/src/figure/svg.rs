@@ -211,7 +211,7 @@ mod tests {
         let mut drawing = Page::new(100.0, 20.0, 1.0);
         drawing.text(Text::new([0.0, 10.0], 10.0, "a < b & \u{1}θ_{B} done"));
         let svg = drawing.svg();
-        let index = "<tspan dy=\"2\" font-size=\"7\">B</tspan><tspan dy=\"-2\"> done</tspan>";
+        let index = "<tspan dy=\"2\" font-size=\"7.8\">B</tspan><tspan dy=\"-2\"> done</tspan>";
         assert!(svg.contains(&format!(">a &lt; b &amp;  θ{index}</text>")), "{svg}");
     }
 

@@ -146,9 +146,9 @@ mod tests {
         let got = runs("/{R}_{∥} = 10^{−3}", 10.0, false);
         let expected = [
             ("R", Face::Oblique, 10.0, 0.0),
-            ("∥", Face::Regular, 7.8, -2.0),
+            ("∥", Face::Regular, 10.0 * SMALL, -2.0),
             (" = 10", Face::Regular, 10.0, 0.0),
-            ("−3", Face::Regular, 7.8, 4.0),
+            ("−3", Face::Regular, 10.0 * SMALL, 4.0),
         ];
         assert_eq!(got.len(), expected.len());
         for (run, (text, face, size, rise)) in got.iter().zip(expected) {
@@ -191,6 +191,6 @@ mod tests {
         // DejaVu Sans: a digit is 1303 of 2048 units wide.
         assert!((width("0123", 20.48, false) - 4.0 * 13.03).abs() < 1e-9);
         assert!(width("W", 10.0, true) > width("W", 10.0, false));
-        assert!((width("x^{0}", 10.0, false) - width("x", 10.0, false) - width("0", 7.8, false)).abs() < 1e-9);
+        assert!((width("x^{0}", 10.0, false) - width("x", 10.0, false) - width("0", 10.0 * SMALL, false)).abs() < 1e-9);
     }
 }
