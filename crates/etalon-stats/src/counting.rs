@@ -308,7 +308,7 @@ pub struct Tally {
     pub outside_support: u64,
     /// Samples where the pdf is infinite.
     pub infinite: u64,
-    /// Finite samples of an unbounded set that its chart does not tell apart, and samples at infinity.
+    /// Samples of an unbounded set where its pdf is positive and its chart does not tell points apart, and samples at infinity.
     pub beyond: u64,
     pub at_infinity: u64,
     /// One of the samples at infinity.
@@ -548,7 +548,7 @@ impl Source<'_> {
             if is_infinite(&sample.point) {
                 tally.at_infinity += 1;
                 tally.first_at_infinity.get_or_insert_with(|| tuple(&sample.point) + &sampled_from(u, i, dimension));
-            } else if is_beyond_charts(&sample.point) && self.domain.measure().is_infinite() {
+            } else if pdf > 0.0 && is_beyond_charts(&sample.point) && self.domain.measure().is_infinite() {
                 tally.beyond += 1;
             }
             let (cell, probe) = (subdivision.grid.find(at), Probe { at, density });

@@ -164,6 +164,10 @@ fn samples_beyond_the_chart_are_inconclusive_and_infinite_ones_named() {
     let outcome = tested(&HalfLine::POSITIVE, &logarithmic, &pdf);
     assert_eq!(outcome.verdict, Verdict::Inconclusive, "{outcome}");
     assert!(outcome.to_string().contains("beyond 10⁶⁰"), "{outcome}");
+    // Where the pdf is 0, no sample may be, however far away.
+    let far = |u: &[f64]| Some(Sample::new(if u[1] < 1e-3 { 1e100 } else { -(1.0 - u[0]).ln() }));
+    let outcome = tested(&HalfLine::POSITIVE, &sampler(2, far), &density(|x: f64| (-x).exp()));
+    assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
     let pdf = density(|x: f64| 1.0 / (PI * (1.0 + x * x)));
     for (share, is_named) in [(0.0, false), (1e-3, true)] {
         let infinite =
