@@ -1,11 +1,11 @@
 """Right samplers of many domains, each with a twin whose pdf is wrong, tested by `etalon validate FILE.py` with the default options.
 
     pip install numpy scipy
-    python benches/domains.py [path of etalon] [--seeds N] [names of samplers ...]
+    python benches/domains.py [PATH_OF_ETALON [NAME ...]] [--seeds N]
 
 A twin has the samples of one parameter and the pdf of another. The size of its fault is the root mean square of the relative error of
 the pdf; the parameter is moved until that is 1.5 times the error that the test of the right sampler says it detects.
-That is an error over the cells: the twin of `thin-ring` is wrong within them only, and is not found.
+The detectable error is one of the cells' averages: the twin of `thin-ring` is wrong within them only, and is not found.
 """
 import argparse
 import json
