@@ -395,7 +395,8 @@ pub fn geometry(subject: &Subject) -> Result<Option<Outcome>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contract::{Bsdf, BsdfSample, DeltaLobe, Hit, Properties, Spectrum};
+    use super::super::contract::{Bsdf, BsdfSample, Hit, Properties, Spectrum};
+    use super::super::textbook::{DeltaLight, difference};
     use super::super::{Report, test};
     use super::*;
     use crate::examine::Protocol;
@@ -482,10 +483,6 @@ mod tests {
     const AREA: f64 = PI * RADIUS * RADIUS;
     const RADIANCE: f64 = 5.0;
 
-    fn difference(a: Direction, b: Direction) -> Direction {
-        [0, 1, 2].map(|i| a[i] - b[i])
-    }
-
     impl Disk {
         /// Distance and cosine.
         fn met(&self, from: Direction, wi: Direction) -> Option<[f64; 2]> {
@@ -530,31 +527,12 @@ mod tests {
     }
 
     /// A point whose light falls with a power of the distance.
-    struct Lamp(i32);
-
-    impl Bsdf for Lamp {
-        fn properties(&self) -> Properties {
-            Properties { delta: true, ..Properties::light() }
-        }
-
-        fn eval(&self, _: Direction, _: Direction, _: &[f64]) -> Spectrum {
-            [0.0; 3]
-        }
-
-        fn pdf(&self, _: Direction, _: Direction) -> f64 {
-            0.0
-        }
-
-        fn sample(&self, from: Direction, _: &[f64]) -> Option<BsdfSample> {
+    fn lamp(power: i32) -> impl BatchBsdf {
+        DeltaLight(move |from| {
             let to = difference(CENTRE, from);
-            let weight = [2.0 * length(to).powi(-self.0); 3];
+            let weight = [2.0 * length(to).powi(-power); 3];
             Some(BsdfSample { point: Some(CENTRE), ..BsdfSample::new(unit(to), weight, Density::Delta(1.0)) })
-        }
-
-        fn delta_lobes(&self, from: Direction) -> Vec<DeltaLobe> {
-            let lobe = |s: BsdfSample| DeltaLobe { wi: s.wi, probability: 1.0, throughput: s.weight };
-            Bsdf::sample(self, from, &[]).map(lobe).into_iter().collect()
-        }
+        })
     }
 
     fn report(subject: &dyn BatchBsdf, seed: u64) -> Report {
@@ -587,7 +565,7 @@ mod tests {
     #[test]
     fn right_phase_functions_and_lights_are_accepted() {
         let along = Greenstein { wo_points_away: false, ..GREENSTEIN };
-        for subject in [&GREENSTEIN as &dyn BatchBsdf, &along, &DISK, &Lamp(2)] {
+        for subject in [&GREENSTEIN as &dyn BatchBsdf, &along, &DISK, &lamp(2)] {
             assert_eq!(exact(subject), "");
         }
         let report = report(&Greenstein { g: -0.3, mean_cosine: -0.3, ..GREENSTEIN }, 1);
@@ -631,7 +609,7 @@ mod tests {
             assert!(report.contains(words), "{words}: {report}");
         }
         for power in [0, 1] {
-            let report = exact(&Lamp(power));
+            let report = exact(&lamp(power));
             assert!(report.contains(&format!("falls as r to the power of {}", -power)), "{report}");
         }
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-fn difference(a: Direction, b: Direction) -> Direction {
+pub fn difference(a: Direction, b: Direction) -> Direction {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
@@ -115,7 +115,7 @@ impl Bsdf for Sggx {
     }
 
     fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
-        // Straight on, all normals across are half-way.
+        // Where wi is −wo, any unit vector perpendicular to wo serves as half vector.
         let sum = [0, 1, 2].map(|i| wo[i] + wi[i]);
         let half = if length(sum) > 0.0 { unit(sum) } else { tangents(wo)[0] };
         // The columns are perpendicular: hᵀ S⁻¹ h = Σ (h · a / a²)².
@@ -253,13 +253,10 @@ impl Bsdf for Ball {
     }
 }
 
-/// A spot whose light ends smoothly at 60° from its axis, or a sun.
-enum Delta {
-    Spot,
-    Sun,
-}
+/// A light in a delta direction: what it samples from a reference point.
+pub struct DeltaLight<F>(pub F);
 
-impl Bsdf for Delta {
+impl<F: Fn(Direction) -> Option<BsdfSample> + Sync> Bsdf for DeltaLight<F> {
     fn properties(&self) -> Properties {
         Properties { delta: true, ..Properties::light() }
     }
@@ -273,19 +270,26 @@ impl Bsdf for Delta {
     }
 
     fn sample(&self, from: Direction, _: &[f64]) -> Option<BsdfSample> {
-        let sun = unit([1.0, 2.0, 3.0]);
-        let Self::Spot = self else { return Some(BsdfSample::new(sun, [3.0; 3], Density::Delta(1.0))) };
-        let point = [0.0, 1.0, 4.0];
-        let to = difference(point, from);
-        let falloff = 2.0 * dot(unit(to), sun) - 1.0;
-        let sample = BsdfSample::new(unit(to), [falloff.powi(2) / dot(to, to); 3], Density::Delta(1.0));
-        (falloff > 0.0).then_some(BsdfSample { point: Some(point), ..sample })
+        self.0(from)
     }
 
     fn delta_lobes(&self, from: Direction) -> Vec<DeltaLobe> {
         let lobe = |s: BsdfSample| DeltaLobe { wi: s.wi, probability: 1.0, throughput: s.weight };
-        Bsdf::sample(self, from, &[]).map(lobe).into_iter().collect()
+        self.0(from).map(lobe).into_iter().collect()
     }
+}
+
+fn sun(_: Direction) -> Option<BsdfSample> {
+    Some(BsdfSample::new(unit([1.0, 2.0, 3.0]), [3.0; 3], Density::Delta(1.0)))
+}
+
+/// A spot whose light ends smoothly at 60° from its axis.
+fn spot(from: Direction) -> Option<BsdfSample> {
+    let point = [0.0, 1.0, 4.0];
+    let to = difference(point, from);
+    let falloff = 2.0 * dot(unit(to), unit([1.0, 2.0, 3.0])) - 1.0;
+    let sample = BsdfSample::new(unit(to), [falloff.powi(2) / dot(to, to); 3], Density::Delta(1.0));
+    (falloff > 0.0).then_some(BsdfSample { point: Some(point), ..sample })
 }
 
 /// A map of equal areas: rows of equal height in z.
@@ -370,8 +374,8 @@ fn subjects() -> Vec<(&'static str, Box<dyn BatchBsdf>)> {
         ),
         ("disk", Box::new(Flat { area: 0.75 * PI, is_inside: disk, place: of_disk, ..FLAT })),
         ("sphere", Box::new(Ball)),
-        ("spot", Box::new(Delta::Spot)),
-        ("sun", Box::new(Delta::Sun)),
+        ("spot", Box::new(DeltaLight(spot))),
+        ("sun", Box::new(DeltaLight(sun))),
         ("map", Box::new(Map)),
     ]
 }
