@@ -77,6 +77,15 @@ pub struct Counted {
     pub tally: Tally,
 }
 
+impl Counted {
+    /// Takes `errors` of the cells' integrals into account, unless they are too large for that.
+    fn accept_errors(&mut self, errors: Vec<f64>) {
+        let noise = noise(self.tally.samples, &self.values, |cell| errors[cell]);
+        self.uncertain = noise.may_exceed(MOST_NOISE * self.values.len() as f64);
+        self.errors = errors;
+    }
+}
+
 /// What is added to each cell's integral, and the standard error of that.
 type Correction = [f64; 2];
 
@@ -197,9 +206,7 @@ impl Counting<'_> {
                 // What samples found above the integrals is an error, too.
                 let missed: Vec<f64> = (0..integrals.errors.len()).map(|cell| self.missed(tally, cell)).collect();
                 let errors = integrals.errors.iter().zip(&missed).map(|(error, missed)| (scale * error).hypot(*missed));
-                counted.errors = errors.collect();
-                let noise = noise(tally.samples, &counted.values, |cell| counted.errors[cell]);
-                counted.uncertain = noise.may_exceed(MOST_NOISE * counted.values.len() as f64);
+                counted.accept_errors(errors.collect());
                 let all_missed: f64 = missed.iter().sum();
                 counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
                 return Ok(None);
@@ -216,18 +223,23 @@ impl Counting<'_> {
             let [difference, error] = check.difference(cell);
             scale * (difference.abs() - CHANCE * error).at_least(0.0) + self.missed(tally, cell)
         };
-        let error = |cell: usize| match corrections {
-            Some(corrections) => corrections[cell][1],
-            None => scale * integrals.errors[cell] + found(cell),
-        };
-        counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
         let all_found: f64 = (0..self.subdivision.grid.len()).map(found).sum();
-        // Samples tell what cells lack, but not which of their parts
-        counted.shares = counted.shares.take().filter(|_| corrections.is_none()).map(|(shares, _)| (shares, all_found));
-        let values = &mut counted.values;
-        for (value, [more, _]) in values.iter_mut().zip(corrections.into_iter().flatten()) {
-            *value = (*value + more).at_least(0.0);
+        match corrections {
+            None => {
+                let error = |cell: usize| scale * integrals.errors[cell] + found(cell);
+                counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
+                counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_found));
+            }
+            // Samples tell what cells lack, and with which standard error, but not which of their parts.
+            Some(corrections) => {
+                counted.shares = None;
+                for (value, [more, _]) in counted.values.iter_mut().zip(corrections) {
+                    *value = (*value + more).at_least(0.0);
+                }
+                counted.accept_errors(corrections.iter().map(|[_, error]| *error).collect());
+            }
         }
+        let values = &mut counted.values;
         let scale = self.scale(values);
         values.iter_mut().for_each(|value| *value *= scale);
         Ok(Some(check))
