@@ -413,7 +413,7 @@ impl<'a> Table<'a> {
         let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
         let most = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
         let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
-        // Of the local minima
+        // Only local minima are candidates.
         let is_lowest = |i: &usize| {
             let left = all[*i].1;
             let mut around = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| all.get(i));
