@@ -632,6 +632,8 @@ impl<'a> Table<'a> {
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
         let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
         let mut fitted: Vec<Fitted> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        // Some power fits any pdf of two values; one that is symmetric about an axis, as cosⁿ θ, has many.
+        fitted.retain(|found| found.is_usual || own_axis.is_some());
         if !fitted.is_empty() {
             // Those that explain as much as the best, and unusual powers where nothing else does
             fitted.sort_by(|a, b| a.left.total_cmp(&b.left));
