@@ -279,8 +279,9 @@ pub fn collisions(domain: &dyn Domain, probes: &[Probe], draws: u64) -> Option<S
     let p = if pairs > 0 { chi_square_below(2.0 * pairs as f64, 2.0 * expected) } else { 1.0 };
     (p < IMPOSSIBLE).then(|| {
         format!(
-            "outcomes occur too often, others too rarely or never: {} of {} samples, {expected:.0} expected",
-            count(pairs, "equal pair", "equal pairs"),
+            "some outcomes occur too often, others too rarely or never: {} of equal samples among {}, {expected:.0} \
+             expected (counting outcomes with a probability of at most 1/{draws})",
+            count(pairs, "pair", "pairs"),
             probes.len()
         )
     })
