@@ -5,7 +5,7 @@
 use super::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
-use crate::view::converge::{self, GUIDE, guide, with_band};
+use crate::view::converge::{self, guide, with_band};
 use crate::view::map::Display;
 use etalon_bench::converge::curve::{Curve, Level};
 use etalon_bench::converge::{CUTS, Convergence, cuts};
@@ -111,17 +111,17 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
         add(label, stroke(i), Marker::Open, points.collect());
     }
-    for (i, name) in SAMPLED.into_iter().enumerate() {
+    for ((i, name), label) in SAMPLED.into_iter().enumerate().zip(["sampled: map", "sampled: map × cosine"]) {
         let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
         let stroke = stroke(i + CUTS.len());
-        add(&format!("sampled: {}", converge::label(name)), stroke, theme::marker(stroke), points);
+        add(label, stroke, theme::marker(stroke), points);
     }
     let shown: Vec<&Curve> = SAMPLED.into_iter().filter_map(|name| sampled.curve(name)).collect();
-    let by_number = by_number.line(GUIDE, theme::GUIDE, guide(&shown, &|level| f64::from(level.spp)));
-    let by_time = by_time.line(GUIDE, theme::GUIDE, guide(&shown, &|level| level.cpu_seconds));
+    let by_number = by_number.line("slope −1/2", theme::GUIDE, guide(&shown, &|level| f64::from(level.spp)));
+    let by_time = by_time.line("slope −1/2", theme::GUIDE, guide(&shown, &|level| level.cpu_seconds));
     let panels = [by_number.title("Error against lights"), by_time.title("Error against time")];
-    Plot::new(panels.map(Panel::with_names_on_curves)).frame_size(420.0, 320.0).draw()
+    Plot::new(panels.map(Panel::with_names_on_curves)).frame_size(440.0, 380.0).draw()
 }
 
 /// The strategies of the sphere's curves that stand beside the fixed lights.
