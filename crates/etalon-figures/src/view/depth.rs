@@ -28,13 +28,14 @@ pub fn differences(result: &Depths) -> Drawing {
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let letters = "Light L, walls D, spheres of mirror and glass S, eye E: without spheres LD…DE, walls lit by spheres L…S…DE, walls seen in \
-                   spheres L…D…SE, area light LS…SE";
+    let letters = "Paths of light L, walls D, spheres of mirror and glass S, eye E: without spheres LD…DE, walls lit by spheres L…S…DE,";
+    let others = "walls seen in spheres L…D…SE, the area light seen in spheres LS…SE";
     let exposures = format!(
         "Each exposure leaves {:.0}\u{a0}% of the pixels below white; single bright pixels are clamped",
         100.0 * BELOW_WHITE
     );
-    contact_sheet("", 3, &images).headed("What each maximum depth /{m} adds", vec![letters.to_owned(), exposures])
+    contact_sheet("", 3, &images)
+        .headed("What each maximum depth /{m} adds", vec![letters.to_owned(), others.to_owned(), exposures])
 }
 
 /// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one

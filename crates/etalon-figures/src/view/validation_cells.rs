@@ -81,9 +81,14 @@ pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
     const PLACES: usize = 2;
     let outcome = &tested.outcome;
     let places = outcome.found().into_iter().chain(outcome.other_places()).take(PLACES);
-    let places = places.map(|place| finding(&whole_degrees(place.trim_start_matches("sampling: "))));
+    let places = places.flat_map(|place| lines(&whole_degrees(place.trim_start_matches("sampling: "))));
     let (below, _) = picture(outcome);
     below.headed(capitalized(mistake), std::iter::once(format!("{said}{by}")).chain(places).collect())
+}
+
+/// A text in lines that are not too long.
+fn lines(text: &str) -> Vec<String> {
+    wrapped(text, "", WIDEST).lines().map(finding).collect()
 }
 
 /// A text with its angles in whole degrees.
@@ -99,7 +104,6 @@ fn whole_degrees(text: &str) -> String {
 
 fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
     let outcome = &tested.outcome;
-    let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
     let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
     let first = first.iter().flat_map(|text| lines(text));
     let (below, beyond) = picture(outcome);
@@ -401,12 +405,20 @@ fn listed(rows: &[Row], axis: &str, outcomes: Option<usize>) -> Plot {
     let expected: Vec<Point> =
         bars().flat_map(|((from, to), row)| [from, to].map(|x| [x, row.expected / (to - from)])).collect();
     let observed = bars().map(|((from, to), row)| row.observed as f64 / (to - from)).collect();
-    let residuals: Vec<Point> = bars().map(|((from, to), row)| [0.5 * (from + to), row.residual]).collect();
+    // Of cells at the ends, which may hold a long tail, only a part
+    let [from, to] = match edges[..] {
+        [first, second, .., before, last] => {
+            let part = ((before - second) / 8.0).max(1.0);
+            [first.max(second - part), last.min(before + part)]
+        }
+        _ => [edges.first(), edges.last()].map(|end| end.copied().unwrap_or(1.0)),
+    };
+    let middle = |(start, end): (f64, f64)| 0.5 * (start.max(from) + end.min(to));
+    let residuals: Vec<Point> = bars().map(|(ends, row)| [middle(ends), row.residual]).collect();
     let largest = rows.iter().map(|row| row.residual.abs()).fold(1.0, f64::max);
     let numbers = || {
-        let [from, to] = [edges.first(), edges.last()].map(|end| end.copied().unwrap_or(1.0));
         let axis = Axis::linear(axis).range(from, to);
-        if to - from <= 12.0 { axis.every(1.0) } else { axis }
+        if to - from <= 25.0 { axis.every(((to - from) / 12.0).ceil().max(1.0)) } else { axis }
     };
     Plot::new([
         Panel::new(numbers(), Axis::linear(samples))
