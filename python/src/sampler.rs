@@ -86,9 +86,9 @@ pub struct DeclaredChart {
     to_cube: Py<PyAny>,
     from_cube: Py<PyAny>,
     jacobian: Py<PyAny>,
-    /// Of the unit cube: 1 to 6.
+    /// The dimension of the unit cube: 1 to 6.
     dimension: usize,
-    /// Of the coordinates of the cube.
+    /// Names of the coordinates of the cube.
     names: Vec<String>,
 }
 

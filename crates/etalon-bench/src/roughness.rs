@@ -50,7 +50,7 @@ pub struct StatueRender {
     /// The kind of object at each pixel.
     pub objects: ObjectIdBuffer,
     pub image: Image,
-    /// Of every pixel of the image.
+    /// That of every pixel of the image.
     pub standard_error: Image,
     /// Samples that were dropped.
     pub dropped: Dropped,

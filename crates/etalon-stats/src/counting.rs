@@ -384,7 +384,7 @@ type Batch = (Vec<f64>, Vec<Option<Sample>>);
 
 /// Densities per area of the chart, of pdfs.
 enum PerArea {
-    /// Of an even chart.
+    /// A factor that is the same everywhere.
     Times(f64),
     Each(Vec<f64>),
 }

@@ -279,8 +279,9 @@ pub fn collisions(domain: &dyn Domain, probes: &[Probe], draws: u64) -> Option<S
     let p = if pairs > 0 { chi_square_below(2.0 * pairs as f64, 2.0 * expected) } else { 1.0 };
     (p < IMPOSSIBLE).then(|| {
         format!(
-            "outcomes occur too often, others too rarely or never: {} of {} samples, {expected:.0} expected",
-            count(pairs, "equal pair", "equal pairs"),
+            "some outcomes occur too often, others too rarely or never: {} of equal samples among {}, {expected:.0} \
+             expected (counting outcomes with a probability of at most 1/{draws})",
+            count(pairs, "pair", "pairs"),
             probes.len()
         )
     })
@@ -309,33 +310,33 @@ fn few_values(domain: &dyn Domain, axis: usize, probes: &[Probe], mass: f64) -> 
     let groups: Vec<&[(f64, f64)]> = values.chunk_by(|a, b| a.0 == b.0).collect();
     let (samples, distinct) = (values.len() as f64, groups.len() as f64);
 
-    // N samples meet, of M equally likely values, M (1 − e^(−N/M)). Fewer values than the limit are a lattice, if they are
-    // further apart than single precision has them.
-    let met = |m: f64| m * -(-samples / m).exp_m1();
-    let mut gaps: Vec<f64> = groups.windows(2).map(|pair| (pair[1][0].0 - pair[0][0].0) / pair[1][0].0).collect();
-    gaps.sort_by(f64::total_cmp);
-    if distinct < met(VALUES) && gaps.get(gaps.len() / 2).is_some_and(|gap| *gap > SPACING) {
-        let (mut few, mut many) = (1.0f64, VALUES);
-        for _ in 0..60 {
-            let middle = (few * many).sqrt();
-            if met(middle) < distinct { few = middle } else { many = middle }
-        }
-        return Some(format!(
-            "{} takes about {many:.0} values only, each many times: random numbers of {:.1} bits, or rounded samples",
-            domain.axes()[axis],
-            many.log2()
-        ));
-    }
-
     // A value that many times as many samples have as one value has on average, where the density is not so high that
     // single precision has no other value near.
     let common = groups.iter().max_by_key(|group| group.len())?;
     let highest = common.iter().map(|(_, density)| *density).fold(0.0, f64::at_least);
     let is_steep = highest / mass * COINCIDENCE * samples > 1.0;
-    (common.len() as f64 > 8.0 * samples / distinct && !is_steep).then(|| {
+    if common.len() as f64 > 8.0 * samples / distinct && !is_steep {
         let percent = 100.0 * common.len() as f64 / samples;
         let same = domain.told(axis, common[0].0);
-        format!("{percent:.2} % of the samples have the same {same}, where the pdf has no atom")
+        return Some(format!("{percent:.2} % of the samples have the same {same}, where the pdf has no atom"));
+    }
+
+    // N samples meet, of M equally likely values, M (1 − e^(−N/M)). Fewer values than the limit are a lattice, if they are
+    // further apart than single precision has them.
+    let met = |m: f64| m * -(-samples / m).exp_m1();
+    let mut gaps: Vec<f64> = groups.windows(2).map(|pair| (pair[1][0].0 - pair[0][0].0) / pair[1][0].0).collect();
+    gaps.sort_by(f64::total_cmp);
+    (distinct < met(VALUES) && gaps.get(gaps.len() / 2).is_some_and(|gap| *gap > SPACING)).then(|| {
+        let (mut few, mut many) = (1.0f64, VALUES);
+        for _ in 0..60 {
+            let middle = (few * many).sqrt();
+            if met(middle) < distinct { few = middle } else { many = middle }
+        }
+        format!(
+            "{} takes about {many:.0} values only, each many times: random numbers of {:.1} bits, or rounded samples",
+            domain.axes()[axis],
+            many.log2()
+        )
     })
 }
 

@@ -444,6 +444,7 @@ impl Test<'_> {
         Findings {
             counts: Counts {
                 axes: domain.axes().map(str::to_owned),
+                outcomes: domain.outcomes(),
                 grid,
                 observed,
                 expected,

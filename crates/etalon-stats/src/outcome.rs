@@ -36,6 +36,8 @@ impl fmt::Display for Verdict {
 pub struct Counts {
     /// The quantities along the axes of the grid's chart.
     pub axes: [String; 2],
+    /// How many outcomes the first axis has, if its points are those of a finite set.
+    pub outcomes: Option<usize>,
     /// The cells.
     pub grid: Grid,
     /// Observed counts: of the grid's cells, then of the atoms, then of "no sample".
@@ -105,6 +107,9 @@ pub struct Outcome {
     pub diagnosis: Option<String>,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
+    /// The direction `wo` of a check of a surface's BSDF, whose normal is +z.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub wo: Option<[f64; 3]>,
     /// The counts behind it.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub counts: Option<Counts>,

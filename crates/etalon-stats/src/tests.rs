@@ -89,7 +89,7 @@ fn outcomes_that_never_occur_are_found_by_equal_samples() {
         let even = sampler(1, move |u: &[f64]| Some(Sample::new(of(u[0]) / 2 * 2)));
         let outcome = tested(&Discrete { outcomes }, &even, &density(pdf));
         assert_eq!(outcome.verdict, Verdict::Reject, "{outcomes}: {outcome}");
-        assert!(outcome.violation.is_some_and(|violation| violation.contains("equal pairs")), "{outcomes}");
+        assert!(outcome.violation.is_some_and(|violation| violation.contains("pairs of equal samples")), "{outcomes}");
     }
 }
 

@@ -499,6 +499,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
     };
     let counts = Counts {
         axes: domain.axes().map(str::to_owned),
+        outcomes: domain.outcomes(),
         grid: grid.clone(),
         observed: (0..expected.len()).map(observed).chain([0]).collect(),
         expected: sizes.iter().copied().chain([f64::MIN_POSITIVE]).collect(),

@@ -149,11 +149,7 @@ impl Validate {
     }
 
     fn protocol(&self, global: &Global, kind: Option<&Kind>) -> Protocol {
-        let usual = match kind {
-            Some(Kind::Phase { .. }) => 0.05,
-            Some(Kind::Light { .. }) => 0.09,
-            _ => 0.02,
-        };
+        let usual = kind.unwrap_or(&Kind::Surface).detectable_error();
         let samples = match self.samples() {
             Some(SampleSource::Count(count)) => SampleCount::Fixed(count),
             _ => SampleCount::Detect(self.detect.unwrap_or(usual)),

@@ -121,7 +121,7 @@ impl Sums {
 
 /// The differences of samples between two images, in grey.
 struct Differences {
-    /// Of each pixel, over even and over odd samples.
+    /// The difference of each pixel, over even and over odd samples.
     halves: [Vec<f64>; 2],
     /// The mean over the pixels that show the BSDF, of each sample.
     means: Vec<f64>,

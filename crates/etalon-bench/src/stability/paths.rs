@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub const PATHS: Experiment = Experiment {
     name: "paths",
     about: "energy after 10 000 bounces in a furnace (paths) and over materials (walks)",
-    figure: "stability-sums",
+    figure: "stability-worst",
     bounds: &[
         Bound {
             name: "energy drift in a furnace",

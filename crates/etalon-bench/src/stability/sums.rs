@@ -16,7 +16,7 @@ use rayon::prelude::*;
 pub const FILM: Experiment = Experiment {
     name: "film",
     about: "mean of up to 1e8 samples of one pixel, all alike or far apart",
-    figure: "stability-sums",
+    figure: "stability-worst",
     bounds: &[Bound {
         name: "last places",
         limit: 0.5,
@@ -73,7 +73,7 @@ fn plain_sum<T: Copy + Default>(pairs: u32, values: [T; 2], plus: impl Fn(T, T) 
 pub const AREAS: Experiment = Experiment {
     name: "areas",
     about: "summed-area tables with one texel of 2^20 among 1 (areas), of 2^40 among 2^-40 (areas-extreme)",
-    figure: "stability-sums",
+    figure: "stability-worst",
     bounds: &[Bound {
         name: "error of sums of few digits",
         limit: 0.0,
@@ -135,7 +135,7 @@ fn single_sums(width: usize, height: usize, value: impl Fn(usize, usize) -> f64)
 pub const TABLES: Experiment = Experiment {
     name: "tables",
     about: "probabilities of the bins of a map with one texel of 1e12 among 1e-12; out of range: bins out of reach",
-    figure: "stability-sums",
+    figure: "stability-worst",
     bounds: &[Bound::possible("bins of positive weight out of reach")],
     run: run_tables,
 };

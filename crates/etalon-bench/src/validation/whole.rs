@@ -46,9 +46,9 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
                 Some(_) => found.mistake.take(),
                 None => outcome.mistake.clone(),
             };
-            let compared = match &found.violation {
-                Some(_) => found.compared.take(),
-                None => outcome.compared.clone(),
+            let (compared, wo) = match &found.violation {
+                Some(_) => (found.compared.take(), found.wo),
+                None => (outcome.compared.clone(), outcome.wo.filter(|_| outcome.violation.is_some())),
             };
             let violation = found.violation.take().or(outcome.violation.clone().map(named));
             let reason = found.inconclusive_reason.take().or(outcome.inconclusive_reason.clone().map(named));
@@ -61,7 +61,9 @@ fn of(checks: &[&Check], bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Pro
             if outcome.p.is_some_and(|p| found.p.is_none_or(|least| p < least || p.is_nan())) {
                 found = Outcome { diagnosis: outcome.diagnosis.clone().map(named), ..outcome };
             }
-            found = Outcome { mistake, violation, compared, inconclusive_reason: reason, samples, seconds, ..found };
+            let wo = wo.or(found.wo);
+            found =
+                Outcome { mistake, violation, compared, wo, inconclusive_reason: reason, samples, seconds, ..found };
         }
     }
     found.detectable = Some(detectable.at_least(found_in_most(exact)));

@@ -60,7 +60,7 @@ pub fn to_rgb8(image: &Image, tone: &ToneMap) -> Vec<u8> {
 
 /// An exposure for displaying a high-dynamic-range image, in stops.
 ///
-/// The finite, positive pixels are sorted by luminance 0.2126 R + 0.7152 G + 0.0722 B, and the geometric mean of the middle
+/// The finite, positive pixels are ordered by luminance 0.2126 R + 0.7152 G + 0.0722 B, and the geometric mean of the middle
 /// four fifths is brought to 0.18, so that neither a sun nor a black border counts; but not so far that more than the
 /// brightest tenth exceeds 1. 0 when there is no such pixel.
 #[must_use]
@@ -68,13 +68,16 @@ pub fn auto_exposure(image: &Image) -> f32 {
     let weights = Rgb::new(0.2126, 0.7152, 0.0722);
     let mut luminances: Vec<f32> =
         image.pixels().iter().map(|p| p.dot(weights)).filter(|l| l.is_finite() && *l > 0.0).collect();
-    luminances.sort_unstable_by(f32::total_cmp);
+    if luminances.is_empty() {
+        return 0.0;
+    }
     // Drop the darkest and the brightest tenth.
     let tail = luminances.len() / 10;
-    let middle = &luminances[tail..luminances.len() - tail];
-    let Some(&brightest) = middle.last() else {
-        return 0.0;
-    };
+    luminances.select_nth_unstable_by(tail, f32::total_cmp);
+    let above = &mut luminances[tail..];
+    let last = above.len() - tail - 1;
+    let (_, &mut brightest, _) = above.select_nth_unstable_by(last, f32::total_cmp);
+    let middle = &above[..=last];
     let mean_log2 = middle.iter().map(|&l| f64::from(l).log2()).sum::<f64>() / middle.len() as f64;
     (0.18_f64.log2() - mean_log2).min(-f64::from(brightest).log2()) as f32
 }

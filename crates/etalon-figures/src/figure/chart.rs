@@ -72,7 +72,8 @@ impl Chart {
         // Labels of reference lines and notes, clear of the marks and of the y axis' factor
         let factor = frame::factor_height(&sketch.axes.up);
         sketch.above.add(&Rect::new(0.0, -factor, FACTOR, factor));
-        panel.marks.iter().for_each(|mark| sketch.label(mark));
+        let is_map = panel.heatmap.is_some();
+        panel.marks.iter().for_each(|mark| sketch.label(mark, is_map));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend, where it covers nothing
         let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
@@ -116,7 +117,7 @@ impl Sketch<'_> {
     }
 
     /// Writes the label of a reference line or a note where there is room.
-    fn label(&mut self, mark: &Mark) {
+    fn label(&mut self, mark: &Mark, is_on_map: bool) {
         let (label, at, colour) = match mark {
             Mark::Vertical { at, label, .. } => (label, [self.axes.x.position(*at), 0.5], theme::INK),
             Mark::Horizontal { at, label } => (label, [0.5, self.axes.y.position(*at)], theme::INK),
@@ -152,8 +153,8 @@ impl Sketch<'_> {
         let place = match (found, mark) {
             (Some(place), _) => {
                 self.take_label(&place);
-                // Lines of the grid run on behind notes, which may be many
-                if !matches!(mark, Mark::Note { .. }) {
+                // Lines of the grid run on behind notes, which may be many; on the colours of a map they have paper
+                if is_on_map || !matches!(mark, Mark::Note { .. }) {
                     self.drawing.rect(place, Colour::WHITE.faded(0.85));
                 }
                 place

@@ -35,6 +35,8 @@ pub const UNPOLARIZED: Colour = RED;
 pub const TRANSMITTANCE: Colour = BLACK;
 /// Schlick's approximation, and its errors.
 pub const SCHLICK: Colour = CYAN;
+/// The same at the angle of incidence where that of refraction is right.
+pub const SCHLICK_INCIDENT: Colour = ORANGE;
 pub const BREWSTER: Colour = YELLOW;
 pub const CRITICAL: Colour = VIOLET;
 /// Where all light is reflected.

@@ -10,7 +10,7 @@ const FAR: f64 = 0.1;
 
 /// What the image with the BSDF is compared with.
 struct Comparison<'a> {
-    /// Of the other image.
+    /// The caption of the other image.
     caption: String,
     /// In a sentence after "than".
     other: String,

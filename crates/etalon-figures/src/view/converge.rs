@@ -296,7 +296,7 @@ pub fn curves(result: &Convergence) -> Drawing {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
             panel = panel.banded_line(shown(curve), stroke, &points);
         }
-        panel = panel.line(GUIDE, theme::GUIDE, guide(result, at));
+        panel = panel.line(GUIDE, theme::GUIDE, guide(&result.curves.iter().collect::<Vec<_>>(), at));
         match &result.reference {
             Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
             _ => panel,
@@ -320,8 +320,8 @@ pub fn with_band(x: f64, level: &Level) -> [f64; 4] {
 }
 
 /// Two points on a line of slope −1/2 above all curves.
-fn guide(result: &Convergence, at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
-    let levels = || result.curves.iter().flat_map(|curve| &curve.levels).filter(|level| level.rmse() > 0.0);
+pub fn guide(curves: &[&Curve], at: &dyn Fn(&Level) -> f64) -> Vec<[f64; 2]> {
+    let levels = || curves.iter().flat_map(|curve| &curve.levels).filter(|level| level.rmse() > 0.0);
     let scale = levels().map(|l| l.rmse() * at(l).sqrt()).fold(0.0, f64::max) * 1.4;
     let (first, last) = levels().fold((f64::INFINITY, 0.0_f64), |(lo, hi), l| (lo.min(at(l)), hi.max(at(l))));
     vec![[first, scale / first.sqrt()], [last, scale / last.sqrt()]]
@@ -339,7 +339,8 @@ fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
     let title = format!("Efficiency after about {}", duration(seconds));
-    let panel = by_strategy(result, Axis::log("1 / (MSE · processor time) (1/s)"), &at_equal_time);
+    let axis = Axis::log("1 / (MSE · processor time) (1/s)");
+    let panel = by_strategy(drawn(result), axis, &at_equal_time, &shown);
     with_legend(panel.title(title), result)
 }
 
@@ -351,14 +352,24 @@ fn slopes(result: &Convergence) -> Panel {
     };
     let count = result.curves.len() as f64;
     let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
-    let panel = by_strategy(result, axis, &slope).title("Slope of the error");
+    let panel = by_strategy(drawn(result), axis, &slope, &shown).title("Slope of the error");
     with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
 }
 
+/// The curves with their strokes.
+fn drawn(result: &Convergence) -> Vec<(&Curve, Stroke)> {
+    result.curves.iter().zip(strokes(result)).collect()
+}
+
 /// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
-fn by_strategy(result: &Convergence, x: Axis, value: &dyn Fn(&Curve) -> Option<[f64; 3]>) -> Panel {
+fn by_strategy(
+    curves: Vec<(&Curve, Stroke)>,
+    x: Axis,
+    value: &dyn Fn(&Curve) -> Option<[f64; 3]>,
+    shown: &dyn Fn(&Curve) -> String,
+) -> Panel {
     let is_biased = |(curve, _): &(&Curve, Stroke)| curve.verdict == CurveVerdict::Biased;
-    let (biased, unbiased): (Vec<_>, Vec<_>) = result.curves.iter().zip(strokes(result)).partition(is_biased);
+    let (biased, unbiased): (Vec<_>, Vec<_>) = curves.into_iter().partition(is_biased);
     let border = unbiased.len() as f64;
     let rows = || unbiased.iter().chain(&biased);
     let name = |one: &(&Curve, Stroke)| shown(one.0) + if is_biased(one) { ": biased" } else { "" };
@@ -416,12 +427,21 @@ pub fn cost_rows(scenes: &[(&str, Rc<Convergence>)]) -> Vec<CostRow> {
     scenes.iter().flat_map(of_scene).collect()
 }
 
-/// [`cost_rows`] as a panel for each scene.
+/// [`cost_rows`] as a panel for each scene, the cheapest strategy at the top; all panels have one axis.
 pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
+    let rows = cost_rows(scenes);
+    let ends = rows.iter().flat_map(|row| [row.cost_low, row.cost_high]).filter(|end| end.is_finite() && *end > 0.0);
+    let [least, most] = ends.fold([1.0f64; 2], |[least, most], end| [least.min(end), most.max(end)]);
     let panel = |(title, result): &(&str, Rc<Convergence>)| {
-        let value = |curve: &Curve| cost(result, curve).filter(|_| curve.verdict != CurveVerdict::Biased);
-        let panel = by_strategy(result, Axis::log("time × MSE over that of the default"), &value).title(*title);
-        panel.line("", theme::GUIDE, [[1.0, 0.0], [1.0, result.curves.len() as f64]])
+        let value = |curve: &Curve| cost(result, curve);
+        let of = |curve: &Curve| value(curve).map_or(f64::INFINITY, |[_, cost, _]| cost);
+        let mut curves = drawn(result);
+        curves.retain(|(curve, _)| curve.verdict != CurveVerdict::Biased);
+        curves.sort_by(|(a, _), (b, _)| of(a).total_cmp(&of(b)));
+        let count = curves.len() as f64;
+        let named = |curve: &Curve| format!("{}: {}", shown(curve), rounded(of(curve), 2));
+        let axis = Axis::log("time × MSE, default = 1").range(0.8 * least, 1.25 * most);
+        by_strategy(curves, axis, &value, &named).title(*title).line("", theme::GUIDE, [[1.0, 0.0], [1.0, count]])
     };
     let panels: Vec<Panel> = scenes.iter().map(panel).collect();
     let rows = panels.chunks(2).map(|row| (String::new(), row.to_vec()));

@@ -1,6 +1,6 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
 
-use super::text::rounded;
+use super::text::{capitalized, rounded};
 use crate::figure::{Drawing, Page, Rgb8, contact_sheet};
 use etalon_bench::depth::{ALL, ClassRow, DEPTHS, Depths};
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
@@ -23,18 +23,19 @@ pub fn differences(result: &Depths) -> Drawing {
     let shown = |(image, pair): (&Image, &[u32])| {
         let image = &without_specks(image);
         let exposure = exposure(image);
-        let caption = caption(result, pair[0], pair[1])
-            + &format!(
-                " Exposure ×\u{a0}{}: {:.0}\u{a0}% of the pixels are below white.",
-                rounded(exposure, 2),
-                100.0 * BELOW_WHITE
-            );
+        let caption = caption(result, pair[0], pair[1]) + &format!(" Exposure ×\u{a0}{}.", rounded(exposure, 2));
         let tone = ToneMap::Srgb { stops: exposure.log2() as f32 };
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let letters = "Paths by their events: L light, D diffuse reflection, S mirror or glass, E eye. Single bright pixels are clamped.";
-    contact_sheet("", 3, &images).headed("What each maximum depth /{m} adds", vec![letters.to_owned()])
+    let letters = "Paths of light L, walls D, spheres of mirror and glass S, eye E: without spheres LD…DE, walls lit by spheres L…S…DE,";
+    let others = "walls seen in spheres L…D…SE, the area light seen in spheres LS…SE";
+    let exposures = format!(
+        "Each exposure leaves {:.0}\u{a0}% of the pixels below white; single bright pixels are clamped",
+        100.0 * BELOW_WHITE
+    );
+    contact_sheet("", 3, &images)
+        .headed("What each maximum depth /{m} adds", vec![letters.to_owned(), others.to_owned(), exposures])
 }
 
 /// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
@@ -60,42 +61,34 @@ fn exposure(image: &Image) -> f64 {
     largest.get(at).copied().filter(|white| *white > 0.0).map_or(1.0, |white| 1.0 / f64::from(white))
 }
 
-/// "m = 2 minus m = 1: 20.1 % of all light. LDDE (from wall to wall) 71 %, …", the smaller classes summed up.
+/// "m = 2 minus m = 1: 20.1 % of all light. Walls lit 71 %, …": the kinds of paths, the largest first.
 fn caption(result: &Depths, before: u32, depth: u32) -> String {
-    let mut classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
-    classes.sort_by(|a, b| b.share_of_difference.total_cmp(&a.share_of_difference));
+    let classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
     let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
-    let mut text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
+    let text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
     if depth == DEPTHS[DEPTHS.len() - 1] {
-        return text + "All classes of more than five scatterings.";
+        return text + "All paths of more than five scatterings.";
     }
-    let named = &classes[..classes.len().min(NAMED)];
-    let list = named.iter().map(|r| format!("{}{} {}", r.class, meaning(&r.class), percent(r.share_of_difference)));
-    text += &list.collect::<Vec<_>>().join(", ");
-    match &classes[named.len()..] {
-        [] => text + ".",
-        others => {
-            let share = others.iter().map(|r| r.share_of_difference).sum();
-            text + &format!(", {} others {}.", others.len(), percent(share))
-        }
-    }
+    let of_kind = |name: &&str| classes.iter().filter(|r| kind(&r.class) == *name).map(|r| r.share_of_difference).sum();
+    let mut kinds: Vec<(&str, f64)> = KINDS.into_iter().map(|name| (name, of_kind(&name))).collect();
+    kinds.retain(|(_, share)| *share > 0.0);
+    kinds.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let list: Vec<String> = kinds.into_iter().map(|(name, share)| format!("{name} {}", percent(share))).collect();
+    text + &capitalized(&list.join(", ")) + "."
 }
 
-const NAMED: usize = 4;
+const KINDS: [&str; 4] =
+    ["walls without spheres", "walls lit by spheres", "walls seen in spheres", "area light in spheres"];
 
-/// What a path class is in a Cornell box with a mirror and a glass sphere.
-fn meaning(class: &str) -> &'static str {
-    match class {
-        "LDE" => " (lit walls)",
-        "LSE" => " (reflected area light)",
-        "LDDE" => " (from wall to wall)",
-        "LDSE" => " (reflected walls)",
-        "LSDE" => " (reflected onto walls)",
-        "LSSE" => " (two specular events)",
-        "LDSSE" => " (walls through glass)",
-        "LSSDE" => " (caustic of glass)",
-        _ => "",
-    }
+/// What a path class, such as LDSE, is in a Cornell box with a mirror and a glass sphere: one of [`KINDS`].
+fn kind(class: &str) -> &'static str {
+    let events = class.trim_matches(['L', 'E']);
+    KINDS[match (events.contains('D'), events.contains('S'), events.ends_with('D')) {
+        (true, false, _) => 0,
+        (true, true, true) => 1,
+        (true, true, false) => 2,
+        (false, ..) => 3,
+    }]
 }
 
 fn percent(share: f64) -> String {

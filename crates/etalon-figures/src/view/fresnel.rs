@@ -24,7 +24,30 @@ fn share_axis() -> Axis {
 /// Curves of one interface of a medium, and beside them Schlick's error.
 pub fn dielectric(curves: &fresnel::DielectricCurves, medium: &str) -> Drawing {
     let [absolute, relative] = schlick_errors(curves);
-    Plot::new([shares(curves, medium), absolute, relative]).frame_size(350.0, 290.0).draw()
+    Plot::new([shares(curves, medium), absolute, relative]).frame_size(380.0, 310.0).draw()
+}
+
+/// The angles that all panels of an interface show: beyond the critical angle only what tells that nothing changes any more.
+fn shown_angles(curves: &fresnel::DielectricCurves) -> (Axis, f64) {
+    match curves.critical_deg.map(|critical| ((critical + 18.0) / 10.0).ceil() * 10.0) {
+        Some(end) if end < 90.0 => (Axis::linear(ANGLE).range(0.0, end).every(10.0), end),
+        _ => (angle_axis(), 90.0),
+    }
+}
+
+/// Lines at Brewster's angle and at the critical angle, if there are these, by their symbols or in words.
+fn with_special_angles(panel: Panel, curves: &fresnel::DielectricCurves, in_words: bool) -> Panel {
+    let angles = [
+        (curves.brewster_deg, "Brewster's angle", "/{θ}_{B}", theme::BREWSTER),
+        (curves.critical_deg, "critical angle", "/{θ}_{c}", theme::CRITICAL),
+    ];
+    angles.into_iter().fold(panel, |panel, (degrees, name, symbol, colour)| match degrees {
+        Some(at) => {
+            let label = if in_words { format!("{name} {symbol} = {at:.2}°") } else { symbol.to_owned() };
+            panel.vertical_above(at, label, Stroke { colour, width: theme::BOLD, dash: theme::DASHED })
+        }
+        None => panel,
+    })
 }
 
 /// A side of an interface in words: air, or the medium with its index.
@@ -47,7 +70,8 @@ fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
         (Some(_), "exact") => "Schlick, angle of refraction",
         (Some(_), _) => "Schlick, angle of incidence",
     };
-    let mut main = Panel::new(angle_axis(), share_axis())
+    let (angle, end) = shown_angles(curves);
+    let main = Panel::new(angle, share_axis())
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
@@ -55,21 +79,15 @@ fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
         .line("/{T} = 1 − /{R}", stroke(theme::TRANSMITTANCE, theme::DASH_DOT), of(|r| r.transmittance))
         .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
         .with_names_on_curves();
-    let special = |colour| Stroke { colour, width: theme::BOLD, dash: theme::DASHED };
-    if let Some(brewster) = curves.brewster_deg {
-        let label = format!("Brewster's angle /{{θ}}_{{B}} = {brewster:.2}°");
-        main = main.vertical_above(brewster, label, special(theme::BREWSTER));
-    }
+    let mut main = with_special_angles(main, curves, true);
     if let Some(critical) = curves.critical_deg {
         if curves.model == "exact" {
             let inside = curves.rows.iter().filter(|row| row.theta_deg <= critical);
             let points: Vec<Point> = inside.map(|row| [row.theta_deg, row.r_schlick_incident]).collect();
-            main = main.line("Schlick, angle of incidence", stroke(theme::SCHLICK, theme::SOLID), points);
+            main = main.line("Schlick, angle of incidence", stroke(theme::SCHLICK_INCIDENT, theme::LONG_DASH), points);
         }
-        let label = format!("critical angle /{{θ}}_{{c}} = {critical:.2}°");
-        main = main.vertical_above(critical, label, special(theme::CRITICAL));
         if curves.rows.last().is_some_and(|last| last.theta_deg > critical) {
-            main = total_reflection(main, critical);
+            main = total_reflection(main, critical, end);
         }
     }
     main
@@ -80,13 +98,8 @@ fn schlick_errors(curves: &fresnel::DielectricCurves) -> [Panel; 2] {
     let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
     let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
     let panel = |title: &str, label: &str, points: Vec<Point>| {
-        // Nothing is left to see beyond the critical angle
-        let angle = match curves.critical_deg.map(|critical| (critical / 5.0 + 0.5).ceil() * 5.0) {
-            Some(end) if end < 75.0 => Axis::linear(ANGLE).range(0.0, end).every(5.0),
-            _ => angle_axis(),
-        };
-        let panel = Panel::new(angle, Axis::linear(label)).title(title).horizontal(0.0, "");
-        panel.line("", stroke(theme::SCHLICK, theme::DASHED), points)
+        let panel = Panel::new(shown_angles(curves).0, Axis::linear(label)).title(title).horizontal(0.0, "");
+        with_special_angles(panel.line("", stroke(theme::SCHLICK, theme::DASHED), points), curves, false)
     };
     let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
@@ -103,10 +116,10 @@ fn index(eta: f64) -> String {
     rounded(eta, 5).trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Beyond the critical angle.
-fn total_reflection(panel: Panel, critical: f64) -> Panel {
-    let middle = 0.5 * (critical + 90.0);
-    panel.shade(critical, 90.0, theme::TOTAL_REFLECTION).note([middle, 0.6], "total internal reflection", theme::INK)
+/// From the critical angle to the end of the axis.
+fn total_reflection(panel: Panel, critical: f64, end: f64) -> Panel {
+    let middle = 0.5 * (critical + end);
+    panel.shade(critical, end, theme::TOTAL_REFLECTION).note([middle, 0.6], "total reflection", theme::INK)
 }
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
@@ -292,7 +305,7 @@ fn with_angles(panel: Panel, curves: &MediaCurves, angles: &[Curve]) -> Panel {
     let panel = lines.fold(panel, |panel, (at, label, stroke)| panel.vertical_above(at, label, stroke));
     match &*curves.media {
         [MediumCurves { critical_deg: Some(critical), .. }] if angles.contains(&Curve::Critical) => {
-            total_reflection(panel, *critical)
+            total_reflection(panel, *critical, 90.0)
         }
         _ => panel,
     }

@@ -62,7 +62,8 @@ impl Display {
     }
 
     fn black(&self) -> Page {
-        Page::over(Rgb8::from_fn(self.base.width(), self.base.height(), |_, _| [0; 3]))
+        let (width, height) = (self.base.width(), self.base.height());
+        Page::over(Rgb8::new(width, height, vec![0; 3 * width * height]))
     }
 
     /// A square marker around texel (x, y), `side` texels wide and `rim` drawing units wider on all sides: wrapped at the

@@ -52,11 +52,11 @@ pub fn costs(costs: &Costs) -> Drawing {
     let columns = Axis::linear("azimuth (degrees)").range(0.0, 360.0).every(60.0);
     let top = vec![
         densities("How often a row of the map is chosen", rows, 180.0, &costs.rows),
-        densities("How often a column is chosen", columns, 360.0, &costs.columns),
+        densities("How often a column of the map is chosen", columns, 360.0, &costs.columns),
     ];
     let bottom = vec![
         needed("Cost of the irradiance of a floor", costs, |cost| cost.irradiance_variance),
-        needed("Cost of the flux of the map (by the map: one sample)", costs, |cost| cost.flux_variance),
+        needed("Cost of the flux of the map", costs, |cost| cost.flux_variance),
     ];
     Plot::grid([(String::new(), top), (String::new(), bottom)]).frame_size(400.0, 230.0).draw()
 }
@@ -70,10 +70,10 @@ fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>]) -> Panel {
     let edge = |i: usize, count: usize, parts: usize| {
         (degrees * (i * count.div_ceil(BINS)) as f64 / parts as f64).min(degrees)
     };
-    let mut panel = Panel::new(x, Axis::linear("probability over uniform")).title(title);
+    let mut panel = Panel::new(x, Axis::linear("probability / uniform probability")).title(title);
     for (i, (shape, probabilities)) in SHAPES.iter().zip(all).enumerate() {
         let (values, count) = (binned(probabilities), probabilities.len());
-        let label = shape.name();
+        let label = named(shape);
         let at = |i: usize| edge(i, count, count);
         panel = if *shape == Shape::Map {
             panel.bars(label, theme::OBSERVED, (0..=values.len()).map(at).collect(), values)
@@ -86,17 +86,23 @@ fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>]) -> Panel {
     panel
 }
 
+/// A proposal's name, with the unit of its width.
+fn named(shape: &Shape) -> String {
+    let unit = if matches!(shape, Shape::Gaussian(_)) { " of the axis" } else { "" };
+    shape.name() + unit
+}
+
 fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64) -> Panel {
     let marks: [(Along, &str, Colour, Marker); 3] = [
         (Along::Rows, "the proposal for the rows alone", theme::IMPORTANCE_SAMPLING, Marker::Triangle),
         (Along::Columns, "for the columns alone", theme::HEMISPHERE_SAMPLING, Marker::Square),
         (Along::Both, "for both", theme::REFERENCE, Marker::Open),
     ];
-    let names: Vec<String> = SHAPES.iter().map(|shape| shape.name()).collect();
-    let x = Axis::log("samples to a relative standard error of 1 %");
-    let mut panel = Panel::new(x, Axis::named("", names.clone())).title(title);
+    let x = Axis::log("samples for a relative standard error of 1 %");
+    let mut panel = Panel::new(x, Axis::named("proposal", SHAPES.iter().map(named).collect::<Vec<_>>())).title(title);
     for (along, label, colour, marker) in marks {
-        let place = |cost: &Cost| names.iter().position(|name| *name == cost.proposal).unwrap_or(0) as f64 + 0.5;
+        let place =
+            |cost: &Cost| SHAPES.iter().position(|shape| shape.name() == cost.proposal).unwrap_or(0) as f64 + 0.5;
         // By the map for the rows, for the columns and for both is one and the same
         let is_mine =
             |cost: &&Cost| cost.along == along && (along == Along::Both || cost.proposal != Shape::Map.name());

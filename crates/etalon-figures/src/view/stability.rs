@@ -9,6 +9,8 @@ use etalon_bench::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, 
 const SCALE: [f64; 2] = [1e-8, 1.0];
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+/// The name of what rounding an input explains.
+const INPUT_ALONE: &str = "rounding of the input alone";
 /// Panels in a row, and the size of a frame.
 const COLUMNS: usize = 3;
 const FRAME: [f64; 2] = [250.0, 150.0];
@@ -56,14 +58,6 @@ fn heading(sweep: &Sweep, number: usize) -> String {
     capitalized(&format!("{} ({title})", sweep.family.about))
 }
 
-/// What a variant is called in figures.
-pub fn title(variant: &str) -> String {
-    match variant.strip_prefix(STABLE) {
-        Some(rest) => format!("As it renders{rest}"),
-        None => capitalized(variant),
-    }
-}
-
 /// The largest errors of one grid along one of its axes.
 fn panel(sweep: &Sweep, number: usize, names: &[&str]) -> Panel {
     let Section { x, y, .. } = &sweep.family.sections[number];
@@ -84,11 +78,11 @@ fn panel(sweep: &Sweep, number: usize, names: &[&str]) -> Panel {
     };
     let error = Axis::log("largest relative error").range(SCALE[0] / 2.0, SCALE[1] * 2.0);
     let panel = Panel::new(Axis::log(*label).range(*from, *to), error).title(heading(sweep, number));
-    let panel = panel.line("rounding of the input alone", theme::EXPLAINED_BY_INPUT, along(&rounding));
+    let panel = panel.line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, along(&rounding));
     names.iter().fold(panel, |panel, name| {
         let dash = if *name == REPORT { theme::DASHED } else { theme::SOLID };
         let stroke = Stroke { dash, ..Stroke::solid(look(name).0, theme::LINE) };
-        panel.line(title(name).to_lowercase(), stroke, of(name).map(|value| along(&value)).unwrap_or_default())
+        panel.line(*name, stroke, of(name).map(|value| along(&value)).unwrap_or_default())
     })
 }
 
@@ -141,7 +135,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
                 let value = if value(row).is_nan() { most } else { value(row).clamp(least, most) };
                 [value, line as f64 + 0.5 + aside(variant)]
             };
-            let label = format!("{}, {}", title(variant).to_lowercase(), precision.name());
+            let label = format!("{variant}, {}", precision.name());
             panel.markers(label, colour, marker(precision), of.map(place).collect::<Vec<_>>())
         })
     };
@@ -152,15 +146,11 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         let rounding = 0.5 * row.precision.unit(1.0);
         let reach = (row.condition_at_worst.max(1.0) * rounding).clamp(ERRORS[0], ERRORS[1]);
         let y = line as f64 + 0.5 + aside(row.variant);
-        panel.line(
-            "what rounding of the input explains, as it renders",
-            theme::EXPLAINED_BY_INPUT,
-            [[rounding, y], [reach, y]],
-        )
+        panel.line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, [[rounding, y], [reach, y]])
     });
     let ratios =
         panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
-            .line("what rounding of the input explains, as it renders", theme::EXPLAINED_BY_INPUT, Vec::new())
+            .line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, Vec::new())
             .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
     let panels = [explained.title("Largest error"), ratios.title("Largest error over rounding of the input")];
     Plot::new(panels).frame_size(380.0, LINE * families.len() as f64).draw()
@@ -184,6 +174,18 @@ fn in_words(family: &str) -> String {
         "schlick" => "Schlick's approximation".into(),
         "refraction" => "refracted direction".into(),
         "dielectric-pdf" => "rough glass, pdf of directions".into(),
+        "half-cosine" => "half vector, its cosine".into(),
+        "refraction-half-vector" => "refraction, half vector".into(),
+        "refraction-jacobian" => "refraction, Jacobian".into(),
+        "sphere" => "distance to a sphere".into(),
+        "triangle" => "distance to a triangle".into(),
+        "offsets" => "offsets of ray origins".into(),
+        "tables" => "sampling tables of a map".into(),
+        "areas" => "summed areas of a map".into(),
+        "areas-extreme" => "summed areas, 2^{40} among 2^{−40}".into(),
+        "film" => "mean of a pixel's samples".into(),
+        "paths" => "energy of paths in a furnace".into(),
+        "walks" => "energy of walks over materials".into(),
         _ => match family.split_once('-') {
             Some(("beckmann", what)) => of("Beckmann", what),
             Some(("ggx", what)) => of("GGX", what),

@@ -1,7 +1,7 @@
 //! What one test looked at: counts, observed and expected, with their residuals; or numbers that should be equal and are not.
 
 use super::text::{capitalized, finding, p_value, wrapped};
-use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
+use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
 use etalon_stats::{Cell, Compared, Counts, Outcome, Verdict};
 use serde::Serialize;
@@ -81,9 +81,14 @@ pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
     const PLACES: usize = 2;
     let outcome = &tested.outcome;
     let places = outcome.found().into_iter().chain(outcome.other_places()).take(PLACES);
-    let places = places.map(|place| finding(&whole_degrees(place.trim_start_matches("sampling: "))));
+    let places = places.flat_map(|place| lines(&whole_degrees(place.trim_start_matches("sampling: "))));
     let (below, _) = picture(outcome);
     below.headed(capitalized(mistake), std::iter::once(format!("{said}{by}")).chain(places).collect())
+}
+
+/// A text in lines that are not too long.
+fn lines(text: &str) -> Vec<String> {
+    wrapped(text, "", WIDEST).lines().map(finding).collect()
 }
 
 /// A text with its angles in whole degrees.
@@ -99,7 +104,6 @@ fn whole_degrees(text: &str) -> String {
 
 fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
     let outcome = &tested.outcome;
-    let lines = |text: &str| wrapped(text, "", WIDEST).lines().map(finding).collect::<Vec<_>>();
     let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
     let first = first.iter().flat_map(|text| lines(text));
     let (below, beyond) = picture(outcome);
@@ -116,25 +120,27 @@ pub fn pictured(Tested { name, outcome }: &Tested) -> Drawing {
 fn picture(outcome: &Outcome) -> (Drawing, Option<String>) {
     match (&outcome.counts, &outcome.compared) {
         (Some(counts), _) => {
-            let (plot, beyond) = plot(counts);
+            let (plot, beyond) = plot(counts, outcome.wo);
             (plot.draw(), beyond)
         }
-        (None, Some(compared)) => (compared_plot(compared).draw(), None),
+        (None, Some(compared)) => (compared_plot(compared, outcome.wo).draw(), None),
         (None, None) => (nothing(), None),
     }
 }
 
 /// The plot of the cells, and what has no place there.
-fn plot(counts: &Counts) -> (Plot, Option<String>) {
+fn plot(counts: &Counts, wo: Option<[f64; 3]>) -> (Plot, Option<String>) {
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
     let is_list = counts.grid.cells().all(|cell| cell.y == [0.0, 1.0]);
     let plot = if cells.iter().all(|row| row.expected < 1.0 && row.observed == 0) {
-        listed(beyond, "atoms, then no sample")
+        listed(beyond, "atoms, then no sample", None)
     } else if is_list {
-        listed(cells, &format!("cell, by {}", counts.axes[0]))
+        let axis = &counts.axes[0];
+        let axis = if counts.outcomes.is_some() { axis.clone() } else { format!("cell, by {axis}") };
+        listed(cells, &axis, counts.outcomes)
     } else {
-        maps(counts.axes.each_ref().map(String::as_str), cells)
+        maps(counts.axes.each_ref().map(String::as_str), cells, wo)
     };
     (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
 }
@@ -190,7 +196,7 @@ pub fn compared_rows(compared: &Compared) -> Vec<ComparedRow> {
 }
 
 /// The ratio of what was found to what is expected over the angle of `wi`, and one against the other.
-fn compared_plot(compared: &Compared) -> Plot {
+fn compared_plot(compared: &Compared, wo: Option<[f64; 3]>) -> Plot {
     /// Dots of a panel.
     const DOTS: usize = 500;
     let all = compared_rows(compared);
@@ -211,6 +217,10 @@ fn compared_plot(compared: &Compared) -> Plot {
         .title("Found over expected, by direction")
         .horizontal(equal, "equal")
         .dots("", theme::REJECTED, points);
+    let over_angle = match wo.map(polar) {
+        Some([theta, _]) => over_angle.vertical(theta, "/{θ} of /{ω}o"),
+        None => over_angle,
+    };
     let both: Vec<Point> = shown().map(|row| [row.expected, row.found]).collect();
     let ends = shown().flat_map(|row| [row.found, row.expected]);
     let [least, most] = ends.fold([f64::INFINITY, 0.0f64], |[least, most], x| [least.min(x), most.max(x)]);
@@ -245,21 +255,28 @@ fn reading(axis: &str) -> Reading {
     }
 }
 
+/// The angle of a direction with the normal and its azimuth, in degrees.
+fn polar([x, y, z]: [f64; 3]) -> [f64; 2] {
+    [x.hypot(y).atan2(z), y.atan2(x)].map(f64::to_degrees)
+}
+
 /// Where on the axes of the cells each point of a map lies, and the axes of the map.
 type Chart = (Box<dyn Fn(usize) -> Option<[f64; 2]>>, [Axis; 2]);
 
 /// A disc of directions around the normal, as the sky above: the angle with it grows from the centre to the rim. A lobe is one spot there,
 /// wherever it points.
-fn sky(end: f64, place: fn(f64) -> f64) -> Chart {
+fn sky(end: f64, place: fn(f64) -> f64, has_normal: bool) -> Chart {
     let at = move |i: usize| {
         let [x, y] = [i % POINTS, POINTS - 1 - i / POINTS].map(|k| 2.0 * (k as f64 + 0.5) / POINTS as f64 - 1.0);
         let theta = x.hypot(y) * end;
         (theta < end).then(|| [place(theta), y.atan2(x).to_degrees().rem_euclid(360.0) / 360.0])
     };
-    let horizon = if end > 90.0 { "; circle: horizon" } else { "" };
-    let axis =
-        |of: &str| Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees{horizon})")).range(-end, end).every(end / 3.0);
-    (Box::new(at), [axis("cos"), axis("sin")])
+    let axis = |of: &str, also: &str| {
+        Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees{also})")).range(-end, end).every(end / 3.0)
+    };
+    let [normal, horizon] = [("; N: normal", has_normal), ("; circle: horizon", end > 90.0)];
+    let told = |(text, is_seen): (&'static str, bool)| if is_seen { text } else { "" };
+    (Box::new(at), [axis("cos", told(normal)), axis("sin", told(horizon))])
 }
 
 /// A map whose rows are the first axis, from the top.
@@ -271,17 +288,19 @@ fn rectangle(axes: [&str; 2]) -> Chart {
     (Box::new(move |i| Some([middle(i / POINTS, &down), middle(i % POINTS, &across)])), [x, y])
 }
 
-/// Three heat maps, each cell at its place.
-fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
+/// Three heat maps, each cell at its place, with the normal and `wo` where these are known.
+fn maps(axes: [&str; 2], cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
     let is_empty = |row: &Row| row.observed == 0 && row.expected <= EMPTY;
     let (sphere, (place, [x, y])) = match (axes, reading(axes[0])) {
         ([_, "φ / 2π"], Reading { end: last, place, .. }) if last > 1.0 => {
-            // As much below the horizon as there are samples
-            let holds =
-                |end: &f64| cells.iter().all(|row| is_empty(row) || row.x_to.is_none_or(|x| x <= place(*end) + 1e-9));
+            // As much below the horizon as there are samples, and `wo`
+            let has_wo = |end: &f64| wo.is_none_or(|wo| polar(wo)[0] <= *end);
+            let holds = |end: &f64| {
+                has_wo(end) && cells.iter().all(|row| is_empty(row) || row.x_to.is_none_or(|x| x <= place(*end) + 1e-9))
+            };
             let end = [90.0, 120.0].into_iter().find(holds).unwrap_or(last);
             let area = if last > 90.0 { 4.0 * PI } else { 2.0 * PI };
-            (Some((area, end > 90.0)), sky(end, place))
+            (Some((area, end > 90.0)), sky(end, place, wo.is_some()))
         }
         _ => (None, rectangle(axes)),
     };
@@ -298,8 +317,20 @@ fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     };
     let places: Vec<Option<&Row>> = (0..POINTS * POINTS).map(at).collect();
     let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
+    let marked = wo.filter(|_| sphere.is_some()).map_or(Vec::new(), |wo| {
+        let [theta, phi] = polar(wo);
+        let (sin, cos) = phi.to_radians().sin_cos();
+        match theta < 1e-3 {
+            true => vec![("N = /{ω}o", [0.0; 2])],
+            false => vec![("N", [0.0; 2]), ("/{ω}o", [theta * cos, theta * sin])],
+        }
+    });
     let panel = |title: &str, map: Heatmap| {
         let panel = Panel::new(x.clone(), y.clone()).title(title).heatmap(map.on_paper());
+        let panel = marked.iter().fold(panel, |panel, (name, at)| {
+            let panel = panel.dots("", theme::MARKER_SHADE, [*at]).markers("", theme::BORDER, Marker::Open, [*at]);
+            panel.note(*at, *name, theme::INK)
+        });
         if sphere.is_none_or(|(_, is_horizon_seen)| !is_horizon_seen) {
             return panel;
         }
@@ -332,14 +363,17 @@ fn maps(axes: [&str; 2], cells: &[Row]) -> Plot {
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(1.0);
     let most = sizes.get(sizes.len() * 9 / 10).map_or(largest, |size| size.max(NOTABLE).min(largest));
-    let label = if most < largest { "standard deviations, ends and beyond" } else { "standard deviations" };
+    let is_clipped = most.ceil() < largest;
+    let most = if is_clipped { most.ceil() } else { most };
+    let beyond = if is_clipped { format!(" (ends: beyond ±{most})") } else { String::new() };
+    let label = format!("standard deviations{beyond}");
     let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, label).range(-most, most);
     Plot::new([
         counts("Observed /{O}", &|row| per(row, row.observed as f64)),
         counts("Expected /{E}", &|row| per(row, row.expected)),
         panel("Residual (/{O} − /{E})/√/{E}", residual),
     ])
-    .frame_size(230.0, 230.0)
+    .frame_size(260.0, 260.0)
 }
 
 /// Fewer samples are none.
@@ -354,25 +388,43 @@ const DARKEST: f64 = 1e-3;
 /// Times the median count that the highest one has where counts are peaked.
 const PEAKED: f64 = 8.0;
 
-/// Counts one after the other, with their residuals.
-fn listed(rows: &[Row], axis: &str) -> Plot {
-    let n = rows.len() as f64;
-    let edges: Vec<f64> = (0..=rows.len()).map(|i| i as f64).collect();
-    let steps = |value: fn(&Row) -> f64| -> Vec<Point> {
-        rows.iter().enumerate().flat_map(|(i, row)| [[i as f64, value(row)], [i as f64 + 1.0, value(row)]]).collect()
+/// Counts one after the other, or at their outcomes, with their residuals.
+fn listed(rows: &[Row], axis: &str, outcomes: Option<usize>) -> Plot {
+    // The ends of the bars: an outcome is in the middle of its own
+    let edges: Vec<f64> = match outcomes {
+        Some(outcomes) => {
+            let end = |x: &Option<f64>| (x.unwrap_or(0.0) * outcomes as f64).round() - 0.5;
+            rows.iter().take(1).map(|row| end(&row.x_from)).chain(rows.iter().map(|row| end(&row.x_to))).collect()
+        }
+        None => (0..=rows.len()).map(|i| i as f64).collect(),
     };
-    let residuals: Vec<Point> = rows.iter().enumerate().map(|(i, row)| [i as f64 + 0.5, row.residual]).collect();
+    let bars = || edges.windows(2).map(|ends| (ends[0], ends[1])).zip(rows);
+    // Bars of several outcomes show the mean of these
+    let is_mean = bars().any(|((from, to), _)| to - from > 1.5);
+    let samples = if is_mean { "samples per outcome" } else { "samples" };
+    let expected: Vec<Point> =
+        bars().flat_map(|((from, to), row)| [from, to].map(|x| [x, row.expected / (to - from)])).collect();
+    let observed = bars().map(|((from, to), row)| row.observed as f64 / (to - from)).collect();
+    // Of cells at the ends, which may hold a long tail, only a part
+    let [from, to] = match edges[..] {
+        [first, second, .., before, last] => {
+            let part = ((before - second) / 8.0).max(1.0);
+            [first.max(second - part), last.min(before + part)]
+        }
+        _ => [edges.first(), edges.last()].map(|end| end.copied().unwrap_or(1.0)),
+    };
+    let middle = |(start, end): (f64, f64)| 0.5 * (start.max(from) + end.min(to));
+    let residuals: Vec<Point> = bars().map(|(ends, row)| [middle(ends), row.residual]).collect();
     let largest = rows.iter().map(|row| row.residual.abs()).fold(1.0, f64::max);
     let numbers = || {
-        let axis = Axis::linear(axis).range(0.0, n);
-        if rows.len() <= 12 { axis.every(1.0) } else { axis }
+        let axis = Axis::linear(axis).range(from, to);
+        if to - from <= 25.0 { axis.every(((to - from) / 12.0).ceil().max(1.0)) } else { axis }
     };
-    let observed: Vec<f64> = rows.iter().map(|row| row.observed as f64).collect();
     Plot::new([
-        Panel::new(numbers(), Axis::linear("samples"))
+        Panel::new(numbers(), Axis::linear(samples))
             .title("Counts")
-            .bars("observed", theme::OBSERVED, edges, observed)
-            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), steps(|row| row.expected)),
+            .bars("observed", theme::OBSERVED, edges.clone(), observed)
+            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), expected),
         Panel::new(numbers(), Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
             .title("Residual (/{O} − /{E})/√/{E}")
             .horizontal(0.0, "")
@@ -396,4 +448,30 @@ fn remainder(atoms: usize, beyond: &[Row]) -> String {
         parts.push(format!("no sample: {}", of("none")));
     }
     parts.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_bench::validation::planted::{all, run_pair};
+    use etalon_stats::{Discrete, Protocol, Sample, density, sampler, validate};
+
+    #[test]
+    fn outcomes_of_a_finite_set_are_numbers_on_the_axis() {
+        let coin = sampler(1, |u| Some(Sample::new((2.0 * u[0]) as usize)));
+        let die = density(|_: usize| 1.0 / 3.0);
+        let outcome = validate(&Discrete { outcomes: 3 }, &coin, &die, &Protocol::default()).unwrap();
+        let svg = pictured(&Tested { name: "coin".into(), outcome }).svg();
+        assert!(svg.contains(">outcome</text>") && !svg.contains("cell"), "{svg}");
+    }
+
+    #[test]
+    fn the_picture_of_a_bsdf_has_its_normal_and_says_what_is_clipped() {
+        let fault = all().into_iter().find(|fault| fault.name == "whole/mixture/random-number-reused").unwrap();
+        let found = run_pair(fault, &Protocol::default()).unwrap();
+        let svg = pictured(&found.tests[0]).svg();
+        for text in ["; N: normal)", ">N</text>", "(ends: beyond ±"] {
+            assert!(svg.contains(text), "{text}");
+        }
+    }
 }

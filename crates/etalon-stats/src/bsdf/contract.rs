@@ -174,6 +174,17 @@ impl Kind {
             Self::Light { .. } => "the radiance",
         }
     }
+
+    /// The relative error of the pdf that a test detects unless another is asked for. The pdf of a light ends at edges, where
+    /// integrals take long.
+    #[must_use]
+    pub fn detectable_error(&self) -> f64 {
+        match self {
+            Self::Surface => 0.02,
+            Self::Phase { .. } => 0.05,
+            Self::Light { .. } => 0.09,
+        }
+    }
 }
 
 /// Where a ray from a reference point meets a light.

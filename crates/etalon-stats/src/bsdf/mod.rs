@@ -91,7 +91,9 @@ impl Check {
         let subject = Subject::new(bsdf, wo, &protocol, round)?;
         // Behind a light nothing is sampled: `geometry` tests that no light comes from it.
         let outcome = if self.is_statistical && subject.is_dark()? { None } else { (self.run)(&subject)? };
-        Ok(outcome.map(|outcome| Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome }))
+        let seconds = start.elapsed().as_secs_f64();
+        let of = Some(wo).filter(|_| subject.properties.kind == Kind::Surface);
+        Ok(outcome.map(|outcome| Outcome { seconds, wo: of, ..outcome }))
     }
 }
 

@@ -186,7 +186,7 @@ impl Bsdf for Wrong {
 #[test]
 fn usual_mistakes_of_bsdfs_are_named() {
     let exchanged = |wo, wi, pdf: f64| UNDER.pdf(wi, wo) / pdf;
-    // Of GGX, the density of normals with α = 0.16 for 0.4
+    // The density of normals of GGX with α = 0.16 for 0.4
     let normals = |wo, wi, _: f64| {
         let of = |alpha: f64, cos: f64| alpha * alpha / (cos * cos * (alpha * alpha - 1.0) + 1.0).powi(2);
         let cos = half(wo, wi)[2];

@@ -384,8 +384,7 @@ fn false_alarms(seeds: u64) {
     let subjects = subjects();
     let all: Vec<_> = subjects.iter().flat_map(|subject| (1..=seeds).map(move |seed| (subject, seed))).collect();
     let verdicts = |((name, subject), seed): &(&(&str, Box<dyn BatchBsdf>), u64)| {
-        let of_light = matches!(subject.properties().kind, Kind::Light { .. });
-        let samples = SampleCount::Detect(if of_light { 0.09 } else { 0.05 });
+        let samples = SampleCount::Detect(subject.properties().kind.detectable_error());
         let places = places(&**subject).unwrap().into_iter().filter(|(name, _)| !is_edge_on(name));
         let places: Vec<Direction> = places.map(|(_, place)| place).collect();
         let report =

@@ -113,7 +113,7 @@ pub(crate) struct Wanted<'a, 'g> {
     pub samples: f64,
     /// Places of samples, at which the density is to be within reach.
     pub known: &'a [Place],
-    /// Of the random shifts.
+    /// Seed and stream of the random shifts.
     pub seed: u64,
     pub stream: u64,
 }

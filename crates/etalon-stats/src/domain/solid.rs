@@ -98,7 +98,7 @@ pub fn rotations() -> Chart<impl ChartFunctions> {
 pub fn simplex(weights: usize) -> Chart<impl ChartFunctions> {
     let dimension = weights - 1;
     let volume = (1..=dimension).map(|k| 1.0 / k as f64).product();
-    // Of what the weights before leave, u is the share that this one leaves, to the power that makes it uniform.
+    // Each weight leaves a share of what the weights before it left: u is that share, to the power that makes it uniform.
     let power = move |axis: usize| (dimension - axis) as f64;
     let to_cube = move |at: Point| {
         let all = at.coordinates();

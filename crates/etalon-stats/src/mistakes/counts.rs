@@ -227,6 +227,14 @@ struct Family<'a> {
     own: String,
 }
 
+/// What a mistake leaves unexplained with the amount that explains most, and its name with that amount.
+struct Fitted {
+    left: f64,
+    /// Whether the amount is one of those that mistakes have.
+    is_usual: bool,
+    name: String,
+}
+
 /// The counts of the cells, with points of them.
 struct Table<'a> {
     domain: &'a dyn Domain,
@@ -372,14 +380,16 @@ impl<'a> Table<'a> {
                 let batches = self.points.chunks(BATCH).map(parts).collect::<Result<Vec<_>>>()?;
                 let both: [Vec<f64>; 2] =
                     [0, 1].map(|part| batches.iter().flat_map(|batch| &batch[part]).copied().collect());
-                let integral = |values: &Vec<f64>| self.sums(values.iter().copied()).iter().sum::<f64>();
-                let of_part = both.each_ref().map(integral);
+                let of_parts = self.integrals(&both);
                 (limits, rest) = ([0.0, 1.0], 0.5);
-                own = format!(", not {:.3},", of_part[0] / (of_part[0] + of_part[1]));
-                values = Box::new(move |share: f64| {
-                    let [of_first, of_second] = [share / of_part[0], (1.0 - share) / of_part[1]];
-                    Ok(both[0].iter().zip(&both[1]).map(|(a, b)| of_first * a + of_second * b).collect())
-                });
+                own = format!(", not {:.3},", of_parts[0] / (of_parts[0] + of_parts[1]));
+                values = mixture(both, of_parts);
+            }
+            Follows::Added(density) => {
+                let both = [self.points.iter().map(|&point| density(point)).collect(), self.pdfs.clone()];
+                (limits, rest, own) = ([0.0, 1.0], 0.0, String::new());
+                let of_parts = self.integrals(&both);
+                values = mixture(both, of_parts);
             }
             Follows::Power => {
                 let ends = [0, POWERS.len() - 1].map(|i| POWERS[i].0);
@@ -389,6 +399,11 @@ impl<'a> Table<'a> {
             _ => return Ok(None),
         }
         Ok(Some(Family { limits, rest, is_local, values, own }))
+    }
+
+    /// The integrals of two densities, by their values at the points.
+    fn integrals(&self, both: &[Vec<f64>; 2]) -> [f64; 2] {
+        both.each_ref().map(|values| self.sums(values.iter().copied()).iter().sum())
     }
 
     /// The shares of cells with some amount; none where too few are known.
@@ -413,7 +428,7 @@ impl<'a> Table<'a> {
         let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
         let most = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
         let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
-        // Of the local minima
+        // Only local minima are candidates.
         let is_lowest = |i: &usize| {
             let left = all[*i].1;
             let mut around = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| all.get(i));
@@ -426,7 +441,7 @@ impl<'a> Table<'a> {
 
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name. `few` has few points, for
     /// a first look.
-    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
+    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<Fitted>> {
         let best = match few.family(mistake)? {
             Some(family) => few.best_step(&family)?,
             None => None,
@@ -450,7 +465,7 @@ impl<'a> Table<'a> {
         }
         let amount = 0.5 * (low + high);
         // A pdf of one part is no mixture.
-        if matches!(mistake.follows, Follows::Mixed(_)) && !(PART..1.0 - PART).contains(&amount) {
+        if matches!(mistake.follows, Follows::Mixed(_) | Follows::Added(_)) && !(PART..1.0 - PART).contains(&amount) {
             return Ok(None);
         }
         // Where the deviance is larger by 1, one standard deviation away
@@ -459,15 +474,17 @@ impl<'a> Table<'a> {
         let error = near * (2.0 / around).sqrt();
         let known = Some(error.at_least(PRECISION * amount.abs())).filter(|error| error.is_finite());
         let error = known.unwrap_or(near);
+        let is_power = matches!(mistake.follows, Follows::Power);
         let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= LEFT_BY_CHANCE * error;
-        let text = match mistake.follows {
-            Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
-            _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
-            _ => Some(with_error(amount, error)),
-        };
-        let Some(text) = text else { return Ok(None) };
+        let usual_power = POWERS.iter().find(power).filter(|_| is_power).map(|(_, name)| (*name).to_owned());
+        let is_usual = !is_power || usual_power.is_some();
+        let text = usual_power.unwrap_or_else(|| match known {
+            None => format!("about {}", significant(amount, 2)),
+            Some(error) => with_error(amount, error),
+        });
         let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
-        Ok(left.map(|[left, _]| (left, mistake.told(of).replace("{}", &(text + &family.own)))))
+        let name = mistake.told(of).replace("{}", &(text + &family.own));
+        Ok(left.map(|[left, _]| Fitted { left, is_usual, name }))
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
@@ -614,13 +631,17 @@ impl<'a> Table<'a> {
         }
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
         let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
-        let mut fitted: Vec<(f64, String)> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        let mut fitted: Vec<Fitted> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        // Some power fits any pdf of two values; one that is symmetric about an axis, as cosⁿ θ, has many.
+        fitted.retain(|found| found.is_usual || own_axis.is_some());
         if !fitted.is_empty() {
-            // Those that explain as much as the best
-            fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let best = fitted[0].0;
-            fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
-            return follow_amount(alternatives(fitted.into_iter().map(|(_, name)| name).collect()));
+            // Those that explain as much as the best, and unusual powers where nothing else does
+            fitted.sort_by(|a, b| a.left.total_cmp(&b.left));
+            let best = fitted[0].left;
+            fitted.retain(|found| found.left <= best + CHANCE * spread);
+            let is_usual = fitted.iter().any(|found| found.is_usual);
+            fitted.retain(|found| found.is_usual == is_usual);
+            return follow_amount(alternatives(fitted.into_iter().map(|found| found.name).collect()));
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
             Some(from) => self.turned(from, most, of)?,
@@ -744,6 +765,14 @@ impl<'a> Table<'a> {
         };
         Ok((found - expected).is_finite().then(told))
     }
+}
+
+/// The values of two densities with these integrals, by the share of the first.
+fn mixture<'a>(both: [Vec<f64>; 2], integrals: [f64; 2]) -> ByAmount<'a> {
+    Box::new(move |share: f64| {
+        let [of_first, of_second] = [share / integrals[0], (1.0 - share) / integrals[1]];
+        Ok(both[0].iter().zip(&both[1]).map(|(a, b)| of_first * a + of_second * b).collect())
+    })
 }
 
 /// A pdf of numbers that is wider or narrower about its mean.

@@ -38,7 +38,7 @@ pub enum Follows<'a> {
     Times(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The pdf at this point.
     At(Box<dyn Fn(Point) -> Point + 'a>),
-    /// A power of the pdf's value, one of those that are usual.
+    /// A power of the pdf's value.
     Power,
     /// The pdf, times a factor, at the place where a motion by some amount, of these limits, takes the point.
     Moved {
@@ -51,6 +51,8 @@ pub enum Follows<'a> {
     },
     /// The first of two parts with some share, and the second with the rest.
     Mixed(Parts<'a>),
+    /// This density with some share, and the pdf with the rest.
+    Added(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The values that are asked for at these points.
     Asked(Asked<'a>),
 }
@@ -121,6 +123,12 @@ impl<'a> Mistake<'a> {
         Self::new(name, Follows::Mixed(Box::new(parts)))
     }
 
+    /// Samples of the pdf, and some of another density.
+    pub fn added(name: &str, density: impl Fn(Point) -> f64 + 'a) -> Self {
+        let name = format!("mixed with {name}, whose share is {{}}");
+        Self::new(&name, Follows::Added(Box::new(density)))
+    }
+
     /// What is followed in place of `of`, such as "the pdf".
     fn told(&self, of: &str) -> String {
         match self.follows {
@@ -131,7 +139,7 @@ impl<'a> Mistake<'a> {
 
     /// Whether it needs an amount.
     fn is_family(&self) -> bool {
-        matches!(self.follows, Follows::Moved { .. } | Follows::Mixed(_) | Follows::Power)
+        matches!(self.follows, Follows::Moved { .. } | Follows::Mixed(_) | Follows::Added(_) | Follows::Power)
     }
 
     /// Whether it changes the pdf's values where they are.
@@ -153,7 +161,9 @@ impl<'a> Mistake<'a> {
             Follows::Times(factor) => both.map(|(&point, pdf)| pdf * factor(point)).collect(),
             Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
             // Nothing is known without an amount: see `fitted`.
-            Follows::Moved { .. } | Follows::Mixed(_) | Follows::Power => vec![f64::NAN; points.len()],
+            Follows::Moved { .. } | Follows::Mixed(_) | Follows::Added(_) | Follows::Power => {
+                vec![f64::NAN; points.len()]
+            }
             Follows::Asked(values) => {
                 let batches = points.chunks(BATCH).map(values).collect::<Result<Vec<_>>>();
                 batches?.concat()
@@ -218,6 +228,9 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     all.extend(variables(domain, density).into_iter().flat_map(|variable| Mistake::factor(variable.name, variable.at)));
     all.extend(density.mistakes());
     all.push(Mistake::new("to the power of {}", Follows::Power));
+    if domain.measure().is_finite() {
+        all.push(Mistake::added("a uniform density", |_| 1.0));
+    }
     // A set, or a table, that is shifted by one entry
     if let Some(n) = domain.outcomes() {
         all.extend(of_sets(density, n));
@@ -517,6 +530,18 @@ mod tests {
         let lobe = sampler(2, |u: &[f64]| Some(Sample::new(if u[0] < 0.3 { u[1] } else { u[1].sqrt().sqrt() })));
         let text = told(&Line::UNIT, &lobe, &crate::density(|x: f64| 0.5 + 2.0 * x.powi(3)));
         assert!(text.contains("samples follow the pdf with a share of 0.3") && text.contains("not 0.5"), "{text}");
+        // Rejection sampling that takes the last candidate after two attempts, and an exponent that is no simple multiple
+        let rejected = sampler(3, |u: &[f64]| Some(Sample::new(if u[1] <= u[0] { u[0] } else { u[2] })));
+        let text = told(&Line::UNIT, &rejected, &crate::density(|x: f64| 2.0 * x));
+        assert!(text.contains("the pdf mixed with a uniform density, whose share is 0.5"), "{text}");
+        let cosines = sampler(2, |u: &[f64]| Some(Sample::new(direction(u[0].powf(1.0 / 51.0), u[1]))));
+        let pdf = |w: [f64; 3]| 21.0 / TAU * w[2].powi(20);
+        let text = told(&Directions::hemisphere(Pole::Z), &cosines, &crate::density(pdf));
+        assert!(text.contains("the pdf to the power of 2.5"), "{text}");
+        // Half of the samples are clamped to an edge.
+        let clamped = sampler(2, |u: &[f64]| Some(Sample::new([u[0], u[1].min(0.5)])));
+        let text = told(&Square, &clamped, &crate::density(|_: [f64; 2]| 1.0));
+        assert!(text.contains("% of the samples have the same"), "{text}");
         let other = crate::density(|_: f64| 0.3).with_atoms(vec![crate::Atom::new(0.5, 0.7)]);
         let text = told(&Line::UNIT, &mixed, &other);
         assert!(text.contains("the probabilities of atom 0 and of all other samples are exchanged"), "{text}");

@@ -324,7 +324,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "inside rough glass the half vector points inwards, and F is that of the other side: no total reflection",
             ),
         )
-        .missed("a comparison of the values with the model of a rough dielectric; a bound of the albedo from below"),
+        .missed("`--like ggx-dielectric`, which compares values; energy=conserved:0.3, which bounds the albedo from below"),
         Exhibit::new(
             "adobe/openpbr-bsdf#15",
             Thread,
@@ -336,7 +336,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "an early exit of Smith's G₁ is 0 for directions below the surface: glass does not transmit",
             ),
         )
-        .missed("a comparison of the values with the model of a rough dielectric"),
+        .missed("`--like ggx-dielectric`, which compares values; energy=conserved:0.3, which bounds the albedo from below"),
         Exhibit::new(
             "bevyengine/bevy#23203",
             Thread,
@@ -415,7 +415,7 @@ fn weights() -> Vec<Exhibit> {
             .mistake("light samples have the weight of the sampled phase function: of mean 1, so that noise grows"),
         )
         .by("means")
-        .missed("nothing is biased in this model: a comparison of the variances of two versions"),
+        .missed("the variance of the weights: nothing is biased in this model"),
         Exhibit::new(
             "raysect/source#200",
             Thread,
@@ -543,8 +543,8 @@ fn pictures() -> Vec<Exhibit> {
         ),
     ];
     let would_find = |name| match name {
-        "image/jitter-off-centre" => Some("the mean of the offsets themselves, tested as a sampler of the pixel"),
-        "image/luma-rounded" => Some("exact values of pure colours: `compare` leaves out differences below 1/2048"),
+        "image/jitter-off-centre" => Some("the offsets as a sampler of eight rows of the pixel"),
+        "image/luma-rounded" => Some("images of pure colours without noise, by `compare --at-most max_abs=1e-5`"),
         _ => None,
     };
     let exhibit = |(source, seen, fault): (_, _, PlantedFault)| Exhibit {
@@ -614,7 +614,7 @@ fn numerics() -> Vec<Exhibit> {
             })
             .mistake("normal numbers by Box and Muller from ln u, which is infinite for u = 0"),
         )
-        .missed("an infinite sample as a violation: unbounded sets accept it, as a limit of their points"),
+        .missed("a bounded domain, such as interval:-40,40: unbounded ones accept an infinite sample as a limit of their points"),
         Exhibit::new(
             "mmp/pbrt-v4#481",
             Diff,

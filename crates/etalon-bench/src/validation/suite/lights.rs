@@ -166,9 +166,10 @@ fn whole_lights() -> Vec<Case> {
         Case::new(format!("whole/light/{name}"), move |protocol, round| {
             let emitter = make().ok_or_else(|| Error::parameter("names", "a case of a light that emits nothing"))?;
             let all = places(&emitter)?.into_iter().filter(|(name, _)| !is_edge_on(name));
-            // Integrals over lights end at edges and take long.
             let samples = match protocol.samples {
-                SampleCount::Detect(error) => SampleCount::Detect(error.max(0.09)),
+                SampleCount::Detect(error) => {
+                    SampleCount::Detect(error.max(emitter.properties().kind.detectable_error()))
+                }
                 fixed @ SampleCount::Fixed(_) => fixed,
             };
             let all: Vec<Direction> = all.map(|(_, place)| place).collect();

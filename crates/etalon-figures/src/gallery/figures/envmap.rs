@@ -5,7 +5,7 @@
 use super::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
-use crate::view::converge::{self, with_band};
+use crate::view::converge::{self, guide, with_band};
 use crate::view::map::Display;
 use etalon_bench::converge::curve::{Curve, Level};
 use etalon_bench::converge::{CUTS, Convergence, cuts};
@@ -90,7 +90,8 @@ fn error_of_lights(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
 
 /// Error over the number of lights, and over time: fixed lights, and random light samples.
 fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
-    let error = || Axis::log("RMSE of radiance");
+    let mean = sampled.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
+    let error = || Axis::log(format!("RMSE of radiance (mean: {mean:.3})"));
     let mut by_number = Panel::new(Axis::log("fixed lights, or light samples per pixel"), error());
     let mut by_time = Panel::new(Axis::log("processor time (s)"), error());
     let mut add = |label: &str, stroke: Stroke, marker: Marker, points: Vec<(f64, &Level)>| {
@@ -110,14 +111,17 @@ fn lights(fixed: &Convergence, sampled: &Convergence) -> Drawing {
         let points = fixed.curves.iter().filter_map(|c| Some((number_of_lights(c, cut)?, c.levels.last()?)));
         add(label, stroke(i), Marker::Open, points.collect());
     }
-    for (i, name) in SAMPLED.into_iter().enumerate() {
+    for ((i, name), label) in SAMPLED.into_iter().enumerate().zip(["sampled: map", "sampled: map × cosine"]) {
         let Some(curve) = sampled.curve(name) else { continue };
         let points = curve.levels.iter().map(|l| (f64::from(l.spp), l)).collect();
         let stroke = stroke(i + CUTS.len());
-        add(&format!("sampled: {}", converge::label(name)), stroke, theme::marker(stroke), points);
+        add(label, stroke, theme::marker(stroke), points);
     }
+    let shown: Vec<&Curve> = SAMPLED.into_iter().filter_map(|name| sampled.curve(name)).collect();
+    let by_number = by_number.line("slope −1/2", theme::GUIDE, guide(&shown, &|level| f64::from(level.spp)));
+    let by_time = by_time.line("slope −1/2", theme::GUIDE, guide(&shown, &|level| level.cpu_seconds));
     let panels = [by_number.title("Error against lights"), by_time.title("Error against time")];
-    Plot::new(panels.map(Panel::with_names_on_curves)).draw()
+    Plot::new(panels.map(Panel::with_names_on_curves)).frame_size(440.0, 380.0).draw()
 }
 
 /// The strategies of the sphere's curves that stand beside the fixed lights.

@@ -1,5 +1,5 @@
 //! Numerical errors of the code that renders: `stability-fresnel`, `-conductor`, `-microfacet`, `-sampling`, `-geometry`,
-//! `-special`, `-sums`. The registry of the study says which figure shows which family.
+//! `-special`, `-worst`. The registry of the study says which figure shows which family.
 
 use crate::gallery::prelude::*;
 use crate::view::stability as view;
@@ -7,8 +7,8 @@ use etalon_bench::stability::{self, Stability, Workload};
 
 /// The figure of what has no grids.
 const SPECIAL: &str = "stability-special";
-/// The figure of sums; it also summarizes the other figures.
-const SUMS: &str = "stability-sums";
+/// The figure of all; those of sums, tables and paths have no other.
+const WORST: &str = "stability-worst";
 
 /// The families and experiments of the figure of that id.
 fn families(inputs: &Inputs, studies: &mut Studies, id: &str) -> Result<Rc<Stability>> {
@@ -25,7 +25,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, id: &'static str) -> Result<C
     let own = families(inputs, studies, id)?;
     let drawing = if id == SPECIAL {
         view::worst_cases(&own.rows)
-    } else if id == SUMS {
+    } else if id == WORST {
         let mut rows = Vec::new();
         for figure in stability::figures().into_iter().filter(|figure| *figure != SPECIAL) {
             rows.extend_from_slice(&families(inputs, studies, figure)?.rows);
