@@ -19,7 +19,7 @@ import numpy as np
 from scipy import special, stats
 
 PI, TAU = np.pi, 2 * np.pi
-normal = lambda u: special.ndtri(np.fmax(u, 1e-300))  # of 0, too: an infinity times 0 is no number
+normal = lambda u: special.ndtri(np.clip(u, 1e-300, 1 - 2**-53))  # of 0 and 1, too: an infinity times 0 is no number
 SAMPLERS = {}  # by name: the domain or the functions of a chart, random numbers of a sample, the parameter, and the family
 
 

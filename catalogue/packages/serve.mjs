@@ -32,7 +32,7 @@ const libraries = {
   },
   stdlib () {
     // Of one distribution alone, as all of them take seconds to load
-    const kebab = name => name.replace(/[A-Z]/g, letter => `-${letter.toLowerCase()}`)
+    const kebab = name => name.replace(/[A-Z]/g, letter => `-${letter.toLowerCase()}`).replace(/1$/, '-type1')
     const cases = {
       arcsine: [[-1, 2]], beta: [[0.5, 0.5], [2, 5], [0.3, 8], [200, 300]], betaprime: [[2, 3], [0.5, 0.7]], cauchy: [[0, 1], [100, 0.1]], chi: [[0.7], [4]],
       chisquare: [[0.5], [3], [60]], cosine: [[1, 2]], erlang: [[3, 2]], exponential: [[1], [1e-4]], f: [[3, 5], [0.8, 2]], frechet: [[2, 1, 0.5], [0.5, 3, -1]],

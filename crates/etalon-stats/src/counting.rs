@@ -67,7 +67,7 @@ pub struct Counted {
     pub errors: Vec<f64>,
     /// The integrals over the parts of the cells and of the axes, and the share of samples that they are known to miss; `None`
     /// where the cells' integrals were corrected by samples, which do not tell the parts.
-    pub shares: Option<(Shares, f64)>,
+    pub shares: Option<(Shares, Vec<f64>)>,
     pub integral: Integral,
     /// Whether errors of the cells' integrals would show in the chi-square test.
     pub uncertain: bool,
@@ -177,7 +177,7 @@ impl Counting<'_> {
                 Integration::Lattices(_) => integrals.errors.iter().map(|error| scale * error).collect(),
                 _ => vec![0.0; integrals.errors.len()],
             },
-            shares: Some((integration.shares(self.subdivision).times(scale), 0.0)),
+            shares: Some((integration.shares(self.subdivision).times(scale), Vec::new())),
             uncertain: false,
             invalid: integrals.invalid,
             far: integration.far(),
@@ -207,8 +207,7 @@ impl Counting<'_> {
                 let missed: Vec<f64> = (0..integrals.errors.len()).map(|cell| self.missed(tally, cell)).collect();
                 let errors = integrals.errors.iter().zip(&missed).map(|(error, missed)| (scale * error).hypot(*missed));
                 counted.accept_errors(errors.collect());
-                let all_missed: f64 = missed.iter().sum();
-                counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_missed));
+                counted.shares = counted.shares.take().map(|(shares, _)| (shares, missed));
                 return Ok(None);
             }
             Integration::Refined(refinement) => refinement,
@@ -228,7 +227,7 @@ impl Counting<'_> {
             None => {
                 let error = |cell: usize| scale * integrals.errors[cell] + found(cell);
                 counted.uncertain = self.is_uncertain(tally.samples, &counted.values, error);
-                counted.shares = counted.shares.take().map(|(shares, _)| (shares, all_found));
+                counted.shares = counted.shares.take().map(|(shares, _)| (shares, vec![all_found]));
             }
             // Samples tell what cells lack, and with which standard error, but not which of their parts.
             Some(corrections) => {

@@ -1,7 +1,7 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
 use crate::counting::{Counted, Counting, Source, streams};
-use crate::cubature::{InvalidPdf, Probe};
+use crate::cubature::{InvalidPdf, NOISE, Probe};
 use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Domain;
 use crate::error::{Error, Result};
@@ -181,6 +181,13 @@ pub fn examine(
         let outcome = weights::examine(&source, protocol, round)?;
         return Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome });
     }
+
+    // In many dimensions samples make up for the errors of integrals.
+    let samples = match protocol.samples {
+        SampleCount::Detect(w) if domain.space().is_some() => SampleCount::Detect(w / (1.0 + NOISE).sqrt()),
+        samples => samples,
+    };
+    let protocol = &Protocol { samples, ..*protocol };
 
     // Do the exact checks. A finite number of samples allows none at the corners and a smaller pilot.
     let finite = sampler.finite_len();

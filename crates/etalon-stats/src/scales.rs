@@ -90,11 +90,11 @@ impl ScaleTest {
         if z2 > self.worst.0 {
             self.worst = (z2, pair);
         }
-        self.mean += 1.0;
+        // Variances from few lattices are uncertain themselves, which 1/(1 + noise) adds to the mean of z².
+        self.mean += 1.0 + 2.0 / (LATTICES + 1) as f64 * (noise / (1.0 + noise)).powi(2);
         self.variance += 2.0 + (1.0 - 6.0 * q * (1.0 - q)) / variance;
         self.counted += n;
-        // Variances from few lattices are uncertain themselves, which 1/V adds to the mean of z².
-        self.shift += if are_independent { 2.0 / (LATTICES - 1) as f64 * noise * noise } else { share };
+        self.shift += share - noise;
     }
 
     fn plus(self, other: &Self) -> Self {
@@ -173,14 +173,14 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` is the share of samples in
-    /// places that the shares are known to miss.
+    /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` are the shares of samples in
+    /// places that the shares are known to miss: of each cell, where parts are parts of one cell, or of the whole.
     pub fn new(
         subdivision: &Subdivision,
         domain: &dyn Domain,
         observed: &Parts<u64>,
         shares: &Shares,
-        found: f64,
+        found: &[f64],
         samples: u64,
     ) -> Self {
         let mut scales = Self::default();
@@ -188,8 +188,11 @@ impl Scales {
         // A half that holds V values of a lattice, such as that of f32 numbers, has a share that is off by 1/V; rounding to
         // f32 moves samples over the ends of parts.
         let finite = subdivision.axes.iter().all(|axis| axis.finite);
+        let (all, squares) = (found.iter().sum::<f64>(), found.iter().map(|share| share * share).sum::<f64>());
         let is_good = |test: &ScaleTest, values: f64, rounding: f64| {
-            let missed = found * found * test.parts as f64;
+            let parts = test.parts as f64;
+            // At worst all that a cell misses is in one part.
+            let missed = (parts * all * all).at_most(parts.at_least(found.len() as f64) * squares);
             let lattice = if finite { 0.0 } else { 1.0 / (values * values) + rounding };
             test.is_testable(n * (missed + lattice))
         };

@@ -25,7 +25,7 @@ pub struct Counted<'a> {
     pub labels: Labels,
     pub tally: &'a Tally,
     /// The expected shares of the parts, and the share of samples that these are known to miss.
-    pub shares: &'a Option<(Shares, f64)>,
+    pub shares: &'a Option<(Shares, Vec<f64>)>,
     pub samples: u64,
     /// The level of the test.
     pub level: f64,
@@ -55,7 +55,7 @@ impl Counted<'_> {
         let Self { subdivision, labels, tally, samples, .. } = *self;
         let known = self.shares.as_ref();
         let scales = known.map_or_else(Scales::default, |(shares, found)| {
-            Scales::new(subdivision, self.domain, &tally.parts, shares, *found, samples)
+            Scales::new(subdivision, self.domain, &tally.parts, shares, found, samples)
         });
         // Recognize stratified samples first: they depend on each other on purpose.
         let uniform = [chi_square_below(cells.dof as f64, cells.statistic)].into_iter();

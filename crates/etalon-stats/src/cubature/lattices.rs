@@ -23,14 +23,15 @@ use rayon::prelude::*;
 
 /// Lattices of a piece, and the points of each.
 pub const LATTICES: usize = 8;
-const POINTS: usize = 8;
+const POINTS: usize = 4;
 /// Pieces of which points are asked for at a time, and most points in all.
 const PIECES: usize = 128;
 const BUDGET: usize = 1 << 23;
 /// How far above the values at its points a leaf may be expected to reach. What is above counts as missed.
 const REACH: f64 = 4.0;
-/// The share of the variance of a cell's count that the variance of its integral should stay below.
-const NOISE: f64 = 0.02;
+/// The share of the variance of a cell's count that the variance of its integral should stay below. About as many more samples make up
+/// for it: that takes fewer values in all than precise integrals do.
+pub const NOISE: f64 = 0.08;
 
 /// What lattices are believed to gain over independent points, as a share of these points' variance.
 const GAIN: f64 = 0.1;
@@ -170,7 +171,7 @@ impl Lattices {
             }
             // Pieces that happen to look smooth are not halved, and their integrals are too low: those that count are of fresh points.
             let all: f64 = pieces.iter().map(|piece| noise(piece, piece.doubt)).sum();
-            let least = if all > 0.5 * allowed { 0.1 * allowed / pieces.len() as f64 } else { f64::INFINITY };
+            let least = if all > 0.5 * allowed { 0.5 * allowed / pieces.len() as f64 } else { f64::INFINITY };
             let is_coarse = |piece: &Piece| piece.is_missed || noise(piece, piece.doubt) > least;
             let (coarse, fine): (Vec<Piece>, Vec<Piece>) = pieces.into_iter().partition(is_coarse);
             is_fresh = coarse.is_empty() || spent > BUDGET;

@@ -16,7 +16,7 @@ mod shares;
 mod steps;
 
 pub(crate) use check::Check;
-pub(crate) use lattices::{LATTICES, Lattices, Wanted};
+pub(crate) use lattices::{LATTICES, Lattices, NOISE, Wanted};
 pub(crate) use refine::Refinement;
 pub(crate) use shares::Shares;
 
