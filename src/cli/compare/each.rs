@@ -29,6 +29,7 @@ struct Done {
     measured: Measured,
     thumbnail: Thumbnail,
     notes: Vec<String>,
+    is_clipped: bool,
     is_rejected: bool,
 }
 
@@ -47,7 +48,7 @@ struct Record<'a> {
     file: &'a str,
     #[serde(flatten)]
     measured: Option<&'a Measured>,
-    rejected: bool,
+    rejected: Option<bool>,
     error: Option<String>,
 }
 
@@ -69,7 +70,7 @@ struct Row {
     non_finite: Option<usize>,
     identical: Option<bool>,
     explanation: Option<String>,
-    rejected: bool,
+    rejected: Option<bool>,
     error: Option<String>,
 }
 
@@ -95,6 +96,18 @@ impl Compare {
         }
         for note in entries.iter().filter_map(|entry| entry.result.as_ref().ok()).flat_map(|done| &done.notes) {
             console.warn(note);
+        }
+        let of_other_kind = |done: &&Done| done.is_clipped != b.is_clipped;
+        let others = entries.iter().filter_map(|entry| entry.result.as_ref().ok()).filter(of_other_kind).count();
+        if others > 0 {
+            let (those, the_reference) =
+                if b.is_clipped { ("linear light", "integer values") } else { ("integer values", "linear light") };
+            console.warn(&format!(
+                "{} of {} have {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
+                others,
+                counted(entries.len(), "image"),
+                reference.display()
+            ));
         }
         let mut saving = Saving::default();
         let cells: Vec<Shown> = entries.iter().map(shown).collect();
@@ -131,7 +144,8 @@ impl Compare {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
             let measured = measure(path, &a.image, reference, &b.image)?;
             let is_rejected = !self.is_within(&measured);
-            Ok(Done { thumbnail: Thumbnail::new(&a.image, &b.image), is_rejected, notes: a.notes, measured })
+            let (thumbnail, is_clipped) = (Thumbnail::new(&a.image, &b.image), a.is_clipped);
+            Ok(Done { thumbnail, is_rejected, is_clipped, notes: a.notes, measured })
         });
         bar.inc(1);
         Entry { file: path.display().to_string(), result }
@@ -253,7 +267,7 @@ fn record(entry: &Entry) -> Record<'_> {
     Record {
         file: &entry.file,
         measured: done.map(|done| &done.measured),
-        rejected: done.is_some_and(|done| done.is_rejected),
+        rejected: done.map(|done| done.is_rejected),
         error: entry.result.as_ref().err().map(ToString::to_string),
     }
 }
@@ -283,7 +297,7 @@ fn row(entry: &Entry) -> Row {
         non_finite: Some(non_finite),
         identical: Some(*identical),
         explanation: explanation.as_ref().map(|explanation| explanation.change.clone()),
-        rejected: *is_rejected,
+        rejected: Some(*is_rejected),
         error: None,
     }
 }

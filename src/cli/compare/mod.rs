@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
                         --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
                         layers that single images need.\n\nExamples:\n  etalon render sphere-env -s 1 -o a.exr && etalon render sphere-env -o b.exr && etalon compare a.exr b.exr\n  etalon compare render.exr reference.exr\n  \
                         etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
-                        etalon compare --each students/*.png --reference reference.exr --sort flip\n  \
+                        etalon compare --each students/*.png --reference reference.png --sort flip\n  \
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
                         etalon compare render.exr --against mitsuba-moment.exr --spp 256"
 )]

@@ -227,14 +227,6 @@ struct Family<'a> {
     own: String,
 }
 
-/// What a mistake leaves unexplained with the amount that explains most, and its name with that amount.
-struct Fitted {
-    left: f64,
-    /// Whether the amount is one of those that mistakes have.
-    is_usual: bool,
-    name: String,
-}
-
 /// The counts of the cells, with points of them.
 struct Table<'a> {
     domain: &'a dyn Domain,
@@ -441,7 +433,7 @@ impl<'a> Table<'a> {
 
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name. `few` has few points, for
     /// a first look.
-    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<Fitted>> {
+    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
         let best = match few.family(mistake)? {
             Some(family) => few.best_step(&family)?,
             None => None,
@@ -474,17 +466,15 @@ impl<'a> Table<'a> {
         let error = near * (2.0 / around).sqrt();
         let known = Some(error.at_least(PRECISION * amount.abs())).filter(|error| error.is_finite());
         let error = known.unwrap_or(near);
-        let is_power = matches!(mistake.follows, Follows::Power);
         let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= LEFT_BY_CHANCE * error;
-        let usual_power = POWERS.iter().find(power).filter(|_| is_power).map(|(_, name)| (*name).to_owned());
-        let is_usual = !is_power || usual_power.is_some();
-        let text = usual_power.unwrap_or_else(|| match known {
-            None => format!("about {}", significant(amount, 2)),
-            Some(error) => with_error(amount, error),
-        });
+        let text = match mistake.follows {
+            Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
+            _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
+            _ => Some(with_error(amount, error)),
+        };
+        let Some(text) = text else { return Ok(None) };
         let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
-        let name = mistake.told(of).replace("{}", &(text + &family.own));
-        Ok(left.map(|[left, _]| Fitted { left, is_usual, name }))
+        Ok(left.map(|[left, _]| (left, mistake.told(of).replace("{}", &(text + &family.own)))))
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
@@ -631,17 +621,13 @@ impl<'a> Table<'a> {
         }
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
         let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
-        let mut fitted: Vec<Fitted> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
-        // Some power fits any pdf of two values; one that is symmetric about an axis, as cosⁿ θ, has many.
-        fitted.retain(|found| found.is_usual || own_axis.is_some());
+        let mut fitted: Vec<(f64, String)> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
         if !fitted.is_empty() {
-            // Those that explain as much as the best, and unusual powers where nothing else does
-            fitted.sort_by(|a, b| a.left.total_cmp(&b.left));
-            let best = fitted[0].left;
-            fitted.retain(|found| found.left <= best + CHANCE * spread);
-            let is_usual = fitted.iter().any(|found| found.is_usual);
-            fitted.retain(|found| found.is_usual == is_usual);
-            return follow_amount(alternatives(fitted.into_iter().map(|found| found.name).collect()));
+            // Those that explain as much as the best
+            fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let best = fitted[0].0;
+            fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
+            return follow_amount(alternatives(fitted.into_iter().map(|(_, name)| name).collect()));
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
             Some(from) => self.turned(from, most, of)?,

@@ -38,7 +38,7 @@ pub enum Follows<'a> {
     Times(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The pdf at this point.
     At(Box<dyn Fn(Point) -> Point + 'a>),
-    /// A power of the pdf's value.
+    /// A power of the pdf's value, one of those that are usual.
     Power,
     /// The pdf, times a factor, at the place where a motion by some amount, of these limits, takes the point.
     Moved {
@@ -530,14 +530,10 @@ mod tests {
         let lobe = sampler(2, |u: &[f64]| Some(Sample::new(if u[0] < 0.3 { u[1] } else { u[1].sqrt().sqrt() })));
         let text = told(&Line::UNIT, &lobe, &crate::density(|x: f64| 0.5 + 2.0 * x.powi(3)));
         assert!(text.contains("samples follow the pdf with a share of 0.3") && text.contains("not 0.5"), "{text}");
-        // Rejection sampling that takes the last candidate after two attempts, and an exponent that is no simple multiple
+        // Rejection sampling that takes the last candidate after two attempts
         let rejected = sampler(3, |u: &[f64]| Some(Sample::new(if u[1] <= u[0] { u[0] } else { u[2] })));
         let text = told(&Line::UNIT, &rejected, &crate::density(|x: f64| 2.0 * x));
         assert!(text.contains("the pdf mixed with a uniform density, whose share is 0.5"), "{text}");
-        let cosines = sampler(2, |u: &[f64]| Some(Sample::new(direction(u[0].powf(1.0 / 51.0), u[1]))));
-        let pdf = |w: [f64; 3]| 21.0 / TAU * w[2].powi(20);
-        let text = told(&Directions::hemisphere(Pole::Z), &cosines, &crate::density(pdf));
-        assert!(text.contains("the pdf to the power of 2.5"), "{text}");
         // Half of the samples are clamped to an edge.
         let clamped = sampler(2, |u: &[f64]| Some(Sample::new([u[0], u[1].min(0.5)])));
         let text = told(&Square, &clamped, &crate::density(|_: [f64; 2]| 1.0));
