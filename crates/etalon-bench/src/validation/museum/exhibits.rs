@@ -324,7 +324,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "inside rough glass the half vector points inwards, and F is that of the other side: no total reflection",
             ),
         )
-        .missed("`--like ggx-dielectric`, which compares values; energy=conserved:0.3, which bounds the albedo from below"),
+        .missed("a comparison with the model ggx-dielectric; a declared energy of conserved:0.3, which bounds the albedo from below"),
         Exhibit::new(
             "adobe/openpbr-bsdf#15",
             Thread,
@@ -336,7 +336,7 @@ fn bsdfs() -> Vec<Exhibit> {
                 "an early exit of Smith's G₁ is 0 for directions below the surface: glass does not transmit",
             ),
         )
-        .missed("`--like ggx-dielectric`, which compares values; energy=conserved:0.3, which bounds the albedo from below"),
+        .missed("a comparison with the model ggx-dielectric; a declared energy of conserved:0.3, which bounds the albedo from below"),
         Exhibit::new(
             "bevyengine/bevy#23203",
             Thread,
@@ -544,7 +544,7 @@ fn pictures() -> Vec<Exhibit> {
     ];
     let would_find = |name| match name {
         "image/jitter-off-centre" => Some("the offsets as a sampler of eight rows of the pixel"),
-        "image/luma-rounded" => Some("images of pure colours without noise, by `compare --at-most max_abs=1e-5`"),
+        "image/luma-rounded" => Some("images of pure colours without noise, with a limit of their largest difference"),
         _ => None,
     };
     let exhibit = |(source, seen, fault): (_, _, PlantedFault)| Exhibit {
