@@ -94,17 +94,14 @@ impl Compare {
         if let Some(metric) = self.sort {
             sort(&mut entries, metric);
         }
-        for note in entries.iter().filter_map(|entry| entry.result.as_ref().ok()).flat_map(|done| &done.notes) {
-            console.warn(note);
-        }
-        let of_other_kind = |done: &&Done| done.is_clipped != b.is_clipped;
-        let others = entries.iter().filter_map(|entry| entry.result.as_ref().ok()).filter(of_other_kind).count();
+        let compared = || entries.iter().filter_map(|entry| entry.result.as_ref().ok());
+        compared().flat_map(|done| &done.notes).for_each(|note| console.warn(note));
+        let others = compared().filter(|done| done.is_clipped != b.is_clipped).count();
         if others > 0 {
             let (those, the_reference) =
                 if b.is_clipped { ("linear light", "integer values") } else { ("integer values", "linear light") };
             console.warn(&format!(
-                "{} of {} have {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
-                others,
+                "{others} of {} have {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
                 counted(entries.len(), "image"),
                 reference.display()
             ));

@@ -405,7 +405,7 @@ fn listed(rows: &[Row], axis: &str, outcomes: Option<usize>) -> Plot {
     let expected: Vec<Point> =
         bars().flat_map(|((from, to), row)| [from, to].map(|x| [x, row.expected / (to - from)])).collect();
     let observed = bars().map(|((from, to), row)| row.observed as f64 / (to - from)).collect();
-    // Of cells at the ends, which may hold a long tail, only a part
+    // Cells at the ends, which may hold a long tail, are shown in part
     let [from, to] = match edges[..] {
         [first, second, .., before, last] => {
             let part = ((before - second) / 8.0).max(1.0);
