@@ -7,7 +7,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -105,14 +105,14 @@ impl Target {
         free
     }
 
-    /// The first word that this command is about and the owner of a name is not: of a file its stem, or its folder if the stem is in the name.
+    /// The first word that this command is about and the owner of a name is not: of a path the last two parts, unless the name has them.
     fn differs_from_owner(&self, name: &str) -> Option<String> {
         let owner = std::fs::read_to_string(self.note_of(name)).ok()?;
         let is_new = |word: &&str| !owner.split(' ').any(|known| known == *word);
-        let path = Path::new(self.subject.split(' ').find(is_new)?);
-        let of = |part: Option<&OsStr>| Some(file_name(&part?.to_string_lossy()));
-        let folder = || of(path.parent()?.file_name());
-        of(path.file_stem()).filter(|stem| !name.contains(stem.as_str())).or_else(folder)
+        let word = Path::new(self.subject.split(' ').find(is_new)?).with_extension("");
+        let parts = word.iter().map(|part| file_name(&part.to_string_lossy()));
+        let parts: Vec<String> = parts.filter(|part| !name.contains(part.as_str())).collect();
+        Some(parts[parts.len().saturating_sub(2)..].join("-")).filter(|word| !word.is_empty())
     }
 
     /// The files that were written, and which of them replaced older ones under default names.

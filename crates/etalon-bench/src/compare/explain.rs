@@ -79,11 +79,19 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
         let left: f64 = after.iter().map(|of| of.energy).sum();
         is_within(LITTLE).then(|| (left, Explanation { change, mse_left: mse(a, b), leaves_noise, in_part }))
     };
-    let by_channel = |first: &str, a: &Image| {
-        let [red, green, blue] = [0, 1, 2].map(|c| grid.factor(a, b, &[c], None));
-        let factors = Rgb::new(red?, green?, blue?);
-        let change = format!("{first}multiply R, G, B of A by {:.4}, {:.4}, {:.4}", factors.x, factors.y, factors.z);
-        try_one(change, &a.map(|p| p * factors), b)
+    let is_open = |found: &Option<Found>| found.as_ref().is_none_or(|(_, found)| found.in_part);
+    // Factors of the channels, where what is found does not do
+    let or_by_channel = |found: Option<Found>, first: &str, a: &Image| {
+        if !is_open(&found) {
+            return found;
+        }
+        let factors: Option<Vec<f32>> = (0..3).map(|c| grid.factor(a, b, &[c], None)).collect();
+        let by_channel = factors.and_then(|factors| {
+            let [red, green, blue] = [0, 1, 2].map(|c| factors[c]);
+            let change = format!("{first}multiply R, G, B of A by {red:.4}, {green:.4}, {blue:.4}");
+            try_one(change, &a.map(|p| p * Rgb::new(red, green, blue)), b)
+        });
+        least(found.into_iter().chain(by_channel))
     };
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let singles = candidates(a, b, &grid, None);
@@ -101,10 +109,7 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
         let with = alone.or_else(|| least(candidates(a, b, &grid, Some(top)).into_iter().filter_map(one)));
         found = least(found.into_iter().chain(with));
     }
-    let is_open = |found: &Option<Found>| found.as_ref().is_none_or(|(_, found)| found.in_part);
-    if is_open(&found) {
-        found = least(found.into_iter().chain(by_channel("", a)));
-    }
+    found = or_by_channel(found, "", a);
     if is_open(&found) {
         // A wrong exposure hides that all else is right
         let with_factor = |image: Image| {
@@ -118,7 +123,7 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
             let first = format!("{}, then ", change.split(": ").next().unwrap_or_default());
             let all = candidates(&image, b, &grid, None);
             let all = all.into_iter().filter_map(|(change, of, _)| try_one(format!("{first}{change}"), &of(), b));
-            least(all).or_else(|| by_channel(&first, &image))
+            or_by_channel(least(all), &first, &image)
         };
         let pair = least(firsts.iter().take(FIRST).filter_map(second));
         // Two changes have more freedom, and must leave much less than one
