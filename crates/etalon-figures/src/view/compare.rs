@@ -136,7 +136,7 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     };
     let first = (format!("reference: {name}"), beside(&shown(&small), &nothing()));
     let cells: Vec<(String, Rgb8)> = std::iter::once(first).chain(images.iter().map(cell)).collect();
-    let columns = ((cells.len() as f64 / 2.0).sqrt().round() as usize).clamp(1, 6);
+    let columns = ((cells.len() as f64 / 2.0).sqrt().ceil() as usize).clamp(1, 6);
     let title = format!("{} against {name}", counted(images.len(), "image"));
     let bar = map(Vec::new()).bar(420.0);
     Drawing::stacked(vec![contact_sheet(&title, columns, &cells), bar], 0.5)
