@@ -42,8 +42,6 @@ pub(super) struct Chart {
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
-    /// Whether there was no room for the names of some curves beside them.
-    pub has_unnamed: bool,
 }
 
 impl Chart {
@@ -78,13 +76,12 @@ impl Chart {
         let is_map = panel.heatmap.is_some();
         panel.marks.iter().for_each(|mark| sketch.label(mark, is_map));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
-        // The legend, where it covers nothing
+        // The legend of what is not named where it runs, where it covers nothing
         let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
         let legend =
             Legend::new(&panel.marks).and_then(|legend| legend.without(&named)).map(|legend| legend.within(limit));
-        let has_unnamed = panel.names_curves && legend.is_some();
         let legend = legend.filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
-        Self { drawing: sketch.drawing, room, legend, has_unnamed }
+        Self { drawing: sketch.drawing, room, legend }
     }
 }
 

@@ -198,6 +198,7 @@ impl ttf_parser::OutlineBuilder for Outlines {
 }
 #[cfg(test)]
 mod tests {
+    use super::super::rgb8::PNG_HEADER;
     use super::*;
 
     fn painted(drawing: &Page) -> image::RgbImage {

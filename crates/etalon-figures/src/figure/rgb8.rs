@@ -99,7 +99,7 @@ impl PartialEq for Rgb8 {
 }
 
 /// Length of a PNG file's signature and of its header, before which no other chunk stands.
-const PNG_HEADER: usize = 8 + 25;
+pub const PNG_HEADER: usize = 8 + 25;
 
 /// A PNG file with one more chunk after its header.
 pub fn with_chunk(png: &[u8], name: [u8; 4], data: &[u8]) -> Vec<u8> {

@@ -63,7 +63,7 @@ pub fn clauses(text: &str) -> Vec<String> {
             let found = example.rsplit(": ").next().unwrap_or_default();
             // Two numbers, which the figure has
             let found = if found.starts_with(|c: char| c.is_ascii_digit()) { None } else { Some(found.to_owned()) };
-            std::iter::once(law.to_owned()).chain(found).collect::<Vec<_>>()
+            found.into_iter().chain([law.to_owned()]).collect::<Vec<_>>()
         }
         None => vec![part.to_owned()],
     };

@@ -86,10 +86,11 @@ fn said(outcome: &Outcome) -> Vec<String> {
     all.flat_map(clauses).map(|clause| finding(&cut(&clause))).collect()
 }
 
-/// The beginning of a text, up to a comma outside of brackets, that is not too long.
+/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long.
 fn cut(text: &str) -> String {
     let is_open = |text: &str| text.matches('(').count() > text.matches(')').count();
-    let ends = text.rmatch_indices(", ").map(|(end, _)| &text[..end]).filter(|text| !is_open(text));
+    let ends = text.rmatch_indices([',', ':']).map(|(end, _)| text.split_at(end));
+    let ends = ends.filter(|(start, rest)| rest[1..].starts_with(' ') && !is_open(start)).map(|(start, _)| start);
     let fits = |text: &&str| text.chars().count() <= WIDEST;
     std::iter::once(text).chain(ends).find(fits).unwrap_or(text).to_owned()
 }
@@ -474,16 +475,18 @@ fn bars(axis: Axis, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
         "degree" => axis.range(from, to).every(60.0),
         _ => axis.range(from, to),
     };
-    Plot::new([
-        Panel::new(numbers.clone(), Axis::linear(label))
-            .title("Counts")
-            .bars("observed", theme::OBSERVED, edges.iter().copied().map(within).collect(), observed)
-            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), expected.collect::<Vec<Point>>()),
+    let counts = Panel::new(numbers.clone(), Axis::linear(label))
+        .title("Counts")
+        .bars("observed", theme::OBSERVED, edges.iter().copied().map(within).collect(), observed)
+        .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), expected.collect::<Vec<Point>>());
+    // Two residuals tell no more than the counts
+    let residual = (residuals.len() > 2).then(|| {
         Panel::new(numbers, Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
             .title("Residual (/{O} − /{E})/√/{E}")
             .horizontal(0.0, "")
-            .dots("", theme::RESIDUAL, residuals),
-    ])
+            .dots("", theme::RESIDUAL, residuals)
+    });
+    Plot::new(std::iter::once(counts).chain(residual).collect::<Vec<_>>())
 }
 
 /// What has no place on the chart, delta lobes and "no sample", beside all that has.
