@@ -50,10 +50,11 @@ fn residual(observed: f64, expected: f64) -> f64 {
 /// The drawing of a test: what is wrong, and what shows it.
 pub fn drawing(tested: &Tested) -> Drawing {
     let verdict = format!("{}: {}", tested.name, verdict(&tested.outcome));
-    let told = said(&tested.outcome);
-    let mut lines = told.iter().map(|clause| capitalized(clause)).chain([verdict]);
-    let title = lines.next().unwrap_or_default();
-    picture(&tested.outcome).headed(title, lines.take(LINES).collect())
+    let mut told = said(&tested.outcome);
+    told.truncate(LINES);
+    let mut lines = told.into_iter().chain([verdict]);
+    let title = capitalized(&lines.next().unwrap_or_default());
+    picture(&tested.outcome).headed(title, lines.collect())
 }
 
 /// The drawing of the test of a planted fault, under a sentence that says what the fault is.
@@ -101,8 +102,8 @@ pub fn reasons(validation: &Validation, first: Option<&Tested>) -> Option<Drawin
     let [rejected, inconclusive, all] = [validation.rejected, validation.inconclusive, validation.tests.len()];
     let count = [(rejected, "rejected"), (inconclusive, "inconclusive")].into_iter().filter(|(n, _)| *n > 0);
     let count: Vec<String> = count.map(|(n, what)| format!("{n} of {all} tests {what}")).collect();
-    let lines = told.iter().skip(1).cloned().chain([count.join(", ")]);
-    Some(nothing().headed(capitalized(told.first()?), lines.take(LINES).collect()))
+    let lines = told.iter().skip(1).take(LINES - 1).cloned().chain([count.join(", ")]);
+    Some(nothing().headed(capitalized(told.first()?), lines.collect()))
 }
 
 /// What a test of several looked at, under its name.
