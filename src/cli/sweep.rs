@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads, verbose};
-use super::values::{Shard, choice};
+use super::values::{Shard, choice, share};
 use clap::Args;
 use etalon_bench::protocol::program;
 use etalon_bench::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
@@ -58,10 +58,10 @@ pub struct Sweep {
     #[arg(long, value_name = "N", default_value_t = 100)]
     configurations: u64,
     /// Relative error of a pdf or of weights to detect with 90 % probability
-    #[arg(long, value_name = "W", default_value_t = DETECT, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", value_parser = share, default_value_t = DETECT, allow_negative_numbers = true)]
     detect: f64,
     /// Probability that a sweep of correct BSDFs rejects any of them
-    #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", value_parser = share, default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Compute the I-th of N equal shares of the configurations, for `etalon merge`
     #[arg(long, help_heading = OUTPUT, value_name = "I/N", conflicts_with_all = ["junit", "markdown"])]

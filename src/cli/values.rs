@@ -57,6 +57,17 @@ pub fn stops(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|v: &f32| v.is_finite() && v.abs() <= 100.0).ok_or("not a number within ±100".into())
 }
 
+/// Reads a share, as a fraction or in percent, between 0 and 1.
+pub fn share(text: &str) -> std::result::Result<f64, String> {
+    fraction(text).filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
+}
+
+/// Reads a number, or a number of percent.
+pub fn fraction(text: &str) -> Option<f64> {
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    Some(number.trim().parse::<f64>().ok()? * unit)
+}
+
 /// A parameter with its value, `NAME=VALUE`.
 pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
     let parsed =
@@ -88,5 +99,15 @@ impl FromStr for Shard {
             (1..=shard.count).contains(&shard.index).then_some(shard)
         });
         parsed.ok_or("expected I/N, for example 2/8: the second of eight")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn shares_are_fractions_or_percent() {
+        let read = |text| super::share(text).ok();
+        assert_eq!([read("0.01"), read("1%"), read("0.5 %")], [Some(0.01), Some(0.01), Some(0.005)]);
+        assert!(["", "0", "1", "100%", "-1%", "nan", "inf", "x"].into_iter().all(|text| read(text).is_none()));
     }
 }

@@ -7,6 +7,7 @@ mod pair;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use crate::cli::style::StyleArgs;
+use crate::cli::values::{fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
 use etalon_core::error::{Error, Result};
@@ -184,20 +185,9 @@ fn measure(a_path: &Path, a: &Image, b_path: &Path, b: &Image) -> Result<Measure
     Ok(measured)
 }
 
-/// Reads a share, as a fraction or in percent, between 0 and 1.
-fn share(text: &str) -> std::result::Result<f64, String> {
-    fraction(text).filter(|v| *v > 0.0 && *v < 1.0).ok_or("not a share between 0 and 1, such as 0.01 or 1%".into())
-}
-
 fn metric(name: &str) -> std::result::Result<&'static Metric, String> {
     let known = || METRICS.iter().map(|metric| metric.name).collect::<Vec<_>>().join(", ");
     Metric::named(name).ok_or_else(|| format!("no metric; known are {}", known()))
-}
-
-/// Reads a number, or a number of percent.
-fn fraction(text: &str) -> Option<f64> {
-    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
-    Some(number.trim().parse::<f64>().ok()? * unit)
 }
 
 /// Reads a limit, `flip=.05`.
@@ -216,13 +206,6 @@ fn limit(text: &str) -> std::result::Result<Limit, String> {
 
 #[cfg(test)]
 mod tests {
-    #[test]
-    fn shares_are_fractions_or_percent() {
-        let read = |text| super::share(text).ok();
-        assert_eq!([read("0.01"), read("1%"), read("0.5 %")], [Some(0.01), Some(0.01), Some(0.005)]);
-        assert!(["", "0", "1", "100%", "-1%", "nan", "inf", "x"].into_iter().all(|text| read(text).is_none()));
-    }
-
     #[test]
     fn limits_are_of_errors() {
         let read = |text| super::limit(text).map(|limit| (limit.metric.name, limit.most));

@@ -8,6 +8,7 @@ use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads};
 use super::map_file::{self, MapOptions};
 use crate::cli::style::StyleArgs;
+use crate::cli::values::share;
 use clap::Args;
 use etalon_bench::validation::{Tested, Validation, run, select, suite};
 use etalon_core::error::{Error, Result};
@@ -57,13 +58,13 @@ pub struct Validate {
     /// Samples of each test [default: as --detect needs], or a CSV file of them
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
-    /// Relative error of a pdf to detect with 90 % probability [default: 0.02]
+    /// Relative error of a pdf to detect with 90 % probability [default: 2%]
     ///
-    /// By default 0.05 for a phase function and 0.09 for a light, whose integrals take long.
-    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    /// By default 5% for a phase function and 9% for a light, whose integrals take long.
+    #[arg(long, value_name = "W", value_parser = share, allow_negative_numbers = true)]
     detect: Option<f64>,
     /// Probability that a run of correct samplers rejects any of them
-    #[arg(long, value_name = "A", default_value_t = 0.01, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", value_parser = share, default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
     /// Plot the counts of each test [default: of rejected ones]
     ///

@@ -182,6 +182,7 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
             "pdf takes 2 coordinates, and sample returns 3, such as (0.",
         ),
         (PLAIN.replace("pdf(w)", "pdf(w, q)"), "pdf takes 2 arguments; wanted 1, or one for each of 3 coordinates"),
+        (format!("domain = \"disc\"\n{PLAIN}"), "unknown domain \"disc\""),
         (PLAIN.replace("sample(u0, u1)", "sample()"), "sample takes no argument; wanted sample(u)"),
         (PLAIN.replace("    return PDF", "    pass"), "pdf returned None for one sample; wanted a number"),
         (PLAIN.replace("pdf(w)", "density(w)"), "it has no function pdf; wanted sample(u) and pdf(w)"),

@@ -215,8 +215,7 @@ impl Sketch<'_> {
                 others().all(|other| distance(other) > 1.5 * distance(places))
             };
             let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
-            let mut near =
-                |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);
+            let mut near = |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);
             let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
             let beside = beside.into_iter().find(is_own);
             let mut led = || {

@@ -264,9 +264,8 @@ pub fn drawing(compared: &Compared) -> Drawing {
     tiles.retain(|tile| tile.worst.is_some());
     tiles.sort_by(|a, b| a.worst.iter().zip(&b.worst).map(|(a, b)| a.by_p(b)).next().unwrap_or(Ordering::Equal));
     // What chance explains is enlarged only if there is nothing else
-    let is_different = |tile: &Tile| {
-        tile.worst.is_some_and(|worst| compared.families[2].adjusted(&worst) < compared.plan.level)
-    };
+    let is_different =
+        |tile: &Tile| tile.worst.is_some_and(|worst| compared.families[2].adjusted(&worst) < compared.plan.level);
     tiles.truncate(tiles.iter().filter(|tile| is_different(tile)).count().clamp(1, ENLARGED));
     let map = tiles.iter().enumerate().fold(map, |panel, (i, tile)| {
         let [x, y, w, h] = tile.place.map(|v| v as f64);

@@ -118,8 +118,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let line = |row: &ErrorRow| {
         families.iter().position(|family| *family == row.family).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
     };
-    let names: Vec<String> =
-        families.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
+    let names: Vec<String> = families.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
     // The legend's entries in the same order on both sides
     let variants = [STABLE, TEXTBOOK, REPORT].into_iter().zip([Marker::Disc, Marker::Square, Marker::Triangle]);
     let is_there = |(variant, _): &(&str, Marker)| rows.iter().any(|row| look(row.variant) == look(variant));
@@ -139,7 +138,8 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         variants.iter().fold(panel, |panel, (variant, marker)| {
             let of = of_precision().filter(|row| look(row.variant) == look(variant));
             // What has no finite value is worse than any
-            let worst = |row: &ErrorRow| if row.max_relative.is_nan() { most } else { row.max_relative.clamp(least, most) };
+            let worst =
+                |row: &ErrorRow| if row.max_relative.is_nan() { most } else { row.max_relative.clamp(least, most) };
             let places: Vec<Point> = of.map(|row| [worst(row), line(row)]).collect();
             panel.markers(*variant, look(variant).0, *marker, places)
         })

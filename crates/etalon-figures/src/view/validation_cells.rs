@@ -219,10 +219,11 @@ fn compared_plot(compared: &Compared, counts: Option<&Counts>, wo: Option<[f64; 
     };
     let values = |i: usize| shown.iter().map(|all| [all[0], all[i]]).collect::<Vec<Point>>();
     let both = (!is_near).then(|| {
-        Panel::new(places(), Axis::log("value"))
-            .title(law.as_str())
-            .dots("expected", theme::EXPECTED, values(2))
-            .dots("found", theme::REJECTED, values(1))
+        Panel::new(places(), Axis::log("value")).title(law.as_str()).dots("expected", theme::EXPECTED, values(2)).dots(
+            "found",
+            theme::REJECTED,
+            values(1),
+        )
     });
     Plot::new(both.into_iter().chain([over_place]).collect::<Vec<_>>())
 }
@@ -353,7 +354,8 @@ fn maps(counts: &Counts, cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
         (!is_empty(&cells[cell])).then_some(cell)
     };
     let places: Vec<Option<usize>> = (0..POINTS * POINTS).map(at).collect();
-    let grid = |value: &dyn Fn(usize) -> f64| places.iter().map(|cell| cell.map_or(f64::NAN, value)).collect::<Vec<_>>();
+    let grid =
+        |value: &dyn Fn(usize) -> f64| places.iter().map(|cell| cell.map_or(f64::NAN, value)).collect::<Vec<_>>();
     let marked = wo.filter(|_| round.is_some()).map_or(Vec::new(), |wo| {
         let [theta, phi] = polar(wo);
         let (sin, cos) = phi.to_radians().sin_cos();
@@ -463,7 +465,8 @@ fn bars(axis: Axis, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
     let [from, to] = shown(edges.iter().copied());
     let within = |x: f64| x.clamp(from, to);
     let ends = |i: usize| [edges[i], edges[i + 1]].map(within);
-    let expected = counts.iter().enumerate().flat_map(|(i, (_, expected))| ends(i).map(|x| [x, by_width(i, *expected)]));
+    let expected =
+        counts.iter().enumerate().flat_map(|(i, (_, expected))| ends(i).map(|x| [x, by_width(i, *expected)]));
     let observed = counts.iter().enumerate().map(|(i, (observed, _))| by_width(i, *observed)).collect();
     let residuals: Vec<Point> = counts
         .iter()
@@ -515,7 +518,9 @@ fn lobes(counts: &Counts, cells: &[Row], beyond: &[Row]) -> Plot {
 mod tests {
     use super::*;
     use etalon_bench::validation::planted::{all, run_pair};
-    use etalon_stats::{Density, Discrete, Domain, Line, Protocol, Rectangle, Sample, Sampler, density, sampler, validate};
+    use etalon_stats::{
+        Density, Discrete, Domain, Line, Protocol, Rectangle, Sample, Sampler, density, sampler, validate,
+    };
 
     fn svg(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
         let outcome = validate(domain, sampler, density, &Protocol::default()).unwrap();
