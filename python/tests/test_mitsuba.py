@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import subprocess
 import sys
 
 import numpy as np
@@ -45,45 +43,6 @@ def test_adapter_declares_what_a_bsdf_is():
     assert sorted(np.sign(directions[0, :, 2])) == [-1, 1] and probability.sum() == pytest.approx(1)
     assert factor.sum() == pytest.approx(probability[0, directions[0, :, 2] > 0][0] + probability[0, directions[0, :, 2] < 0][0] / 1.5**2)
     assert mitsuba.bsdf({"type": "diffuse"}, energy="conserved:0.6").energy == "conserved:0.6"
-
-
-def normals(examples, command):
-    """The functions of the example, whose variant takes one number after the other."""
-    client: dict = {}
-    argv, sys.argv = sys.argv, command[1:]
-    try:
-        exec((examples / "sampler_mitsuba.py").read_text().split("\nfor line in sys.stdin")[0], client)
-    finally:
-        sys.argv = argv
-
-    def sample(u):
-        return np.array([client["sample"](row) for row in u.tolist()])
-
-    def pdf(w):
-        return np.array([client["NORMALS"].pdf(client["WI"], mi.Vector3f(row)) for row in w.tolist()])
-
-    return sample, pdf
-
-
-@pytest.mark.parametrize(("kind", "alpha", "angle", "which"), [("ggx", 0.3, 60, "all"), ("beckmann", 0.1, 30, "visible")])
-def test_normals_as_by_the_program(validate_exec, examples, kind, alpha, angle, which):
-    command = [sys.executable, str(examples / "sampler_mitsuba.py"), kind, str(alpha), str(angle), which]
-    found = validate_exec(command, "--samples", "30000")["tests"][0]
-    result = eb.check_sampler(*normals(examples, command), "sphere", name=found["name"], samples=30000)
-    assert (result.verdict, result.p, result.statistic) == (found["verdict"], found["p"], found["statistic"])
-
-
-def test_nan_of_visible_normals_is_found_by_both(examples):
-    """Mitsuba 3.9 returns NaN for visible normals of GGX where the first random number is 0."""
-    command = [sys.executable, str(examples / "sampler_mitsuba.py"), "ggx", "0.3", "60", "visible"]
-    sample, pdf = normals(examples, command)
-    if not np.isnan(sample(np.array([[0.0, 0.5]]))).any():
-        pytest.skip("skipped: this version of Mitsuba has no NaN there")
-    result = eb.check_sampler(sample, pdf, "sphere")
-    assert result.verdict == "reject" and "(NaN, NaN, NaN) is outside of the domain (sampled from u = (0.0, 0.5))" in result.reason
-    program = [sys.executable, "-m", "etalon_bench", "validate", "--exec", shlex.join(command)]
-    done = subprocess.run(program, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 1 and "(NaN, NaN, NaN) is outside of the domain" in done.stdout
 
 
 def bsdf(examples, plugin):

@@ -101,7 +101,7 @@ fn after_help() -> String {
          most {LONGEST_SIDE} pixels long unless -r says more, and have the scene's own size if\na renderer does not take {{width}} \
          and {{height}}.\nWrites SCENE-converge.{{csv,svg,png,pdf}} (curves), SCENE-converge-replicates.csv \
          and\nSCENE-converge-pictures.{{svg,png,pdf}}.\n\nThe efficiency is 1/(MSE · processor time); the MSE includes the \
-         bias.\nA method is called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a \
+         bias.\nIntervals in the text are of the ratio of two efficiencies, those in the figure of each alone.\nA method is called biased if a t-test of its replicates says so, of the pixels or of the\nimage's mean, each at a \
          level of {:.1} %; its bias is that of the mean of all channels (that of\n`etalon compare --against` is of the channel \
          that differs most). Steeper or flatter: the\ninterval of its slope is further than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
          nothing is substituted):\n{placeholders}\nWithout SCENE, renderers are compared with each other; --reference is an image file then, or one of them.\n\n\

@@ -205,6 +205,12 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
         junit.contains("tests=\"6\" failures=\"2\" errors=\"0\"") && junit.contains("double.exr against ref.exr"),
         "{junit}"
     );
+    // A PNG beside an image of floats is left out, unless it alone is given
+    write("double.png", &image);
+    let twice = ["compare", "--reference", "ref.exr", "--json", "--each", "double.png", "other.exr", "double.exr"];
+    let count = |args: &[&str]| json(dir.path(), args)["images"].as_array().unwrap().len();
+    assert_eq!([count(&twice), count(&twice[..6])], [2, 1]);
+    assert!(etalon(dir.path(), &twice).stderr.contains("1 PNG left out, as double.png"));
     // What cannot be compared is told of after the others
     let ran = etalon(dir.path(), &[&all[..], &["cut.exr", "small.exr", "same.pfm"]].concat());
     assert!(

@@ -63,8 +63,8 @@ impl Target {
 
     /// The path of the result called `name`, without extension; `suffix` distinguishes several results of one command.
     ///
-    /// A name that was asked for is taken as it is. A default name is cut if it is too long, and ends with `.2`, `.3`, … where the
-    /// files of that name are not those of an earlier run of this command.
+    /// A name that was asked for is taken as it is. A default name is cut if it is too long. Where the files of that name are not those of an
+    /// earlier run of this command, it ends with what this command is about and that one is not, else with `.2`, `.3`, ….
     ///
     /// # Errors
     /// [`Error::Parameter`] if the path with one of the `extensions` is that of an input.
@@ -94,14 +94,25 @@ impl Target {
             let is_used = || extensions.iter().any(|extension| is_there(stem, extension));
             !taken.values().any(|other| other == stem) && (!is_used() || is_own())
         };
-        let numbered = |number: u32| {
-            let end = if number == 1 { suffix.to_owned() } else { format!("{suffix}.{number}") };
+        let other = self.differs_from_owner(&whole).map(|word| format!("{suffix}-{word}"));
+        let ends = [suffix.to_owned()].into_iter().chain(other).chain((2..).map(|number| format!("{suffix}.{number}")));
+        let named = |end: String| {
             let limit = LONGEST_NAME.saturating_sub(end.len() + LONGEST_EXTENSION);
             format!("{}{end}", &name[..name.floor_char_boundary(limit)])
         };
-        let free = (1..).map(numbered).find(is_free).unwrap_or_else(|| whole.clone());
+        let free = ends.map(named).find(is_free).unwrap_or_else(|| whole.clone());
         taken.insert(whole, free.clone());
         free
+    }
+
+    /// The first word that this command is about and the owner of a name is not: of a path the last two parts, unless the name has them.
+    fn differs_from_owner(&self, name: &str) -> Option<String> {
+        let owner = std::fs::read_to_string(self.note_of(name)).ok()?;
+        let is_new = |word: &&str| !owner.split(' ').any(|known| known == *word);
+        let word = Path::new(self.subject.split(' ').find(is_new)?).with_extension("");
+        let parts = word.iter().map(|part| file_name(&part.to_string_lossy()));
+        let parts: Vec<String> = parts.filter(|part| !name.contains(part.as_str())).collect();
+        Some(parts[parts.len().saturating_sub(2)..].join("-")).filter(|word| !word.is_empty())
     }
 
     /// The files that were written, and which of them replaced older ones under default names.
@@ -167,6 +178,9 @@ pub fn name_of_pair(a: &[PathBuf], word: &str, b: &[PathBuf]) -> String {
             && a != b
         {
             names = [format!("{a}-{}", names[0]), format!("{b}-{}", names[1])];
+        } else {
+            // Of one folder
+            names = [a, b].map(|paths| name_of(&paths[..paths.len().min(1)]));
         }
     }
     format!("{}-{word}-{}", names[0], names[1])
@@ -320,15 +334,15 @@ mod tests {
             files::write_bytes(&path, subject.as_bytes()).unwrap();
             target.written(vec![path]).files[0].file_name().unwrap().to_str().unwrap().to_owned()
         };
-        assert_eq!(
-            [run("one"), run("one"), run("two"), run("one")],
-            ["a-64.csv", "a-64.csv", "a-64.2.csv", "a-64.csv"]
-        );
+        let own = ["a-64.csv", "a-64.csv", "a-64-glass.csv", "a-64.csv"];
+        assert_eq!([run("plot x/a"), run("plot x/a"), run("plot glass"), run("plot x/a")], own);
+        // Files of one name differ in their folders
+        assert_eq!([run("plot y/a"), run("plot y/a")], ["a-64-y.csv"; 2]);
         // What no command has made is not replaced
-        files::write_bytes(&dir.path().join("a-64.3.png"), b"a photograph").unwrap();
-        assert_eq!([run("three"), run("two")], ["a-64.4.csv", "a-64.2.csv"]);
+        files::write_bytes(&dir.path().join("a-64.2.png"), b"a photograph").unwrap();
+        assert_eq!([run("plot"), run("plot glass")], ["a-64.3.csv", "a-64-glass.csv"]);
         std::fs::remove_dir_all(dir.path().join(OWNERS)).unwrap();
-        assert_eq!(run("two"), "a-64.5.csv");
+        assert_eq!(run("plot glass"), "a-64.4.csv");
     }
 
     #[test]
@@ -344,6 +358,7 @@ mod tests {
         assert_eq!(pair(&["a.exr"], &["x/b.exr"]), "a-vs-b");
         assert_eq!(pair(&["old/box.exr"], &["new/box.exr"]), "old-box-vs-new-box");
         assert_eq!(pair(&["box.exr"], &["box.exr"]), "box-vs-box");
+        assert_eq!(pair(&["x/a1.exr", "x/a2.exr"], &["x/b1.exr", "x/b2.exr"]), "a1-vs-b1");
         assert_eq!(name_of_run("validation", &["map/*".into(), "warp".into()]), "validation-map--+warp");
         assert_eq!(name_of_run("stability", &[]), "stability");
     }

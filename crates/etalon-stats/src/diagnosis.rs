@@ -240,7 +240,7 @@ pub fn explain(domain: &dyn Domain, outcome: &Outcome, protocol: &Protocol) -> S
         let freedom = count(outcome.dof, "degree of freedom", "degrees of freedom");
         let _ = write!(text, "{}, chi-square = {:.1} with {freedom}, ", p_value(p), outcome.statistic);
     }
-    let _ = writeln!(text, "{}", count(outcome.samples, "sample", "samples"));
+    let _ = writeln!(text, "{}", outcome.taken());
     if let Some(counts) = outcome.counts.as_ref().filter(|_| outcome.is_rejected_by_p()) {
         text += &table(domain, counts);
     }

@@ -145,21 +145,27 @@ impl Difference {
     }
 
     /// The smallest true difference that such a test at `level` finds with 90 % probability; infinite if there is none.
+    #[must_use]
+    pub fn detectable(&self, level: f64) -> f64 {
+        self.detectable_then(level, self)
+    }
+
+    /// The same of a test to come, whose standard error `then` is this one's, but for a known factor.
     ///
     /// With the standard errors s₁ of this run and s₂ of a run with the bias λ s₁, it is found if Z + λ s₁/σ > c s₂/σ, c the
-    /// critical t. To first order, s/σ has the variance 1/(2ν), so that λ − c = z √(1 + (c² + λ²)/(2ν)), z exceeded with
+    /// critical t. To first order, s/σ has the variance 1/(2ν), so that λ − c = z √(1 + λ²/(2ν₁) + c²/(2ν₂)), z exceeded with
     /// probability 10 % (by Student's t: safe for small ν, the normal deviate for large). The error of s₁ is part of the
     /// statement: nine of ten runs find a bias as large as *their* output states.
     #[must_use]
-    pub fn detectable(&self, level: f64) -> f64 {
-        if self.standard_error == 0.0 {
-            return self.allowance;
+    pub fn detectable_then(&self, level: f64, then: &Self) -> f64 {
+        if then.standard_error == 0.0 {
+            return then.allowance;
         }
-        let (c, z) = (critical(level, self.dof), critical(2.0 * (1.0 - POWER), self.dof));
-        let k = 0.5 * z * z / self.dof;
-        let root = c * c - (1.0 - k) * (c * c * (1.0 - k) - z * z);
-        let lambda = (c + root.sqrt()) / (1.0 - k);
-        if k < 1.0 { self.allowance + lambda * self.standard_error } else { f64::INFINITY }
+        let (c, z) = (critical(level, then.dof), critical(2.0 * (1.0 - POWER), self.dof.at_most(then.dof)));
+        let [now_k, then_k] = [self.dof, then.dof].map(|dof| 0.5 * z * z / dof);
+        let root = c * c - (1.0 - now_k) * (c * c * (1.0 - then_k) - z * z);
+        let lambda = (c + root.sqrt()) / (1.0 - now_k);
+        if now_k < 1.0 { then.allowance + lambda * then.standard_error } else { f64::INFINITY }
     }
 }
 

@@ -565,6 +565,7 @@ impl Test<'_> {
             scales,
             remarks,
             counts: Some(counts),
+            stopped: tally.samples < looks.samples(),
             ..Outcome::open(samples)
         })
     }

@@ -105,6 +105,9 @@ pub struct Outcome {
     pub inconclusive_reason: Option<String>,
     /// Where observed and expected differ most, in words, if the test rejects; until [`decide`] has been called, if it may.
     pub diagnosis: Option<String>,
+    /// Whether a look at a part of the samples ended the test.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub stopped: bool,
     /// Whether the test was cancelled before it, or its repetition, was finished.
     pub interrupted: bool,
     /// The direction `wo` of a check of a surface's BSDF, whose normal is +z.
@@ -177,6 +180,19 @@ impl Outcome {
         self.reason().into_iter().chain(self.other_places().map(str::to_owned)).collect()
     }
 
+    /// How many samples were taken, in words: "8192 samples", or "stopped after 8192 samples" where that many were enough to reject.
+    #[must_use]
+    pub fn taken(&self) -> String {
+        let stopped = if self.is_stopped() { "stopped after " } else { "" };
+        format!("{stopped}{}", count(self.samples, "sample", "samples"))
+    }
+
+    /// Whether the test rejects, and did so before all samples were taken.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stopped && self.is_rejected()
+    }
+
     /// Whether the verdict is [`Verdict::Reject`], or will be for what an exact check found.
     fn is_rejected(&self) -> bool {
         self.violation.is_some() || self.verdict == Verdict::Reject
@@ -240,6 +256,7 @@ impl Outcome {
         self.mistake = self.mistake.take().or(other.mistake);
         self.violation = self.violation.take().or(other.violation);
         self.diagnosis = self.diagnosis.take().or(other.diagnosis);
+        self.stopped |= other.stopped;
         self.interrupted |= other.interrupted;
     }
 }
@@ -251,7 +268,7 @@ impl fmt::Display for Outcome {
             let freedom = count(self.dof, "degree of freedom", "degrees of freedom");
             write!(f, "; {}, chi² = {:.1} with {freedom}", p_value(p), self.statistic)?;
         }
-        write!(f, ", {}", count(self.samples, "sample", "samples"))?;
+        write!(f, ", {}", self.taken())?;
         if let Some(w) = self.detectable.filter(|_| self.verdict != Verdict::Reject) {
             let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
             write!(f, ", would detect a relative error of {error}")?;

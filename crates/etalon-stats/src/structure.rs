@@ -83,7 +83,7 @@ impl Counted<'_> {
         let told = scales.iter().filter(|scale| if is_order(scale) { !is_stratified } else { !by_cells });
         let mut worst: Vec<&Scale> = told.filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
-        let words = worst.iter().take(NAMED).map(|scale| format!("{} ({})", scale.words, p_value(scale.p))).collect();
+        let words = worst.iter().take(NAMED).map(|scale| scale.words.clone()).collect();
         let mut remarks = Vec::new();
         if is_stratified {
             let order = order.filter(|order| order.p < own * self.level).map_or("", |_| " and depend on each other");

@@ -4,7 +4,7 @@ use super::{Compare, Input, left_out, measure, read};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
-use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
+use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
@@ -16,7 +16,7 @@ use etalon_figures::view::text::{LINE, counted, rounded, wrapped};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// An image and what came of it.
@@ -79,15 +79,24 @@ impl Compare {
         let start = Instant::now();
         self.reports.check()?;
         let (target, style) = (global.target(), self.style.style()?);
-        let stem = target.stem(&name_of_pair(&self.each, "vs", &[reference.into()]), "", &output::STUDY)?;
+        let (images, left_out): (Vec<_>, Vec<_>) =
+            self.each.iter().cloned().partition(|image| !is_preview(image, &self.each));
+        if let [first, ..] = left_out.as_slice() {
+            let pngs = counted(left_out.len(), "PNG");
+            console.note(&format!(
+                "{pngs} left out, as {}: the float image of that name beside it is compared",
+                first.display()
+            ));
+        }
+        let stem = target.stem(&name_of_pair(&images, "vs", &[reference.into()]), "", &output::STUDY)?;
         let b = read(reference)?;
         b.notes.iter().for_each(|note| console.warn(note));
-        let bar = console.progress(self.each.len() as u64, "compare", "images");
-        let mut entries: Vec<Entry> = self.each.par_iter().map(|path| self.entry(path, reference, &b, &bar)).collect();
+        let bar = console.progress(images.len() as u64, "compare", "images");
+        let mut entries: Vec<Entry> = images.par_iter().map(|path| self.entry(path, reference, &b, &bar)).collect();
         bar.finish_and_clear();
         // What was compared before an interruption is told
         entries.retain(|entry| !matches!(entry.result, Err(Error::Interrupted)));
-        let missing = self.each.len() - entries.len();
+        let missing = images.len() - entries.len();
         if entries.is_empty() {
             return Err(Error::Interrupted);
         }
@@ -212,6 +221,16 @@ impl Compare {
     }
 }
 
+/// Whether an image is a PNG beside whose file stands one of floats with its name, among `all` that are given.
+fn is_preview(image: &Path, all: &[PathBuf]) -> bool {
+    let is = |path: &Path, known: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known));
+    let is_of_floats = |path: &PathBuf| FLOATS.iter().any(|known| is(path, known));
+    is(image, "png")
+        && all.iter().any(|other| is_of_floats(other) && other.with_extension("") == image.with_extension(""))
+}
+
+const FLOATS: [&str; 3] = ["exr", "pfm", "hdr"];
+
 /// The first so many metrics are in every table.
 const USUAL: usize = 5;
 
@@ -293,7 +312,7 @@ fn row(entry: &Entry) -> Row {
         mean_of_reference: Some(mean_b),
         non_finite: Some(non_finite),
         identical: Some(*identical),
-        explanation: explanation.as_ref().map(|explanation| explanation.change.clone()),
+        explanation: explanation.as_ref().map(Explanation::told),
         rejected: Some(*is_rejected),
         error: None,
     }

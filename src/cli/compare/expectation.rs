@@ -25,6 +25,8 @@ struct Output {
     uniform_bias: Option<f64>,
     /// The same of one tile, relative to the image's mean; the median over the tiles.
     tile_bias: Option<f64>,
+    /// The same, relative to the tile's own mean.
+    own_tile_bias: Option<f64>,
     images_a: usize,
     images_b: usize,
     non_finite: usize,
@@ -52,7 +54,7 @@ struct Family {
     mean_a: Option<f64>,
     mean_b: Option<f64>,
     standard_error: Option<f64>,
-    /// A − B in parts of the mean of B, and the ends of its interval.
+    /// A − B in parts of the mean of B, for a tile of its own mean, and the ends of its interval.
     bias: Option<f64>,
     bias_low: Option<f64>,
     bias_high: Option<f64>,
@@ -135,6 +137,7 @@ fn result(compared: &Compared) -> Output {
         detect: compared.plan.detect,
         uniform_bias: compared.uniform_bias,
         tile_bias: compared.tile_bias,
+        own_tile_bias: compared.own_tile_bias,
         images_a: compared.images[0],
         images_b: compared.images[1],
         non_finite: compared.non_finite,

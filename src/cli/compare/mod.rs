@@ -26,12 +26,12 @@ use std::path::{Path, PathBuf};
                         Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
                         With --each: a row for each image, as text and as IMAGES-vs-REF.csv, and IMAGES-vs-REF.{png,svg,pdf}: every image beside its \
                         difference, all on one scale, with the place that differs most; rejected ones in a red frame. IMAGES is how their names \
-                        begin, or their folder. An image that cannot be compared does not stop \
+                        begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be compared does not stop \
                         the others; the exit code is 2 then.\n\n\
                         With --at-most: exit code 1 if a metric of an image is larger, or a pixel is not finite.\n\nWith --against: Welch's t-tests of the image mean, of \
                         low-frequency modes and of tiles, at one level. The bias is that of the channel that differs most (`etalon converge`: of the mean of all \
-                        channels). Exit code 1: different; 0: no difference found, and a bias of \
-                        --detect would have been found with 90 % probability; 3: cannot tell. The book has the formulas and the \
+                        channels), in percent of the mean of B, that of a tile in percent of the tile's own. Exit code 1: different; 0: no difference found, and a bias of \
+                        --detect would have been found with 90 % probability; 3: cannot tell, with the numbers of images that would find it. The book has the formulas and the \
                         layers that single images need.\n\nExamples:\n  etalon render sphere-env -s 1 -o a.exr && etalon render sphere-env -o b.exr && etalon compare a.exr b.exr\n  etalon compare render.exr reference.exr\n  \
                         etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
                         etalon compare --each students/*.png --reference reference.png --sort flip\n  \

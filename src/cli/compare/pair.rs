@@ -39,9 +39,10 @@ impl Compare {
         left_out(&measured).iter().for_each(|lost| console.warn(lost));
         let clipped = match [a.is_clipped, b.is_clipped] {
             [false, false] => None,
-            [true, true] => Some("both images have integer values (rounded, clipped at 1, decoded by the sRGB curve)"),
+            [true, true] => Some("both images have integer values: rounded, clipped at 1, decoded by the sRGB curve"),
             _ => Some(
-                "one image has integer values (rounded, clipped at 1, decoded by the sRGB curve), the other holds linear light",
+                "one image has integer values, the other linear light: the first is rounded, clipped at 1 and decoded by the sRGB \
+                 curve; its exposure or tone map is not undone",
             ),
         };
         clipped.iter().for_each(|text| console.warn(text));

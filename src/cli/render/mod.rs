@@ -75,17 +75,13 @@ pub struct Render {
     #[command(flatten)]
     model: ModelArgs,
     /// Tone mapping of PNG and PPM
-    ///
-    /// Default: PNG as srgb, PPM linear, scaled by its maximum.
-    #[arg(long, help_heading = OUTPUT, value_parser = choice([
+    #[arg(long, help_heading = OUTPUT, default_value = "srgb", value_parser = choice([
         ("srgb", "The sRGB curve, rounded", ToneMap::default()),
         ("report", "Half a stop brighter, gamma 2.2, clipped: as in the second report",
          ToneMap::SecondReport),
     ]))]
-    tone: Option<ToneMap>,
+    tone: ToneMap,
     /// Exposure of PNG and PPM in stops, before tone mapping
-    ///
-    /// The linear PPM is scaled by its maximum whatever the exposure.
     #[arg(long, help_heading = OUTPUT, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
     /// Show each pixel as N x N pixels of the PNG

@@ -25,8 +25,7 @@ pub struct Images {
 /// How 8-bit images show the radiance.
 #[derive(Clone, Copy)]
 pub struct Look {
-    /// Tone mapping; by default, that of the format.
-    pub tone: Option<ToneMap>,
+    pub tone: ToneMap,
     /// Exposure in stops, before tone mapping.
     pub exposure: f32,
     /// Side of the square of PNG pixels that show a pixel.
@@ -35,8 +34,7 @@ pub struct Look {
 
 impl Look {
     fn write(&self, path: &Path, format: &str, image: &Image, metadata: &Metadata) -> Result<()> {
-        let usual = if format == "ppm" { ToneMap::LinearMax } else { ToneMap::default() };
-        let options = WriteOptions { tone: self.tone.unwrap_or(usual), ..WriteOptions::default() };
+        let options = WriteOptions { tone: self.tone, ..WriteOptions::default() };
         let (is_png, factor) = (format == "png", self.exposure.exp2());
         if !(is_png || format == "ppm") || (factor == 1.0 && self.scale == 1) {
             return raster::write_with(path, image, metadata, options);

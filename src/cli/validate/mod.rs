@@ -56,11 +56,14 @@ pub struct Validate {
     #[arg(long, conflicts_with_all = ["planted", "envmap", "figures", "exec"])]
     museum: bool,
     /// Samples of each test [default: as --detect needs], or a CSV file of them
+    ///
+    /// A test that rejects may stop before: its result says after how many.
     #[arg(long, value_name = "N|FILE", conflicts_with = "detect", allow_negative_numbers = true)]
     samples: Option<OsString>,
     /// Relative error of a pdf to detect with 90 % probability [default: 2%]
     ///
-    /// By default 5% for a phase function and 9% for a light, whose integrals take long.
+    /// By default 5% for a phase function and 9% for a light, whose integrals take long. A test that rejects may stop before it has the
+    /// samples for that.
     #[arg(long, value_name = "W", value_parser = share, allow_negative_numbers = true)]
     detect: Option<f64>,
     /// Probability that a run of correct samplers rejects any of them
@@ -216,7 +219,7 @@ fn checks(validation: &Validation) -> Checks {
             name: own.into(),
             verdict: Some(outcome.verdict),
             message: view::found(outcome),
-            details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { outcome.to_string() },
+            details: if outcome.is_accepted() { outcome.remarks.join("\n") } else { format!("{name}: {outcome}") },
             seconds: Some(outcome.seconds),
         }
     };

@@ -64,6 +64,7 @@ fn samplers_of_files_are_tested_and_mistakes_named() {
         let Some(ran) = validate(&wrong, &[]) else { continue };
         let first = ran.stdout.lines().nth(2).unwrap_or_default();
         assert!(ran.code == 1 && first.contains("samples follow cos θ/π, not the pdf"), "{}", ran.stdout);
+        assert!(ran.stdout.contains("\n  stopped after 8192 samples\n"), "{}", ran.stdout);
     }
 }
 
@@ -182,7 +183,9 @@ fn functions_of_a_wrong_shape_are_told_the_right_one() {
             "pdf takes 2 coordinates, and sample returns 3, such as (0.",
         ),
         (PLAIN.replace("pdf(w)", "pdf(w, q)"), "pdf takes 2 arguments; wanted 1, or one for each of 3 coordinates"),
+        (format!("domain = \"disc\"\n{PLAIN}"), "unknown domain \"disc\""),
         (PLAIN.replace("sample(u0, u1)", "sample()"), "sample takes no argument; wanted sample(u)"),
+        (format!("{PLAIN}\ndimension = 0\n"), "dimension is 0; wanted sample(u)"),
         (PLAIN.replace("    return PDF", "    pass"), "pdf returned None for one sample; wanted a number"),
         (PLAIN.replace("pdf(w)", "density(w)"), "it has no function pdf; wanted sample(u) and pdf(w)"),
         (

@@ -65,6 +65,8 @@ pub struct Tested {
     pub channel: usize,
     /// Means of both sides.
     pub means: [f64; 2],
+    /// That of B with its error.
+    of_b: Mean,
     pub difference: Difference,
     /// Why it is not tested: one replicate, or one pixel, makes nearly all of the variance.
     pub dominated: bool,
@@ -98,6 +100,8 @@ pub struct Compared {
     pub uniform_bias: Option<f64>,
     /// The same of a single tile, relative to the image's mean: the median over the tiles.
     pub tile_bias: Option<f64>,
+    /// The same, relative to the tile's own mean.
+    pub own_tile_bias: Option<f64>,
     pub channels: [&'static str; 3],
     /// The mean of B's image, by channel.
     pub mean_of_b: [Mean; 3],
@@ -184,19 +188,24 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         }
     }
     let different = is_different(&families);
-    let relative = |test: &Tested, level: f64| {
-        let image = families[0].tests[test.channel].means.map(f64::abs);
-        test.difference.detectable(level) / (0.5 * (image[0] + image[1]))
+    let relative = |test: &Tested, to: &Tested, level: f64| {
+        test.difference.detectable(level) / (0.5 * (to.means[0].abs() + to.means[1].abs()))
     };
     let whole = &families[0];
     // A channel that is black on both sides has no share.
-    let shares = whole.tests.iter().map(|test| relative(test, whole.level(plan))).filter(|share| !share.is_nan());
+    let shares = whole.tests.iter().map(|test| relative(test, test, whole.level(plan))).filter(|share| !share.is_nan());
     let uniform = shares.fold(f64::INFINITY, f64::at_most);
     let uniform_bias = Some(uniform).filter(|bias| bias.is_finite() && whole.dominated == 0);
-    let usable = families[2].tests.iter().filter(|test| !test.dominated);
-    let mut tile_biases: Vec<f64> =
-        usable.map(|test| relative(test, families[2].level(plan))).filter(|b| b.is_finite()).collect();
-    tile_biases.sort_unstable_by(f64::total_cmp);
+    let of_tile = |is_own: bool| {
+        let usable = families[2].tests.iter().filter(|test| !test.dominated);
+        let relative = |test: &Tested| {
+            relative(test, if is_own { test } else { &whole.tests[test.channel] }, families[2].level(plan))
+        };
+        let mut biases: Vec<f64> = usable.map(relative).filter(|bias| bias.is_finite()).collect();
+        biases.sort_unstable_by(f64::total_cmp);
+        biases.get(biases.len() / 2).copied()
+    };
+    let [tile_bias, own_tile_bias] = [false, true].map(of_tile);
     let answer = match uniform_bias {
         _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
         _ if different => Answer::Different,
@@ -218,7 +227,8 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         answer,
         explanation,
         uniform_bias,
-        tile_bias: tile_biases.get(tile_biases.len() / 2).copied(),
+        tile_bias,
+        own_tile_bias,
         families,
         channels,
         mean_of_b: of_image[1],
@@ -253,6 +263,7 @@ fn families(
                     functional,
                     channel,
                     means: [a.mean.value, b.mean.value],
+                    of_b: b.mean,
                     difference: Difference::of(a.mean, b.mean, PRECISION * scales[i][channel]),
                     dominated: a.dominated || b.dominated,
                 }
@@ -267,10 +278,12 @@ fn families(
 }
 
 impl Compared {
-    /// The difference of a test of `family`, in parts of the mean of B; nothing where that is not told from 0.
+    /// The difference of a test of `family`, in parts of the mean of B: of the image's, or of a tile's own; nothing where that is not told
+    /// from 0.
     #[must_use]
     pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
-        Bias::of(test.difference, self.mean_of_b[test.channel], family.level(self.plan))
+        let of_b = if family.family == Family::Tiles { test.of_b } else { self.mean_of_b[test.channel] };
+        Bias::of(test.difference, of_b, family.level(self.plan))
     }
 }
 

@@ -126,6 +126,9 @@ fn planted_biases_are_found_where_they_are() {
         0,
     );
     let worst = spot.families[2].worst.unwrap();
+    // In parts of the tile's own mean
+    let bias = spot.bias(&spot.families[2], &worst).unwrap();
+    assert!(bias.low < 1.0 && 1.0 < bias.high && 0.5 < bias.value, "{bias:?}");
     assert!(is_different(&spot) && matches!(worst.functional, Functional::Tile([16, 20, ..])), "{}", show(&[spot]));
 }
 

@@ -10,7 +10,7 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::f64::consts::PI;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A lat-long map of radiance, finite and not negative.
 #[derive(Debug, Clone)]
@@ -18,7 +18,7 @@ pub struct EnvMap {
     image: Image,
     geometry: LatLong,
     found: Found,
-    hash: u64,
+    hash: OnceLock<u64>,
 }
 
 /// The range of values in an image before it was cleaned.
@@ -55,8 +55,7 @@ impl EnvMap {
             (found.min, found.max) = (f32::NAN, f32::NAN);
         }
         let geometry = LatLong::new(image.width(), image.height());
-        let hash = image.hash();
-        Self { image, geometry, found, hash }
+        Self { image, geometry, found, hash: OnceLock::new() }
     }
 
     /// Where its texels lie on the sphere.
@@ -72,10 +71,10 @@ impl EnvMap {
         &self.image
     }
 
-    /// A hash of its texels.
+    /// A hash of its texels, computed at the first call.
     #[must_use]
     pub fn hash(&self) -> u64 {
-        self.hash
+        *self.hash.get_or_init(|| self.image.hash())
     }
 
     /// What was found in the file and what had to be cleaned.

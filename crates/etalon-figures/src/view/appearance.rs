@@ -72,11 +72,11 @@ pub fn drawing(found: &Appearance) -> Drawing {
 }
 
 /// Which part of the BSDF makes the difference that is told first.
-fn cause(found: &Appearance) -> &'static str {
+fn cause(found: &Appearance) -> String {
     match (found.sampling.is_seen(), found.of_model.is_seen() && is_close(found)) {
-        (true, _) => "samples, pdf or weights change the image",
-        (false, true) => "samples and weights agree with f, which is not that of the model",
-        (false, false) => "samples and weights agree with f",
+        (true, _) => "samples, pdf or weights change the image".into(),
+        (false, true) => format!("samples and weights agree with f, which is not that of {}", found.model.name),
+        (false, false) => "samples and weights agree with f".into(),
     }
 }
 
@@ -109,8 +109,13 @@ pub fn text(found: &Appearance) -> String {
         text += &wrapped(&said, "  ", LINE);
     }
     let apart = 100.0 * model.difference;
+    let name = &model.name;
     let far = if is_close(found) { "" } else { ": no model is close, and a right BSDF would differ from it, too" };
-    text += &wrapped(&format!("its values differ by {apart:.1} % from those of the model{far}"), "  ", LINE);
+    text += &wrapped(
+        &format!("its values differ by {apart:.1} % from those of {name}, the closest model{far}"),
+        "  ",
+        LINE,
+    );
     if found.dropped > 0 {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }

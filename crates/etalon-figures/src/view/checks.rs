@@ -16,7 +16,7 @@ pub struct Check {
     pub verdict: Option<Verdict>,
     /// What was found, in a line: where, and how large.
     pub message: String,
-    /// More than the message, if there is more.
+    /// What the terminal says of it, if that is more than the message.
     pub details: String,
     /// Wall-clock time, where it is known of this check alone.
     pub seconds: Option<f64>,
@@ -64,6 +64,7 @@ impl Checks {
             let class = escape(&group.replace('/', "."));
             let case = format!("<testcase classname=\"{class}\" name=\"{}\"{time}", escape(name));
             let body = |kind: &str| {
+                let details = if details.is_empty() { message } else { details };
                 let (message, details) = (escape(message), escape(details));
                 format!("{case}>\n<{kind} message=\"{message}\">{details}</{kind}>\n</testcase>\n")
             };
@@ -186,7 +187,7 @@ mod tests {
         assert!(text.contains("| bsdf/own/other | skipped | the map is nave | 0.25 |\n"));
         let xml = run.junit();
         assert!(xml.contains("tests=\"2\" failures=\"0\" errors=\"0\" skipped=\"1\""), "{xml}");
-        assert!(xml.contains("<skipped message=\"the map is nave\"></skipped>"), "{xml}");
+        assert!(xml.contains("<skipped message=\"the map is nave\">the map is nave</skipped>"), "{xml}");
     }
 
     #[test]

@@ -45,8 +45,8 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
     Drawing::stacked(vec![contact_sheet(&title, 2, &cells), plot], 0.5)
 }
 
-/// Width of the frame of a rejected image, in pixels.
-const BORDER: usize = 6;
+/// The share of an image's width that the frame of a rejected one has.
+const BORDER: usize = 80;
 /// Longest side of an image beside its difference, in pixels.
 const SHOWN: usize = 640;
 /// The same on a sheet of many images.
@@ -84,13 +84,14 @@ pub struct Shown<'a> {
     pub is_rejected: bool,
 }
 
-/// An image in a frame of the colour of what is rejected.
+/// An image whose edge has the colour of what is rejected: it is as large as all others.
 fn bordered(image: &Rgb8) -> Rgb8 {
     let Colour { r, g, b, .. } = theme::REJECTED;
-    let (width, height) = (image.width() + 2 * BORDER, image.height() + 2 * BORDER);
-    Rgb8::from_fn(width, height, |x, y| match [x.checked_sub(BORDER), y.checked_sub(BORDER)] {
-        [Some(x), Some(y)] if x < image.width() && y < image.height() => image.pixel(x, y),
-        _ => [r, g, b],
+    let (width, height) = (image.width(), image.height());
+    let border = (width / BORDER).max(1);
+    Rgb8::from_fn(width, height, |x, y| {
+        let from_edge = x.min(y).min(width - 1 - x).min(height - 1 - y);
+        if from_edge < border { [r, g, b] } else { image.pixel(x, y) }
     })
 }
 
@@ -101,12 +102,12 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
     let small = reference.reduced(reduction(reference, THUMBNAIL));
     let (width, height) = (small.width(), small.height());
-    // An image that is far off does not hide the differences of all others
+    // An image that is far off does not hide the differences of all others, nor of the only other
     let mut limits: Vec<f64> =
         images.iter().filter_map(|shown| Some(robust_limit(&shown.thumbnail?.difference))).collect();
     limits.retain(|limit| *limit > 0.0);
     limits.sort_unstable_by(f64::total_cmp);
-    let limit = round(limits.get(limits.len() / 2).copied().unwrap_or(1.0));
+    let limit = round(limits.get(limits.len().saturating_sub(1) / 2).copied().unwrap_or(1.0));
     let label = "difference by |reference| + 0.01, of the channel that differs most: blue is darker; one scale for all";
     let map = |values: Vec<f64>| Heatmap::new(width, values, Shading::Diverging, label).range(-limit, limit);
     let beside = |left: &Rgb8, right: &Rgb8| {
@@ -142,14 +143,21 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
 }
 
 /// The change that explains a difference, without its reason: "Undo the sRGB curve in A".
-pub fn headline(Explanation { change, .. }: &Explanation) -> String {
-    capitalized(change.split(": ").next().unwrap_or_default())
+pub fn headline(Explanation { change, in_part, .. }: &Explanation) -> String {
+    let change = capitalized(change.split(": ").next().unwrap_or_default());
+    if *in_part { change + " (in part)" } else { change }
 }
 
 /// What explains a difference, in words.
-pub fn explained(Explanation { change, mse_left, leaves_noise }: &Explanation) -> String {
+pub fn explained(explanation: &Explanation) -> String {
+    let Explanation { mse_left, leaves_noise, in_part, .. } = explanation;
     let noise = if *leaves_noise && *mse_left > 0.0 { "noise, " } else { "" };
-    format!("{change}: this leaves {noise}{} % of the mean squared error", rounded(100.0 * mse_left, 2))
+    let more = if *in_part { ", more than noise" } else { "" };
+    format!(
+        "{}: this leaves {noise}{} % of the mean squared error{more}",
+        explanation.told(),
+        rounded(100.0 * mse_left, 2)
+    )
 }
 
 fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
@@ -391,7 +399,8 @@ pub fn left_out(pixels: usize) -> String {
 
 /// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
-    let needed = compared.needed.map_or(String::new(), |needed| format!("; {}", would_do(&needed)));
+    let detect = percent(compared.plan.detect);
+    let needed = compared.needed.map_or(String::new(), |needed| format!("; {} would find {detect}", sides(&needed)));
     match (compared.answer, compared.uniform_bias) {
         (Answer::NotIndependent, _) => {
             let of_side = |(related, side): (&Option<Related>, &str)| {
@@ -417,7 +426,11 @@ pub fn sentence(compared: &Compared) -> String {
             let worst = worst.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
             worst.map_or("different".into(), |(family, _, test)| {
                 let (at, channel) = (test.functional, compared.channels[test.channel]);
-                let of = if compared.bias(family, &test).is_some() { " of the mean of image B" } else { "" };
+                let of = match (compared.bias(family, &test), family.family) {
+                    (None, _) => "",
+                    (_, Family::Tiles) => " of the tile's mean in B",
+                    _ => " of the mean of image B",
+                };
                 format!("different: most at {at}, channel {channel}: A − B is {}{of}", bias(compared, family, &test))
             })
         }
@@ -429,9 +442,9 @@ pub fn sentence(compared: &Compared) -> String {
             format!("no difference found; a uniform bias of {bias} would have been found with 90 % probability")
         }
         (_, Some(bias)) => {
-            let [bias, wanted] = [bias, compared.plan.detect].map(percent);
             format!(
-                "cannot tell: the smallest uniform bias found with 90 % probability is {bias}, not {wanted}{needed}"
+                "cannot tell: the smallest uniform bias found with 90 % probability is {}, not {detect}{needed}",
+                percent(bias)
             )
         }
         (_, None) if compared.families.iter().any(|family| family.dominated > 0) => "cannot tell: a few samples dominate the mean of the image".into(),
@@ -443,14 +456,14 @@ pub fn sentence(compared: &Compared) -> String {
     }
 }
 
-/// What it takes, in words.
-fn would_do(needed: &Needed) -> String {
+/// The images or samples that it takes, in words.
+fn sides(needed: &Needed) -> String {
     let of_side = |k: usize| match needed.replicates[k] {
         Some(n) => Some(format!("{n} images of {}", ["A", "B"][k])),
         None => needed.noisy[k].then(|| format!("{:.1} times the samples of {}", needed.times, ["A", "B"][k])),
     };
     let sides: Vec<String> = [0, 1].into_iter().filter_map(of_side).collect();
-    format!("{} would do", sides.join(" and "))
+    sides.join(" and ")
 }
 
 /// The verdict, a line for each family of tests, and the biases that would have been found.
@@ -493,13 +506,14 @@ pub fn text(compared: &Compared) -> String {
     if let (Answer::Different, Some(bias)) = (compared.answer, compared.uniform_bias) {
         text += &found("a uniform bias of", bias);
     }
-    if let Some(bias) = compared.tile_bias {
-        text += &found("in one tile (median of all), a bias in parts of the image's mean of", bias);
+    if let Some(bias) = compared.own_tile_bias {
+        text += &found("in one tile (median of all), a bias of the tile's mean of", bias);
     }
     let level = percent(1.0 - compared.plan.level).replace(".00", "");
     text + &wrapped(
         &format!(
-            "p is corrected for the number of tests; A − B is in percent of the mean of image B in that channel, with {level} intervals"
+            "p is corrected for the number of tests; A − B is in percent of the mean of image B in that channel, of a tile in percent of its own, \
+             with {level} intervals"
         ),
         "",
         LINE,

@@ -5,7 +5,6 @@ use super::text::{duration, rounded};
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
-use etalon_bench::converge::contender::Contender;
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use etalon_bench::converge::strategy::DEFAULT;
 use etalon_bench::table::Table;
@@ -253,12 +252,10 @@ pub fn label(strategy: &str) -> String {
     format!("{method}{of_map}{}", added.collect::<String>())
 }
 
-/// What a contender is called in figures: a strategy of ours in words, another program as its user calls it.
+/// What a contender is called in figures: as in tables and on the command line, and whether it is biased.
 fn shown(curve: &Curve) -> String {
-    match curve.contender {
-        Contender::Strategy(_) => label(&curve.strategy),
-        Contender::Renderer(_) | Contender::Recorded(_) => curve.strategy.clone(),
-    }
+    let is_biased = curve.verdict == CurveVerdict::Biased;
+    format!("{}{}", curve.strategy, if is_biased { " (biased)" } else { "" })
 }
 
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
@@ -339,7 +336,7 @@ fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
     let title = format!("Efficiency after about {}", duration(seconds));
-    let axis = Axis::log("1 / (MSE · processor time) (1/s)");
+    let axis = Axis::log("1 / (MSE · processor time) (1/s), each with its 95 % interval");
     let panel = by_strategy(drawn(result), axis, &at_equal_time, &shown);
     with_legend(panel.title(title), result)
 }
@@ -372,8 +369,7 @@ fn by_strategy(
     let (biased, unbiased): (Vec<_>, Vec<_>) = curves.into_iter().partition(is_biased);
     let border = unbiased.len() as f64;
     let rows = || unbiased.iter().chain(&biased);
-    let name = |one: &(&Curve, Stroke)| shown(one.0) + if is_biased(one) { ": biased" } else { "" };
-    let mut panel = Panel::new(x, Axis::named("", rows().map(name).collect::<Vec<_>>()));
+    let mut panel = Panel::new(x, Axis::named("", rows().map(|(curve, _)| shown(curve)).collect::<Vec<_>>()));
     for (i, (curve, stroke)) in rows().enumerate() {
         let Some([low, value, high]) = value(curve) else { continue };
         let (y, biased) = (i as f64 + 0.5, is_biased(&(curve, *stroke)));

@@ -321,7 +321,8 @@ pub fn text(validation: &Validation, all: bool) -> String {
 /// cells.
 fn table(tests: &[&Tested], is_single: bool) -> String {
     let below = |outcome: &Outcome| {
-        let findings = if is_single { outcome.findings() } else { Vec::new() };
+        let stopped = outcome.is_stopped().then(|| outcome.taken());
+        let findings = if is_single { outcome.findings().into_iter().chain(stopped).collect() } else { Vec::new() };
         let lines = findings.into_iter().map(|line| format!("  {line}\n"));
         let remarks = outcome.remarks.iter().map(|remark| format!("  remark: {remark}\n"));
         let finer = outcome.finer().filter(|_| outcome.is_accepted());

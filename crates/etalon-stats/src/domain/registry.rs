@@ -71,11 +71,12 @@ pub const DOMAINS: [Entry; 17] = [
     },
     Entry {
         name: "interval",
-        parameters: ":FROM,TO",
-        coordinates: "`x`, from FROM to TO",
+        parameters: "[:FROM,TO]",
+        coordinates: "`x`, from FROM (0) to TO (1)",
         measure: "unit length",
         example: "interval:-1,1",
         make: |p| match *p {
+            [] => made(Line::UNIT),
             [from, to] if from < to && (to - from).is_finite() => made(Line { from, to }),
             _ => Err("two numbers, the lower first"),
         },

@@ -249,11 +249,12 @@ class SamplerFile:
         has_pdf, target = hasattr(module, "pdf"), getattr(module, "target", None)
         density, name = (module.pdf, "pdf") if has_pdf else (target, "target")
         count = parameters(module.sample, "sample")
-        if count == 0:
-            raise Refused("sample takes no argument; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
+        own = getattr(module, "dimension", None)
+        if count == 0 or own == 0:
+            found = "sample takes no argument" if count == 0 else "dimension is 0"
+            raise Refused(f"{found}; wanted sample(u) or sample(u0, u1), with random numbers from 0 to 1")
         self.domain = getattr(module, "domain", domain)
         of_one = widths_of(self.domain) == [1]
-        own = getattr(module, "dimension", None)
         dimensions = [own] if own else [count] if count and count > 1 else [1, 2] if of_one else [2, 1, 3, 4, 5, 6, 7, 8]
 
         def attempt(dimension, form):

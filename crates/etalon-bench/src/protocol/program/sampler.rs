@@ -28,6 +28,7 @@ use etalon_stats::bsdf::Parameter;
 use etalon_stats::{
     Atom, Chart, ChartFunctions, Density, Domain, Mass, Place, Point, SINGLE_PRECISION, Sample, Sampler, place,
 };
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most rows or columns of a table.
@@ -114,8 +115,8 @@ impl Description {
                 }
                 "precision" => found.precision = precision(value).ok_or_else(refused)?,
                 "domain" => {
-                    let known = |_| refused().with_hint(format!("domains: {}", Space::known()));
-                    found.domain = Some(value.parse().map_err(known)?);
+                    let in_greeting = |error: Error| error.in_file(Path::new(&greeting.program));
+                    found.domain = Some(value.parse().map_err(in_greeting)?);
                 }
                 "chart" => {
                     found.chart = Some(
