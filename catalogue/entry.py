@@ -46,32 +46,36 @@ def bsdf(name: str, bsdf: Any, *, control: str = "", convention: str = "", **opt
     return Entry(name, "bsdf", lambda seed, figure: _of_result(eb.check_bsdf(bsdf, seed=seed, **options), figure), control, convention)
 
 
-def program(name: str, command: Sequence[str], domain: str, *, control: str = "", convention: str = "") -> Entry:
+def program(name: str, command: Sequence[str], domain: str, convention: str = "", *, control: str = "") -> Entry:
     """An entry for a program that speaks the protocol; `domain` is for the table, the greeting says it."""
+    detect = ["--detect", "0.1"] if domain == "bsdf" else []
 
     def check(seed: int, figure: Path | None) -> dict[str, Any]:
         with tempfile.TemporaryDirectory() as folder:
             line = " ".join("'" + word.replace("'", "'\\''") + "'" for word in command)
             done = subprocess.run(
-                [sys.executable, "-m", "etalon_bench", "validate", "--exec", line, "--seed", str(seed), "--json", "-o", folder],
+                [sys.executable, "-m", "etalon_bench", "validate", "--exec", line, "--seed", str(seed), "--json", "-o", folder, *detect],
                 capture_output=True, text=True,
             )
             if done.returncode not in (0, 1, 3):
                 raise RuntimeError(done.stderr.strip().splitlines()[-1])
-            (test,) = json.loads(done.stdout)["tests"]
-            for drawn in Path(folder).glob("*.png") if figure and test["verdict"] != "accept" else ():
+            tests = json.loads(done.stdout)["tests"]
+            verdict = ("accept", "reject", "inconclusive")[min(done.returncode, 2)]
+            for drawn in sorted(Path(folder).glob("*.png"))[:1] if figure and verdict != "accept" else ():
                 figure.write_bytes(drawn.read_bytes())
-        words = [test[key] for key in ("named", "violation", "inconclusive_reason", "diagnosis") if test[key]]
-        return {"verdict": test["verdict"], "p": test["p"], "detectable": test["detectable"], "words": "; ".join(words[:2])}
+        failed = [test for test in tests if test["verdict"] == verdict != "accept"]
+        words = [test[key] for test in failed[:1] for key in ("named", "violation", "inconclusive_reason", "diagnosis") if test[key]]
+        least, most = ([test[key] for test in tests if test[key] is not None] for key in ("p", "detectable"))
+        return {"verdict": verdict, "p": min(least, default=None), "detectable": max(most, default=None), "words": "; ".join(words[:2])}
 
     return Entry(name, domain, check, control, convention)
 
 
 def library(serve: Sequence[str], control: str) -> list[Entry]:
-    """The entries of a program that prints their names and domains for `list`, and serves one by its name; a second argument scales samples."""
+    """The entries of a program that prints their names, domains and conventions for `list`, and serves one by its name; a second argument is a mistake."""
     listed = subprocess.run([*serve, "list"], capture_output=True, text=True, check=True).stdout.splitlines()
     return [
-        *(program(name, [*serve, name], domain) for name, domain in (line.split("\t") for line in listed)),
+        *(program(name, [*serve, name], *about) for name, *about in (line.split("\t") for line in listed)),
         program("control/right", [*serve, control], "real", control="right"),
         program("control/wrong", [*serve, control, "1.05"], "real", control="wrong"),
     ]

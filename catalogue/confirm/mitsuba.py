@@ -208,7 +208,20 @@ def variants():
         print(f"{name}: eval {difference[:, 0].max():.2g}, pdf {difference[:, 1].max():.2g} relative, {(difference[:, 1] > 0.01).sum()} of 60 pdfs differ")
 
 
-CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants]
+def positions():
+    """Positions of a bitmap in 3.6.4, and since: the pdf that a sample carries against pdf_position at its position."""
+    mi.set_variant("llvm_ad_rgb")
+    values = (np.random.default_rng(1).random((5, 7, 1))).astype(np.float32)
+    u = mi.Point2f(np.clip(RANDOM.random((2, 2_000_000)), 2**-23, 1 - 2**-24).astype(np.float32))
+    for kind in ("bilinear", "nearest"):
+        for wrap in ("repeat", "mirror", "clamp"):
+            plugin = mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True, "filter_type": kind, "wrap_mode": wrap})
+            x, carried = plugin.sample_position(u)
+            carried, asked = np.array(carried), np.array(plugin.pdf_position(x))
+            print(f"{kind}, {wrap}: {np.mean(np.abs(carried - asked) > 0.01 * asked):.2e} of samples differ by more than 1 %, the median difference is {100 * np.median(np.abs(carried / asked - 1)):.1f} %")
+
+
+CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants, positions]
 for case in CASES:
     if len(sys.argv) == 1 or case.__name__ in sys.argv[1:]:
         print(f"\n{case.__name__}: {case.__doc__}")

@@ -42,7 +42,7 @@ ENTRIES = [
     *(entry(f"f{a}", lambda g, n, a=a: g.f(*a, n), f(*a)) for a in ((3, 5), (0.8, 2), (50, 80))),
     *(entry(f"noncentral_f{a}", lambda g, n, a=a: g.noncentral_f(*a, n), ncf(*a)) for a in ((3, 20, 3), (1.5, 6, 1))),
     *(entry(f"standard_t({k})", lambda g, n, k=k: g.standard_t(k, n), t(k)) for k in (0.7, 2, 30)),
-    *(entry(f"wald{a}", lambda g, n, a=a: g.wald(*a, n), stats.invgauss(a[0] / a[1], scale=a[1])) for a in ((1, 1), (3, 0.5), (0.1, 40))),
+    *(entry(f"wald{a}", lambda g, n, a=a: g.wald(*a, n), stats.invgauss(a[0] / a[1], scale=a[1])) for a in ((1, 1), (3, 0.5), (0.1, 40), (1e8, 2.25))),
     *(entry(f"weibull({k})", lambda g, n, k=k: g.weibull(k, n), weibull_min(k)) for k in (0.4, 1, 5)),
     *(entry(f"pareto({k})", lambda g, n, k=k: g.pareto(k, n), stats.lomax(k)) for k in (0.5, 3)),
     *(entry(f"power({k})", lambda g, n, k=k: g.power(k, n), powerlaw(k)) for k in (0.3, 4)),

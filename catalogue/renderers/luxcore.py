@@ -5,7 +5,7 @@
 
     luxcore.py SCENE SPP SEED OUT THREADS WIDTH HEIGHT [MAP.exr]
 
-MAP.exr is the map that `etalon scenes --export sphere-env.xml` writes. What is matched, and how, stands beside the lines that do it.
+MAP.exr is the scene's map, envmaps/nave.exr. What is matched, and how, stands beside the lines that do it.
 """
 
 import os
@@ -78,7 +78,8 @@ else:
     properties.Set(pyluxcore.Property("scene.lights.map.type", "infinite"))
     properties.Set(pyluxcore.Property("scene.lights.map.file", maps[0]))
     properties.Set(pyluxcore.Property("scene.lights.map.gamma", 1.0))
-    properties.Set(pyluxcore.Property("scene.lights.map.gain", [1.0, 1.0, 1.0]))
+    # The scene scales its map by 8
+    properties.Set(pyluxcore.Property("scene.lights.map.gain", [8.0, 8.0, 8.0]))
     # LuxCore's maps have their pole at +z, ours at +y: y and z change places
     properties.Set(pyluxcore.Property("scene.lights.map.transformation", [1.0, 0, 0, 0, 0, 0, 1.0, 0, 0, 1.0, 0, 0, 0, 0, 0, 1.0]))
     depth = 2

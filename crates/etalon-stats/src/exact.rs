@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::hash::GOLDEN;
 use crate::mistakes::Pair;
+use crate::outcome::Compared;
 use crate::power::chi_square_below;
 use crate::sampler::{Density, SINGLE_PRECISION, Sample, Sampler};
 use crate::serial::SerialCounts;
@@ -126,6 +127,19 @@ impl Carried {
     /// Whether all differences are those of roundings in single precision.
     pub fn is_rounding(&self) -> bool {
         self.different > 0 && self.largest <= SINGLE_PRECISION
+    }
+
+    /// The pdfs that differ, at directions that are turned so that the pole is +z.
+    pub fn differences(&self, domain: &dyn Domain) -> Option<Compared> {
+        let is_about_y = domain.at_angles([0.0; 2]).is_some_and(|pole| <[f64; 3]>::from(pole)[1] == 1.0);
+        let turned = |point: Point| match point.coordinates() {
+            &[x, y, z] if is_about_y => [z, x, y].into(),
+            _ => point,
+        };
+        let places = self.pairs.iter().filter(|(_, [carried, pdf])| carried != pdf);
+        let places: Vec<_> = places.map(|&(point, numbers)| (turned(point), numbers)).collect();
+        let law = "the pdf that samples carry = the pdf".to_owned();
+        (self.different > 0 && !places.is_empty()).then_some(Compared { law, places })
     }
 
     /// Samples that carry a pdf, and those of them that carry another one than the density has.

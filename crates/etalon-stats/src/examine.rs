@@ -442,14 +442,7 @@ impl Test<'_> {
         let p = p.filter(|_| beyond.is_none());
         let grid = subdivision.grid.clone();
         Findings {
-            counts: Counts {
-                axes: domain.axes().map(str::to_owned),
-                outcomes: domain.outcomes(),
-                grid,
-                observed,
-                expected,
-                atoms: density.atom_names(),
-            },
+            counts: Counts::new(domain, grid, density.atom_names(), observed, expected),
             samples,
             mass: is_pdf.then_some(mass),
             test,
@@ -466,11 +459,12 @@ impl Test<'_> {
     /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
     fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
-        let Findings { counts, samples, mass, test, noise, certain, structure, p, mut violation, beyond, .. } =
+        let Findings { mut counts, samples, mass, test, noise, certain, structure, p, mut violation, beyond, .. } =
             self.find(&counted, true);
         let is_within = beyond.is_none();
         let Counted { uncertain, integral, tally, far, .. } = counted;
-        let Structure { scales, words, mut remarks, .. } = structure;
+        let Structure { scales, words, mut remarks, finer, .. } = structure;
+        counts.finer = finer;
         remarks.extend(
             corners
                 .infinite
@@ -566,6 +560,7 @@ impl Test<'_> {
             remarks,
             counts: Some(counts),
             stopped: tally.samples < looks.samples(),
+            compared: tally.carried.differences(domain),
             ..Outcome::open(samples)
         })
     }

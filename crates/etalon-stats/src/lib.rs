@@ -52,7 +52,7 @@ pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake, Variable};
-pub use outcome::{Compared, Counts, Finding, Outcome, Verdict, causes, decide};
+pub use outcome::{Compared, Counts, Finding, Finer, Outcome, Verdict, causes, decide};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
 };

@@ -1,8 +1,9 @@
 //! What a test found, and the verdict on it among the others of a run.
 
 use crate::diagnosis::{count, p_value};
+use crate::domain::{Domain, Point};
 use crate::estimate::Estimate;
-use crate::grid::Grid;
+use crate::grid::{Cell, Grid};
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm, sidak};
 use crate::scales::Scale;
@@ -40,21 +41,55 @@ pub struct Counts {
     pub outcomes: Option<usize>,
     /// The cells.
     pub grid: Grid,
+    /// The cells in coordinates x and y, of a set of numbers or of pairs of numbers.
+    pub boxes: Option<Vec<Cell>>,
     /// Observed counts: of the grid's cells, then of the atoms, then of "no sample".
     pub observed: Vec<u64>,
     /// Expected counts, in the same order.
     pub expected: Vec<f64>,
     /// The names of the atoms.
     pub atoms: Vec<String>,
+    /// Parts of cells, where these reject and the cells do not.
+    pub finer: Option<Finer>,
 }
 
-/// Numbers of an exact check of a BSDF that should be equal, and are not.
+impl Counts {
+    /// The counts of the cells of a domain, of the atoms and of "no sample".
+    pub(crate) fn new(
+        domain: &dyn Domain,
+        grid: Grid,
+        atoms: Vec<String>,
+        observed: Vec<u64>,
+        expected: Vec<f64>,
+    ) -> Self {
+        let (axes, boxes) = (domain.axes().map(str::to_owned), grid.cells().map(|cell| domain.boxed(&cell)).collect());
+        Self { axes, outcomes: domain.outcomes(), grid, boxes, observed, expected, atoms, finer: None }
+    }
+}
+
+/// Counts of equal parts along an axis of the chart, around the place where they differ most from what is expected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finer {
+    /// The axis.
+    pub axis: usize,
+    /// How many such parts the whole axis has.
+    pub parts: usize,
+    /// The ends of the parts: x or y of a set of numbers or of pairs of numbers, else the chart's coordinate.
+    pub ends: Vec<f64>,
+    /// Their samples.
+    pub observed: Vec<u64>,
+    /// The samples that are expected.
+    pub expected: Vec<f64>,
+}
+
+/// Numbers of an exact check that should be equal, and are not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// What they should obey.
     pub law: String,
-    /// The direction `wi` of each two, what was found and what is expected.
-    pub places: Vec<([f64; 3], [f64; 2])>,
+    /// The place of each two, what was found and what is expected: the direction `wi` of a BSDF, the sample of a sampler. Directions
+    /// around another axis are turned to +z.
+    pub places: Vec<(Point, [f64; 2])>,
 }
 
 /// The findings of one test.

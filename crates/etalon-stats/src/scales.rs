@@ -16,6 +16,7 @@ use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Parts, Subdivision};
 use crate::multiple::any_of;
+use crate::outcome::Finer;
 use crate::power::{FEWEST, chi_square_below, chi_square_tail, noncentrality_near};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::f64::consts::FRAC_PI_2;
@@ -51,6 +52,9 @@ pub struct Scale {
     /// What was found, in words.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) words: String,
+    /// The parts around the worst place, of scales of an axis.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) finer: Option<Finer>,
 }
 
 /// The chi-square test of one scale: Σ z² over its pairs of halves.
@@ -69,6 +73,8 @@ pub struct ScaleTest {
     worst: (f64, usize),
     /// Where this pair is, in words.
     place: String,
+    /// The parts around it.
+    finer: Option<Finer>,
 }
 
 impl ScaleTest {
@@ -158,6 +164,7 @@ impl ScaleTest {
             p: chi_square_tail(dof, statistic),
             detectable,
             words,
+            finer: self.finer.clone(),
         }
     }
 }
@@ -169,8 +176,11 @@ pub struct Scales {
     pub tests: Vec<ScaleTest>,
     /// The number of samples in the part at an end of an axis and in its neighbour, of all scales: probability of a number
     /// as far from what is expected.
-    ends: Vec<(f64, String)>,
+    ends: Vec<(f64, String, Finer)>,
 }
+
+/// Parts on each side of the worst place that are kept.
+const AROUND: usize = 16;
 
 impl Scales {
     /// Counts `observed` in the parts of `subdivision` against the expected `shares`. `found` are the shares of samples in
@@ -201,22 +211,38 @@ impl Scales {
             let (mut observed, mut values, mut errors) =
                 (observed.axes[axis].clone(), shares.values.axes[axis].clone(), shares.errors.axes[axis].clone());
             for _ in 0..subdivision.axes[axis].bits() {
-                let (mut test, at_ends) = halve(name, shares.are_independent, &mut observed, &mut values, &mut errors);
-                let width = 2 * (ends.len() - 1) / test.parts;
-                test.locate(|pair| {
-                    let interval = [ends[pair * width], ends[(pair + 1) * width]];
-                    let cell = if axis == 0 {
-                        Cell { x: interval, ..Cell::WHOLE }
-                    } else {
-                        Cell { y: interval, ..Cell::WHOLE }
+                let parts = observed.len();
+                let width = (ends.len() - 1) / parts;
+                let cell = |interval| {
+                    if axis == 0 { Cell { x: interval, ..Cell::WHOLE } } else { Cell { y: interval, ..Cell::WHOLE } }
+                };
+                let (all, of_all) = (observed.clone(), values.clone());
+                let factor = all.iter().sum::<u64>() as f64 / of_all.iter().sum::<f64>();
+                let around = |part: usize| {
+                    let [first, last] = [part.saturating_sub(AROUND), (part + AROUND).min(parts)];
+                    let end = |i: usize| {
+                        let part = i.min(parts - 1);
+                        let own = cell([ends[part * width], ends[(part + 1) * width]]);
+                        let own = domain.boxed(&own).unwrap_or(own);
+                        [own.x, own.y][axis][usize::from(i == parts)]
                     };
-                    domain.in_words(&cell)
-                });
+                    Finer {
+                        axis,
+                        parts,
+                        ends: (first..=last).map(end).collect(),
+                        observed: all[first..last].to_vec(),
+                        expected: of_all[first..last].iter().map(|share| factor * share).collect(),
+                    }
+                };
+                let (mut test, at_ends) = halve(name, shares.are_independent, &mut observed, &mut values, &mut errors);
+                test.finer = Some(around(2 * test.worst.1));
+                test.locate(|pair| domain.in_words(&cell([2 * pair, 2 * (pair + 1)].map(|part| ends[part * width]))));
                 let along = &subdivision.axes[axis];
                 let values = 1.0 / (along.coincidence * test.parts as f64);
                 if is_good(&test, values, along.rounding(test.parts)) {
                     scales.tests.push(test);
-                    scales.ends.extend(at_ends.into_iter().filter(|_| !shares.are_independent));
+                    let at_ends = at_ends.into_iter().filter(|_| !shares.are_independent);
+                    scales.ends.extend(at_ends.map(|(p, part, words)| (p, words, around(part))));
                 }
             }
         }
@@ -244,23 +270,22 @@ impl Scales {
 
     /// The test of the ends: the smallest of their p-values.
     pub fn ends(&self) -> Option<Scale> {
-        let (p, words) = self.ends.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (p, words, finer) = self.ends.iter().min_by(|a, b| a.0.total_cmp(&b.0))?.clone();
         let count = self.ends.len();
-        let p = any_of(*p, count);
-        let of = "ends of the axes".to_owned();
-        Some(Scale { of, parts: count, statistic: 0.0, dof: 0.0, p, detectable: None, words: words.clone() })
+        let (of, p) = ("ends of the axes".to_owned(), any_of(p, count));
+        Some(Scale { of, parts: count, statistic: 0.0, dof: 0.0, p, detectable: None, words, finer: Some(finer) })
     }
 }
 
 /// The test of one scale, which compares the halves of each part, with the p-values of the halves at the two ends of the
-/// axis. It leaves the sums over the parts for the next scale.
+/// axis, their places and words on them. It leaves the sums over the parts for the next scale.
 fn halve(
     of: &str,
     are_independent: bool,
     observed: &mut Vec<u64>,
     values: &mut Vec<f64>,
     errors: &mut Vec<f64>,
-) -> (ScaleTest, Vec<(f64, String)>) {
+) -> (ScaleTest, Vec<(f64, usize, String)>) {
     let parts = observed.len();
     let mut test = ScaleTest { of: of.to_owned(), parts, ..ScaleTest::default() };
     let mut ends = Vec::new();
@@ -270,7 +295,7 @@ fn halve(
         test.add(pair, counts, expected, [errors[first], errors[second]], are_independent);
         for (end, at) in [(0, first), (1, second)] {
             if at == [0, parts - 1][end] {
-                ends.extend(end_of(of, parts, end, counts, expected));
+                ends.extend(end_of(of, parts, end, counts, expected).map(|(p, words)| (p, at, words)));
             }
         }
         let both = if are_independent { errors[first].hypot(errors[second]) } else { errors[first] + errors[second] };

@@ -7,6 +7,7 @@ use crate::domain::Domain;
 use crate::extremes::Extremes;
 use crate::grid::Subdivision;
 use crate::multiple::weighted;
+use crate::outcome::Finer;
 use crate::power::{ChiSquare, chi_square_below};
 use crate::scales::{Scale, Scales};
 use crate::serial::Labels;
@@ -46,6 +47,8 @@ pub struct Structure {
     pub words: Vec<String>,
     /// What users should know though it does not decide.
     pub remarks: Vec<String>,
+    /// Counts of parts where these are worst.
+    pub finer: Option<Finer>,
 }
 
 impl Counted<'_> {
@@ -84,6 +87,7 @@ impl Counted<'_> {
         let mut worst: Vec<&Scale> = told.filter(|scale| scale.p < own * suspect).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p));
         let words = worst.iter().take(NAMED).map(|scale| scale.words.clone()).collect();
+        let finer = worst.first().and_then(|scale| scale.finer.clone());
         let mut remarks = Vec::new();
         if is_stratified {
             let order = order.filter(|order| order.p < own * self.level).map_or("", |_| " and depend on each other");
@@ -93,12 +97,12 @@ impl Counted<'_> {
                 p_value(least)
             ));
         }
-        Structure { scales, p, words, remarks }
+        Structure { scales, p, words, remarks, finer }
     }
 }
 
 /// The test of dependence as a scale.
 fn dependent([statistic, dof, p]: [f64; 3]) -> Scale {
     let words = "samples depend on those before them".to_owned();
-    Scale { of: "order of the samples".to_owned(), parts: 0, statistic, dof, p, detectable: None, words }
+    Scale { of: "order of the samples".to_owned(), parts: 0, statistic, dof, p, detectable: None, words, finer: None }
 }

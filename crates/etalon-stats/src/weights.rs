@@ -497,14 +497,9 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
         value if value > 0.0 => (sizes[place] * found.places[place].powers[0] / (n * value)).round() as u64,
         _ => found.places[place].ratio().map_or(0, |ratio| (found.places[place].powers[0] / ratio).ceil() as u64),
     };
-    let counts = Counts {
-        axes: domain.axes().map(str::to_owned),
-        outcomes: domain.outcomes(),
-        grid: grid.clone(),
-        observed: (0..expected.len()).map(observed).chain([0]).collect(),
-        expected: sizes.iter().copied().chain([f64::MIN_POSITIVE]).collect(),
-        atoms: density.atom_names(),
-    };
+    let observed = (0..expected.len()).map(observed).chain([0]).collect();
+    let sizes = sizes.iter().copied().chain([f64::MIN_POSITIVE]).collect();
+    let counts = Counts::new(domain, grid.clone(), density.atom_names(), observed, sizes);
     let is_suspect = p.is_some_and(|p| p < SUSPECT);
     let mut told = Vec::new();
     let (mean, whole) =

@@ -70,7 +70,7 @@ pub struct LookArgs {
     /// Pure power law 1/GAMMA instead of the sRGB curve
     #[arg(long, value_name = "GAMMA", value_parser = gamma)]
     gamma: Option<f32>,
-    /// Side of the markers of samples, in texels
+    /// Side of the markers of samples, in texels; less where they are many
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub window: u32,
 }

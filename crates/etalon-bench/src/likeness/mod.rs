@@ -135,7 +135,8 @@ impl Claim {
             let law = format!("having the values of {}{at}", self.name());
             outcome.mistake = variant.map(|variant| format!("it is {} with {variant}", self.name()));
             outcome.violation = Some(format!("not the values of {}{at}: {words}", self.name()));
-            outcome.compared = (!numbers.is_empty()).then_some(Compared { law, places: numbers });
+            let places: Vec<_> = numbers.into_iter().map(|(wi, numbers)| (wi.into(), numbers)).collect();
+            outcome.compared = (!places.is_empty()).then_some(Compared { law, places });
         }
         Ok(outcome)
     }

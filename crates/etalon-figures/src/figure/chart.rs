@@ -26,6 +26,9 @@ const ENDS: usize = 24;
 /// Largest distance of a name from its curve: of one beside it, and of one with a line to it.
 const BESIDE: f64 = 16.0;
 const LED: f64 = 100.0;
+/// Where around a curve a name with a line to it is sought, in that distance.
+const SIDES: [Point; 9] =
+    [[0.0, 0.0], [0.0, -0.4], [0.0, 0.4], [-0.6, 0.0], [0.6, 0.0], [-0.5, -0.3], [0.5, -0.3], [-0.5, 0.3], [0.5, 0.3]];
 /// The line to a name, and the dot at its end.
 const LEADER: f64 = 0.8;
 const LEADER_END: f64 = 2.2;
@@ -39,8 +42,6 @@ pub(super) struct Chart {
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
-    /// Whether there was no room for the names of some curves beside them.
-    pub has_unnamed: bool,
 }
 
 impl Chart {
@@ -75,13 +76,12 @@ impl Chart {
         let is_map = panel.heatmap.is_some();
         panel.marks.iter().for_each(|mark| sketch.label(mark, is_map));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
-        // The legend, where it covers nothing
+        // The legend of what is not named where it runs, where it covers nothing
         let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
         let legend =
             Legend::new(&panel.marks).and_then(|legend| legend.without(&named)).map(|legend| legend.within(limit));
-        let has_unnamed = panel.names_curves && legend.is_some();
         let legend = legend.filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
-        Self { drawing: sketch.drawing, room, legend, has_unnamed }
+        Self { drawing: sketch.drawing, room, legend }
     }
 }
 
@@ -215,24 +215,28 @@ impl Sketch<'_> {
                 others().all(|other| distance(other) > 1.5 * distance(places))
             };
             let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
-            let mut near = |reach: f64, end: Point| {
-                self.space.nearest_free(end, [long, high], CLEAR + 3.5, reach).map(|place| (place, end))
-            };
+            let mut near = |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);
             let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
-            let beside = beside.into_iter().map(|(place, _)| place).find(is_own);
+            let beside = beside.into_iter().find(is_own);
             let mut led = || {
                 let is_clear = |end: &Point| others().flatten().all(|other| apart(*other, *end) > APART);
                 let ends = (1..ENDS).filter_map(|i| at(i as f64 / ENDS as f64));
-                let far: Vec<_> = ends.filter(is_clear).filter_map(|end| near(LED, end)).collect();
-                // As few other curves as possible lie between, and no label
-                let crossed = |(place, end): &(Rect, Point)| {
+                let around = |end: Point| SIDES.map(|[x, y]| ([end[0] + LED * x, end[1] + LED * y], end));
+                let far: Vec<_> = ends
+                    .filter(is_clear)
+                    .flat_map(around)
+                    .filter_map(|(at, end)| near(LED, at).map(|place| (place, end)))
+                    .collect();
+                // No other curve lies between, and no label
+                let is_free = |(place, end): &(Rect, Point)| {
                     let line = leader(place, *end);
                     let meets = |other: &[Point]| other.iter().any(|p| line.iter().any(|q| apart(*p, *q) < STEP));
                     let over = self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
-                    (!over).then(|| others().filter(|other| meets(other)).count())
+                    !over && !others().any(meets)
                 };
-                let ranked = far.into_iter().filter_map(|found| Some((crossed(&found)?, found)));
-                ranked.min_by_key(|(crossed, _)| *crossed).map(|(_, found)| found)
+                let length = |(place, end): &(Rect, Point)| place.distance(*end);
+                let free = far.into_iter().filter(is_free);
+                free.min_by(|a, b| length(a).total_cmp(&length(b)))
             };
             let Some((place, end)) = beside.map(|place| (place, None)).or_else(|| led().map(|(p, end)| (p, Some(end))))
             else {

@@ -29,14 +29,14 @@ pub struct Heatmap {
     shading: Shading,
     pub(super) label: String,
     range: Option<(f64, f64)>,
-    empty: Colour,
+    is_on_paper: bool,
 }
 
 impl Heatmap {
     /// A map of `values`, row by row from the top; `label` stands beside the colour bar. Cells that have no value, as in a last
     /// row that is not full, are not finite.
     pub fn new(columns: usize, values: Vec<f64>, shading: Shading, label: impl Into<String>) -> Self {
-        Self { columns: columns.max(1), values, shading, label: label.into(), range: None, empty: theme::NO_VALUE }
+        Self { columns: columns.max(1), values, shading, label: label.into(), range: None, is_on_paper: false }
     }
 
     /// Spreads the colours over this range instead of that of the values; values outside take the colour of the nearest end.
@@ -46,7 +46,7 @@ impl Heatmap {
 
     /// Leaves blank what has no value.
     pub fn on_paper(self) -> Self {
-        Self { empty: Colour::WHITE, ..self }
+        Self { is_on_paper: true, ..self }
     }
 
     pub fn columns(&self) -> usize {
@@ -81,7 +81,8 @@ impl Heatmap {
     /// The colour at a position along the colour bar, from 0 to 1.
     pub(super) fn colour(&self, position: f64) -> [u8; 3] {
         let Colour { r, g, b, .. } = match self.shading {
-            _ if position.is_nan() => self.empty,
+            _ if position.is_nan() && self.is_on_paper => Colour::WHITE,
+            _ if position.is_nan() => theme::NO_VALUE,
             Shading::Diverging => diverging(2.0 * position - 1.0),
             Shading::Linear | Shading::Log10 => sequential(position),
         };
@@ -91,10 +92,11 @@ impl Heatmap {
     /// The map as an image, one pixel for each value.
     pub fn image(&self) -> Rgb8 {
         let span = self.span();
-        Rgb8::from_fn(self.columns, self.rows(), |x, y| {
+        let image = Rgb8::from_fn(self.columns, self.rows(), |x, y| {
             let value = self.values.get(y * self.columns + x).filter(|value| value.is_finite());
             self.colour(value.map_or(f64::NAN, |&value| span.position(value)))
-        })
+        });
+        if self.is_on_paper { image.on_paper() } else { image }
     }
 
     /// The colour bar alone, lying, `length` long where there is room (at least 60), with its ticks and its label below.

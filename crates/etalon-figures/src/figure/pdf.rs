@@ -213,6 +213,9 @@ impl Contents {
             parameters.finish();
             object.color_space().device_rgb();
             object.bits_per_component(8);
+            if image.is_on_paper() {
+                object.color_mask([255; 6]);
+            }
         }
         for ((face, subset), (_, id)) in self.fonts.iter().zip(fonts) {
             subset.write(&mut pdf, *face, id, [next(), next(), next(), next()]);
@@ -229,7 +232,8 @@ fn enlarged(image: &Rgb8, width: f64, height: f64) -> Rgb8 {
     if zoom < 3 {
         return image.clone();
     }
-    Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| image.pixel(x / zoom, y / zoom))
+    let larger = Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| image.pixel(x / zoom, y / zoom));
+    if image.is_on_paper() { larger.on_paper() } else { larger }
 }
 
 /// The compressed rows of an image as PNG stores them, which is what PDF's PNG predictors read.

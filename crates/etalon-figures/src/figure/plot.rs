@@ -228,12 +228,6 @@ impl Plot {
             charts
         };
         let charts: Vec<Vec<Chart>> = rows.iter().enumerate().map(|row| draw_row(row, width)).collect();
-        // All curves are named where they run, or all in a legend
-        if charts.iter().flatten().any(|chart| chart.has_unnamed) {
-            let unnamed = Self { rows: without_names(&self.rows), ..self.clone() };
-            return unnamed.page(&without_names(rows), [width, height], limit);
-        }
-
         // Frames line up: those of a column share what is left and right of them, those of a row what is above and below
         let count = charts.iter().map(Vec::len).max().unwrap_or(0);
         let around = |charts: &mut dyn Iterator<Item = &Chart>| {
@@ -325,13 +319,6 @@ impl Plot {
         let same = maps.all(|map| map.is_some_and(|map| map.has_scale_of(first)));
         (self.panels().count() > 1 && same).then_some(first)
     }
-}
-
-/// The rows with names of curves in legends.
-fn without_names(rows: &[Row]) -> Vec<Row> {
-    let by_legend = |panel: &Panel| Panel { names_curves: false, ..panel.clone() };
-    let of_row = |row: &Row| Row { panels: row.panels.iter().map(by_legend).collect(), ..row.clone() };
-    rows.iter().map(of_row).collect()
 }
 
 /// A panel drawn. On a page of limited size a colour bar whose label is longer than the frame is high goes below it.

@@ -1,7 +1,7 @@
 //! A page as PNG. Text is filled outlines of the embedded fonts; fonts of the system are not used.
 
 use super::page::{Item, Page};
-use super::rgb8::{Rgb8, palette};
+use super::rgb8::{Rgb8, palette, with_chunk};
 use super::shapes::{Colour, Paint, Rect, Text};
 use super::text;
 use etalon_core::error::{Error, Result};
@@ -61,8 +61,6 @@ fn indexed(image: &Rgb8) -> Vec<u8> {
     bytes
 }
 
-/// Length of a PNG file's signature and of its header, before which no other chunk stands.
-const PNG_HEADER: usize = 8 + 25;
 /// Page units, which are CSS pixels, per metre.
 const CSS_PER_METRE: f64 = 96.0 / 0.0254;
 
@@ -70,11 +68,7 @@ const CSS_PER_METRE: f64 = 96.0 / 0.0254;
 /// the drawing.
 fn with_resolution(png: &[u8], scale: f64) -> Vec<u8> {
     let density = ((scale * CSS_PER_METRE).round() as u32).to_be_bytes();
-    let chunk = [b"pHYs", &density[..], &density, &[1]].concat();
-    let mut crc = flate2::Crc::new();
-    crc.update(&chunk);
-    let (header, rest) = png.split_at(PNG_HEADER);
-    [header, &9u32.to_be_bytes(), &chunk, &crc.sum().to_be_bytes(), rest].concat()
+    with_chunk(png, *b"pHYs", &[&density[..], &density, &[1]].concat())
 }
 
 /// Paints one item. Items without extent make no path and are not painted.
@@ -125,7 +119,8 @@ fn colour(Colour { r, g, b, alpha }: Colour) -> tiny_skia::Paint<'static> {
 }
 
 fn paint_image(page: &mut Pixmap, to_pixels: Transform, rect: &Rect, image: &Rgb8) {
-    let rgba = image.pixels().pixels().flat_map(|p| [p[0], p[1], p[2], 255]).collect();
+    let coloured = |p: [u8; 3]| if image.is_clear(p) { [0; 4] } else { [p[0], p[1], p[2], 255] };
+    let rgba = image.pixels().pixels().flat_map(|p| coloured(p.0)).collect();
     let size = IntSize::from_wh(image.width() as u32, image.height() as u32);
     let Some(pixels) = size.and_then(|size| Pixmap::from_vec(rgba, size)) else { return };
     let Some(sides) = sides(rect) else { return };
@@ -203,6 +198,7 @@ impl ttf_parser::OutlineBuilder for Outlines {
 }
 #[cfg(test)]
 mod tests {
+    use super::super::rgb8::PNG_HEADER;
     use super::*;
 
     fn painted(drawing: &Page) -> image::RgbImage {

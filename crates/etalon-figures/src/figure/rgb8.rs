@@ -9,7 +9,14 @@ use std::sync::{Arc, OnceLock};
 /// An 8-bit RGB image (sRGB, row 0 at the top). Copies share its pixels, and its PNG file, which takes most of the time of
 /// writing a figure.
 #[derive(Debug, Clone)]
-pub struct Rgb8(Arc<(RgbImage, OnceLock<Vec<u8>>)>);
+pub struct Rgb8 {
+    own: Arc<(RgbImage, OnceLock<Vec<u8>>)>,
+    /// Pure white is where nothing is: paper shows through, of whatever colour.
+    is_on_paper: bool,
+}
+
+/// Pure white.
+const PAPER: [u8; 3] = [255; 3];
 
 impl Rgb8 {
     /// Wraps `data`.
@@ -24,6 +31,20 @@ impl Rgb8 {
         RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(f(x as usize, y as usize))).into()
     }
 
+    /// The image whose pure white is left out: paper shows through, of whatever colour.
+    pub fn on_paper(self) -> Self {
+        Self { own: Arc::new((self.own.0.clone(), OnceLock::new())), is_on_paper: true }
+    }
+
+    pub fn is_on_paper(&self) -> bool {
+        self.is_on_paper
+    }
+
+    /// Whether paper shows through in place of this colour.
+    pub fn is_clear(&self, colour: [u8; 3]) -> bool {
+        self.is_on_paper && colour == PAPER
+    }
+
     pub fn width(&self) -> usize {
         self.pixels().width() as usize
     }
@@ -33,7 +54,7 @@ impl Rgb8 {
     }
 
     pub fn pixels(&self) -> &RgbImage {
-        &self.0.0
+        &self.own.0
     }
 
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
@@ -42,10 +63,12 @@ impl Rgb8 {
 
     /// The image as a PNG file, encoded at the first call.
     pub fn png(&self) -> &[u8] {
-        self.0.1.get_or_init(|| {
+        self.own.1.get_or_init(|| {
             // The best compression takes three times as long as the default one and saves less than 1 %.
             let is_large = self.width() * self.height() > LARGE;
-            self.encoded(if is_large { CompressionType::Fast } else { CompressionType::Default })
+            let file = self.encoded(if is_large { CompressionType::Fast } else { CompressionType::Default });
+            let clear: Vec<u8> = PAPER.iter().flat_map(|level| [0, *level]).collect();
+            if self.is_on_paper { with_chunk(&file, *b"tRNS", &clear) } else { file }
         })
     }
 
@@ -65,7 +88,7 @@ impl Rgb8 {
 
 impl From<RgbImage> for Rgb8 {
     fn from(pixels: RgbImage) -> Self {
-        Self(Arc::new((pixels, OnceLock::new())))
+        Self { own: Arc::new((pixels, OnceLock::new())), is_on_paper: false }
     }
 }
 
@@ -73,6 +96,18 @@ impl PartialEq for Rgb8 {
     fn eq(&self, other: &Self) -> bool {
         self.pixels() == other.pixels()
     }
+}
+
+/// Length of a PNG file's signature and of its header, before which no other chunk stands.
+pub const PNG_HEADER: usize = 8 + 25;
+
+/// A PNG file with one more chunk after its header.
+pub fn with_chunk(png: &[u8], name: [u8; 4], data: &[u8]) -> Vec<u8> {
+    let chunk = [&name, data].concat();
+    let mut crc = flate2::Crc::new();
+    crc.update(&chunk);
+    let (header, rest) = png.split_at(PNG_HEADER);
+    [header, &(data.len() as u32).to_be_bytes(), &chunk, &crc.sum().to_be_bytes(), rest].concat()
 }
 
 /// Pixels above which an image is compressed fast: in a tenth of the time, to a little more bytes.
@@ -93,7 +128,8 @@ impl Group {
     fn new(colours: Vec<([u8; 3], u32)>) -> Self {
         let (mut count, mut sum, mut squares) = (0.0, [0.0; 3], [0.0; 3]);
         for (colour, n) in &colours {
-            let n = f64::from(*n);
+            // By less than their number: a colour bar has few pixels of each of its colours
+            let n = f64::from(*n).sqrt();
             count += n;
             for c in 0..3 {
                 let value = f64::from(colour[c]);
@@ -130,7 +166,7 @@ impl Group {
 /// At most 256 colours for an image, and the number of the colour of each pixel. An image of that few colours keeps them.
 ///
 /// A group of colours is cut at its mean along the axis of the largest variance, the group with the largest first (Wan, Wong and
-/// Prusinkiewicz 1988).
+/// Prusinkiewicz 1988), each colour with the square root of its number of pixels.
 pub fn palette(image: &Rgb8) -> (Vec<[u8; 3]>, Vec<u8>) {
     let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
     image.pixels().pixels().for_each(|pixel| *counts.entry(pixel.0).or_default() += 1);

@@ -1,7 +1,7 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
 use super::converge::{framed, regions, round};
-use super::text::{LINE, capitalized, counted, p_is, p_value, power_of_ten, rounded, wrapped};
+use super::text::{LINE, capitalized, clauses, counted, finding, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
@@ -271,7 +271,10 @@ pub fn drawing(compared: &Compared) -> Drawing {
     };
     tiles.retain(|tile| tile.worst.is_some());
     tiles.sort_by(|a, b| a.worst.iter().zip(&b.worst).map(|(a, b)| a.by_p(b)).next().unwrap_or(Ordering::Equal));
-    tiles.truncate(ENLARGED);
+    // What chance explains is enlarged only if there is nothing else
+    let is_different =
+        |tile: &Tile| tile.worst.is_some_and(|worst| compared.families[2].adjusted(&worst) < compared.plan.level);
+    tiles.truncate(tiles.iter().filter(|tile| is_different(tile)).count().clamp(1, ENLARGED));
     let map = tiles.iter().enumerate().fold(map, |panel, (i, tile)| {
         let [x, y, w, h] = tile.place.map(|v| v as f64);
         let corners = [[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]];
@@ -281,10 +284,12 @@ pub fn drawing(compared: &Compared) -> Drawing {
     let longer = 400.0 / width.max(height) as f64;
     let frame = [width as f64 * longer, (height as f64 * longer).max(120.0)];
     let plots = Plot::new([map, p_values(compared)]).frame_size(frame[0].max(160.0), frame[1]).draw();
-    if tiles.is_empty() {
-        return plots;
-    }
-    Drawing::stacked(vec![plots, crops(compared, &tiles)], 0.5)
+    let rows = std::iter::once(plots).chain((!tiles.is_empty()).then(|| crops(compared, &tiles)));
+    let sentence = sentence(compared);
+    let (verdict, why) = sentence.split_once([':', ';']).unwrap_or((&sentence, ""));
+    let lines = clauses(why.trim()).iter().take(1).map(|line| finding(line)).collect();
+    let title = Drawing::stacked(Vec::new(), 0.5).headed(capitalized(verdict), lines);
+    Drawing::stacked(std::iter::once(title).chain(rows).collect(), 0.5)
 }
 
 fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
@@ -299,7 +304,7 @@ fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
     let largest = values.iter().filter(|z| z.is_finite()).fold(5.0_f64, |m, z| m.max(z.abs())).min(10.0);
     // The last tiles of a row or column may reach beyond the image.
     let (width, height) = (columns * compared.tile_side, rows * compared.tile_side);
-    let label = "z, channel that differs most";
+    let label = "A − B in standard errors, worst channel";
     let map = Heatmap::new(columns, values, Shading::Diverging, label).range(-largest, largest);
     pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
 }
@@ -329,12 +334,7 @@ fn p_values(compared: &Compared) -> Panel {
         Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
         Axis::log("/{p}-value, not corrected (least: 10^{−12})").range(foot, 1.0),
     )
-    .title(match compared.answer {
-        Answer::Different => "Different",
-        Answer::NoDifferenceFound => "No difference found",
-        Answer::CannotTell => "Cannot tell",
-        Answer::NotIndependent => "Not independent",
-    })
+    .title("/{p}-values of all tests")
     .line(
         "uniform: one expectation",
         Stroke::solid(theme::EXPECTED, theme::THIN),
@@ -366,7 +366,7 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         cells.push((format!("{}: image A, channel {channel}: {mean_a}", i + 1), shown(&a)));
         cells.push((format!("image B, channel {channel}: {mean_b}"), shown(&b)));
         let p = compared.families[2].adjusted(worst);
-        cells.push((format!("A − B, ±{limit:.2e}; corrected {}", p_value(p)), map.image()));
+        cells.push((format!("A − B, ±{}; corrected {}", rounded(limit, 2), p_value(p)), map.image()));
     }
     contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)
 }

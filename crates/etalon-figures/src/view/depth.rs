@@ -28,14 +28,7 @@ pub fn differences(result: &Depths) -> Drawing {
         (caption, Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone)))
     };
     let images: Vec<(String, Rgb8)> = result.differences.iter().zip(DEPTHS.windows(2)).map(shown).collect();
-    let letters = "Paths of light L, walls D, spheres of mirror and glass S, eye E: without spheres LD…DE, walls lit by spheres L…S…DE,";
-    let others = "walls seen in spheres L…D…SE, the area light seen in spheres LS…SE";
-    let exposures = format!(
-        "Each exposure leaves {:.0}\u{a0}% of the pixels below white; single bright pixels are clamped",
-        100.0 * BELOW_WHITE
-    );
-    contact_sheet("", 3, &images)
-        .headed("What each maximum depth /{m} adds", vec![letters.to_owned(), others.to_owned(), exposures])
+    contact_sheet("What each maximum depth /{m} adds", 3, &images)
 }
 
 /// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
@@ -65,17 +58,21 @@ fn exposure(image: &Image) -> f64 {
 fn caption(result: &Depths, before: u32, depth: u32) -> String {
     let classes: Vec<&ClassRow> = result.classes.iter().filter(|r| r.depth == depth && r.seen_on == ALL).collect();
     let share: f64 = classes.iter().map(|r| r.share_of_light).sum();
-    let text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {} of all light. ", percent(share));
+    let text = format!("/{{m}} = {depth} minus /{{m}} = {before}: {:.1}\u{a0}% of all light. ", 100.0 * share);
     if depth == DEPTHS[DEPTHS.len() - 1] {
         return text + "All paths of more than five scatterings.";
     }
     let of_kind = |name: &&str| classes.iter().filter(|r| kind(&r.class) == *name).map(|r| r.share_of_difference).sum();
     let mut kinds: Vec<(&str, f64)> = KINDS.into_iter().map(|name| (name, of_kind(&name))).collect();
-    kinds.retain(|(_, share)| *share > 0.0);
+    kinds.retain(|(_, share)| *share >= TOLD);
     kinds.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let list: Vec<String> = kinds.into_iter().map(|(name, share)| format!("{name} {}", percent(share))).collect();
+    let list: Vec<String> =
+        kinds.into_iter().map(|(name, share)| format!("{name} {:.0}\u{a0}%", 100.0 * share)).collect();
     text + &capitalized(&list.join(", ")) + "."
 }
+
+/// The least share of a difference that is told.
+const TOLD: f64 = 0.01;
 
 const KINDS: [&str; 4] =
     ["walls without spheres", "walls lit by spheres", "walls seen in spheres", "area light in spheres"];
@@ -89,12 +86,6 @@ fn kind(class: &str) -> &'static str {
         (true, true, false) => 2,
         (false, ..) => 3,
     }]
-}
-
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    // No break between number and sign.
-    if percent < 0.095 { format!("{percent:.2}\u{a0}%") } else { format!("{percent:.1}\u{a0}%") }
 }
 
 /// Captioned images in rows of `columns`, brightened by `stops`.

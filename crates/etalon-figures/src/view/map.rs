@@ -42,6 +42,11 @@ const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
 /// The side of the marker of a light of average flux, in those of a sample; no marker is smaller than half of one.
 const AVERAGE: f64 = 1.4;
+/// Most of the map that the markers of its samples cover; but no marker has a smaller side than the least.
+const COVERED: f64 = 0.012;
+const LEAST: usize = 3;
+/// The rim of a marker over its side.
+const RIM: f64 = 0.2;
 /// Times that a marker on black has the side of one on the map, where it would cover what it marks.
 const ALONE: usize = 2;
 /// Times that a larger marker of the key has the area of the smaller one.
@@ -98,16 +103,24 @@ impl Display {
     /// inset enlarges the place with most samples.
     pub fn samples(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = Page::over(self.base.clone());
+        let side = self.side(rows.len(), side);
         let groups = grouped(rows, side);
         let marker = |group: &Group| {
             let wide = (side as f64 * (group.count as f64).sqrt()).round() as usize;
             (group.at, wide, theme::MARKER)
         };
         let markers: Vec<_> = groups.iter().map(marker).collect();
-        self.markers(&mut drawing, &markers, &[(2.0, theme::MARKER_SHADE), (1.0, theme::BORDER)]);
+        let rim = RIM * side as f64;
+        self.markers(&mut drawing, &markers, &[(2.0 * rim, theme::MARKER_SHADE), (rim, theme::BORDER)]);
         let densest = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1);
         let zoom = densest.map(|densest| self.inset(&mut drawing, rows, densest.at));
         Drawing::Picture(Picture { page: drawing, key: self.key(side, zoom) })
+    }
+
+    /// The side of a marker, less where many would cover what they mark.
+    fn side(&self, samples: usize, side: usize) -> usize {
+        let fitting = (COVERED * (self.width * self.height) as f64 / samples.max(1) as f64).sqrt().ceil() as usize;
+        side.min(fitting.max(LEAST))
     }
 
     /// What the markers mean.

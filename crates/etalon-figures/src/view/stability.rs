@@ -96,14 +96,16 @@ fn largest(sweep: &Sweep, number: usize, axis: usize, value: &dyn Fn(&Case) -> f
     values
 }
 
-/// Scale of relative errors, and of errors over what rounding of the input explains; values outside stand at its ends.
-const ERRORS: [f64; 2] = [1e-17, 1e2];
-const RATIOS: [f64; 2] = [1e-2, 1e9];
+/// Scale of relative errors in each precision; values outside stand at its ends.
+const ERRORS: [(Precision, &str, [f64; 2]); 2] = [
+    (Precision::Single, "Single precision (f32)", [1e-9, 1e2]),
+    (Precision::Double, "Double precision (f64)", [1e-17, 1e2]),
+];
 /// Height of a family's line.
 const LINE: f64 = 22.0;
 
-/// A line for each family, a marker for each variant: filled for f32, open for f64. Functions at special directions have lines if there
-/// is nothing else.
+/// A panel for each precision, a line for each family, a marker for each variant. Functions at special directions have lines if there is
+/// nothing else.
 pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let only_special = rows.iter().all(ErrorRow::is_special);
     let is_shown = |row: &&ErrorRow| row.is_compared() && row.is_special() == only_special;
@@ -113,47 +115,36 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     // The markers of a line stand above each other if there are several variants
     let is_alone = rows.windows(2).all(|pair| look(pair[0].variant) == look(pair[1].variant));
     let aside = |variant: &str| if is_alone { 0.0 } else { look(variant).1 };
-    let panel = |label: &str, [least, most]: [f64; 2], names: &[&str], value: &dyn Fn(&ErrorRow) -> f64| {
-        let names: Vec<String> =
-            names.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
+    let line = |row: &ErrorRow| {
+        families.iter().position(|family| *family == row.family).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
+    };
+    let names: Vec<String> = families.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
+    // The legend's entries in the same order on both sides
+    let variants = [STABLE, TEXTBOOK, REPORT].into_iter().zip([Marker::Disc, Marker::Square, Marker::Triangle]);
+    let is_there = |(variant, _): &(&str, Marker)| rows.iter().any(|row| look(row.variant) == look(variant));
+    let variants: Vec<_> = variants.filter(is_there).collect();
+    let panel = |(precision, title, [least, most]): (Precision, &str, [f64; 2])| {
+        let of_precision = || rows.iter().filter(|row| row.precision == precision);
         let ends = [least / 3.0, most * 3.0];
-        let x = Axis::log(format!("{label} (grey: at the line or beyond)")).range(ends[0], ends[1]);
-        let panel = Panel::new(x, Axis::named("", names));
+        let x = Axis::log("largest relative error (grey: at the line or beyond)").range(ends[0], ends[1]);
+        let panel = Panel::new(x, Axis::named("", names.clone())).title(title);
         let panel = panel.shade(ends[0], least, theme::INK).shade(most, ends[1], theme::INK);
-        // The legend's entries in the same order on both sides
-        let entries = [STABLE, TEXTBOOK, REPORT].into_iter().flat_map(|variant| Precision::ALL.map(|p| (variant, p)));
-        let is_there = |(variant, precision): &(&str, Precision)| {
-            rows.iter().any(|row| row.precision == *precision && look(row.variant) == look(variant))
-        };
-        let entries = entries.filter(is_there);
-        entries.fold(panel, |panel, (variant, precision)| {
-            let (colour, _) = look(variant);
-            let of = rows.iter().filter(|row| row.precision == precision && look(row.variant) == look(variant));
-            let place = |row: &&ErrorRow| -> Point {
-                let line = families.iter().position(|family| *family == row.family).unwrap_or(0);
-                // What has no finite value is worse than any
-                let value = if value(row).is_nan() { most } else { value(row).clamp(least, most) };
-                [value, line as f64 + 0.5 + aside(variant)]
-            };
-            let label = format!("{variant}, {}", precision.name());
-            panel.markers(label, colour, marker(precision), of.map(place).collect::<Vec<_>>())
+        // Rounding of the input by half a last place may move the result by as many as the condition number
+        let panel = of_precision().filter(|row| row.is_rendered()).fold(panel, |panel, row| {
+            let rounding = 0.5 * row.precision.unit(1.0);
+            let reach = (row.condition_at_worst.max(1.0) * rounding).clamp(least, most);
+            panel.line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, [[rounding, line(row)], [reach, line(row)]])
+        });
+        variants.iter().fold(panel, |panel, (variant, marker)| {
+            let of = of_precision().filter(|row| look(row.variant) == look(variant));
+            // What has no finite value is worse than any
+            let worst =
+                |row: &ErrorRow| if row.max_relative.is_nan() { most } else { row.max_relative.clamp(least, most) };
+            let places: Vec<Point> = of.map(|row| [worst(row), line(row)]).collect();
+            panel.markers(*variant, look(variant).0, *marker, places)
         })
     };
-    let errors = panel("largest relative error", ERRORS, &families, &|row| row.max_relative);
-    // Rounding of the input by half a last place may move the result by as many as the condition number
-    let explained = rows.iter().filter(|row| row.is_rendered()).fold(errors, |panel, row| {
-        let line = families.iter().position(|family| *family == row.family).unwrap_or(0);
-        let rounding = 0.5 * row.precision.unit(1.0);
-        let reach = (row.condition_at_worst.max(1.0) * rounding).clamp(ERRORS[0], ERRORS[1]);
-        let y = line as f64 + 0.5 + aside(row.variant);
-        panel.line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, [[rounding, y], [reach, y]])
-    });
-    let ratios =
-        panel("largest error / rounding of the input", RATIOS, &families, &|row| 2.0 * row.max_ulp_per_condition)
-            .line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, Vec::new())
-            .line("", theme::GUIDE, [[1.0, 0.0], [1.0, families.len() as f64]]);
-    let panels = [explained.title("Largest error"), ratios.title("Largest error over rounding of the input")];
-    Plot::new(panels).frame_size(380.0, LINE * families.len() as f64).draw()
+    Plot::new(ERRORS.map(panel)).frame_size(380.0, LINE * families.len() as f64).draw()
 }
 
 /// A family's name as people read it: "ggx-pdf" is "GGX, pdf of normals".
@@ -200,12 +191,5 @@ fn look(variant: &str) -> (Colour, f64) {
         REPORT => (theme::ERRATUM_VARIANT, 0.24),
         _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -0.24),
         _ => (theme::TEXTBOOK_VARIANT, 0.0),
-    }
-}
-
-fn marker(precision: Precision) -> Marker {
-    match precision {
-        Precision::Single => Marker::Disc,
-        Precision::Double => Marker::Open,
     }
 }

@@ -53,6 +53,78 @@ pub fn finding(text: &str) -> String {
     marked.join(" ").replace("theta", "/{θ}").replace("phi", "/{φ}").replace(" - ", " − ").replace("..", "–")
 }
 
+/// The clauses of a finding in few words, for a figure: without asides and the place of an example, which the text beside it has; angles in
+/// whole degrees and other numbers of few digits.
+pub fn clauses(text: &str) -> Vec<String> {
+    let parts = without_asides(text);
+    // "weight = f |cos| / pdf fails in 7 of 9 comparisons, as at wo 30°: a probability of 1.01"
+    let with_example = |part: &str| match part.split_once(", as at ") {
+        Some((law, example)) => {
+            let found = example.rsplit(": ").next().unwrap_or_default();
+            // Two numbers, which the figure has
+            let found = if found.starts_with(|c: char| c.is_ascii_digit()) { None } else { Some(found.to_owned()) };
+            found.into_iter().chain([law.to_owned()]).collect::<Vec<_>>()
+        }
+        None => vec![part.to_owned()],
+    };
+    let one = |part: String| {
+        // "formula: …", "wo: …"
+        let is_name = |name: &str| name.chars().all(|c| c.is_ascii_lowercase());
+        let told = part.split_once(": ").filter(|(name, _)| is_name(name)).map_or(&*part, |(_, told)| told);
+        short_numbers(&whole_degrees(told))
+    };
+    parts.split("; ").flat_map(with_example).map(one).collect()
+}
+
+/// A text without brackets that have numbers with decimals, or much, in them.
+fn without_asides(text: &str) -> String {
+    let (mut rest, mut kept) = (text, String::new());
+    while let Some(start) = rest.find(" (") {
+        let mut depth = 0;
+        let end = rest[start..].char_indices().find_map(|(at, c)| {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            (c == ')' && depth == 0).then_some(start + at + 1)
+        });
+        let end = end.unwrap_or(rest.len());
+        let inside = &rest[start..end];
+        let decimal = |pair: &[u8]| pair[0] == b'.' && pair[1].is_ascii_digit();
+        let is_aside = inside.len() > 40 || inside.as_bytes().windows(2).any(decimal);
+        kept += if is_aside { &rest[..start] } else { &rest[..end] };
+        rest = &rest[end..];
+    }
+    kept + rest
+}
+
+/// A text with its angles in whole degrees.
+fn whole_degrees(text: &str) -> String {
+    let rounded = |part: &str| {
+        let start = part.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |at| at + 1);
+        let start = start + part[start..].len() - part[start..].trim_start_matches('.').len();
+        let degrees = part[start..].parse::<f64>().map(|degrees| format!("{degrees:.0}"));
+        format!("{}{}", &part[..start], degrees.unwrap_or_else(|_| part[start..].to_owned()))
+    };
+    let Some((angles, rest)) = text.rsplit_once('°') else { return text.to_owned() };
+    let angles: Vec<String> = angles.split('°').map(rounded).collect();
+    format!("{}°{rest}", angles.join("°"))
+}
+
+/// A text whose numbers have at most four digits, or as many as tell them from a whole one.
+fn short_numbers(text: &str) -> String {
+    let short = |word: &str| {
+        let start = word.find(|c: char| c.is_ascii_digit()).unwrap_or(word.len());
+        let end = word.rfind(|c: char| c.is_ascii_digit()).map_or(start, |at| at + 1);
+        let number = &word[start..end];
+        let Some(value) = number.parse::<f64>().ok().filter(|_| number.contains('.')) else { return word.to_owned() };
+        let to = |digits: usize| format!("{value:.digits$e}").parse().unwrap_or(value);
+        let is_told = |x: &f64| x.fract() != 0.0 || value.fract() == 0.0;
+        let told = (3..12).map(to).find(is_told).unwrap_or(value);
+        let told = if number.contains('e') { format!("{told:e}") } else { told.to_string() };
+        format!("{}{told}{}", &word[..start], &word[end..])
+    };
+    let words = text.split(' ').map(|word| word.split("..").map(short).collect::<Vec<_>>().join(".."));
+    words.collect::<Vec<_>>().join(" ")
+}
+
 /// A p-value of a table: "0.1234", "1.5e-9", or "< 1e-300" for what f64 cannot hold.
 pub fn plain_p_value(p: f64) -> String {
     match p {
@@ -101,8 +173,11 @@ pub fn wrapped(text: &str, indent: &str, width: usize) -> String {
     lines.iter().map(|line| format!("{indent}{line}\n")).collect()
 }
 
-/// A text with its first letter in upper case.
+/// A text with its first letter in upper case, unless that is the name of a function.
 pub fn capitalized(text: &str) -> String {
+    if text.get(1..2) == Some("(") {
+        return text.to_owned();
+    }
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
@@ -119,6 +194,19 @@ mod tests {
         );
         assert_eq!(finding("1 - cos θ (p = 3.76e-212)"), "1 − cos θ (/{p} ≈ 10^{−211})");
         assert_eq!(finding("38 % too few for theta 1..2"), "38 % too few for /{θ} 1–2");
+    }
+
+    #[test]
+    fn figures_have_findings_in_few_words() {
+        let found = "formula: weight = f |cos| / pdf fails in 3075 of 3081 comparisons, as at wo (30.0000°, 36.87°), u = (0.9, 0.3) \
+                     (weight · pdf, f |cos|): 5.639195 and 5.675405, 0.994 times; ratios are from 0.973 to 1.03";
+        let few = ["weight = f |cos| / pdf fails in 3075 of 3081 comparisons", "ratios are from 0.973 to 1.03"];
+        assert_eq!(clauses(found), few);
+        let found = "the sample (-0.069404, 0.994738) carries the pdf 0.397887, but the density says 0.795775 (sampled from u = (0.44495))";
+        assert_eq!(clauses(found), ["the sample carries the pdf 0.3979, but the density says 0.7958"]);
+        let kept = "a density in proportion to 1/r (the radius is u, not √u)";
+        assert_eq!(clauses(kept), [kept]);
+        assert_eq!(clauses("1.0000312, 9.02 % for theta 31.00°..58.49°"), ["1.00003, 9.02 % for theta 31°..58°"]);
     }
 
     #[test]

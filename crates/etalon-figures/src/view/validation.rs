@@ -77,21 +77,21 @@ pub fn drawing(validation: &Validation) -> Drawing {
     match validation.tests.as_slice() {
         [test] => validation_cells::drawing(test),
         tests => {
-            // Why first, then the numbers of the test that is told first
+            // Why first, then what shows the first cause that can be shown
             let is_shown = |test: &&Tested| {
                 let Outcome { counts, compared, .. } = &test.outcome;
                 test.outcome.is_rejected_by_p() && counts.is_some() || compared.is_some()
             };
             let causes = validation.causes();
-            let told = causes.iter().filter_map(|cause| {
-                tests
-                    .iter()
-                    .filter(is_shown)
-                    .find(|test| cause.strip_prefix(&*test.name).is_some_and(|rest| rest.starts_with(':')))
-            });
-            let first = told.chain(tests.iter().filter(is_shown)).next().map(validation_cells::pictured);
+            let of = |cause: &String| {
+                let is_of = |test: &&Tested| cause.strip_prefix(&*test.name).is_some_and(|rest| rest.starts_with(':'));
+                tests.iter().find(is_of)
+            };
+            let told: Vec<&Tested> = causes.iter().filter_map(of).collect();
+            let shown = told.iter().copied().chain(tests).find(is_shown).map(validation_cells::pictured);
             let all = checks(validation).unwrap_or_else(|| p_values(validation));
-            let rows = validation_cells::reasons(validation).into_iter().chain(first).chain([all]);
+            let why = validation_cells::reasons(validation, told.first().copied());
+            let rows = why.into_iter().chain(shown).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)
         }
     }
@@ -107,11 +107,7 @@ fn checks(validation: &Validation) -> Option<Drawing> {
     let mut names: Vec<String> = Vec::new();
     let mut tests: Vec<(Verdict, Point)> = Vec::new();
     for Tested { name, outcome } in &validation.tests {
-        // A comparison with a model is of all angles
-        let Some((kind, Ok(angle))) = name.rsplit_once('/').map(|(kind, angle)| (kind, angle.parse())) else {
-            continue;
-        };
-        let check = kind.rsplit('/').next()?;
+        let Some((check, angle)) = validation_cells::check_of(name) else { continue };
         let row = names.iter().position(|known| known == check).unwrap_or(names.len());
         if row == names.len() {
             names.push(check.to_owned());

@@ -1,9 +1,9 @@
 //! What one test looked at: counts, observed and expected, with their residuals; or numbers that should be equal and are not.
 
-use super::text::{capitalized, finding, p_value, wrapped};
+use super::text::{capitalized, clauses, finding, p_value, rounded};
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::validation::{Tested, Validation};
-use etalon_stats::{Cell, Compared, Counts, Outcome, Verdict};
+use etalon_stats::{Cell, Compared, Counts, Finer, Outcome, Point as Place, Verdict};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -36,143 +36,122 @@ pub fn rows(counts: &Counts) -> Vec<Row> {
         y_to: place.map(|cell| cell.y[1]),
         observed,
         expected,
-        residual: residual(observed, expected),
+        residual: residual(observed as f64, expected),
     };
     places.zip(counts.observed.iter().zip(&counts.expected)).enumerate().map(of).collect()
 }
 
 /// (O − E)/√E; 0 where O = E, also where both are 0.
-fn residual(observed: u64, expected: f64) -> f64 {
-    let difference = observed as f64 - expected;
+fn residual(observed: f64, expected: f64) -> f64 {
+    let difference = observed - expected;
     if difference == 0.0 { 0.0 } else { difference / expected.max(1e-3).sqrt() }
 }
 
-/// The drawing of a test: its verdict, why, and its cells, if it has counted anything.
+/// The drawing of a test: what is wrong, and what shows it.
 pub fn drawing(tested: &Tested) -> Drawing {
-    let Tested { name, outcome } = tested;
-    let by = by(outcome);
-    // The mistake, if there is one, is the headline, and need not be said again.
-    match &outcome.mistake {
-        Some(mistake) if mistake.chars().count() <= WIDEST_TITLE => {
-            described(tested, format!("{name}: {}, {}", outcome.verdict, finding(mistake)), by)
-        }
-        mistake => {
-            let by = by.map_or(String::new(), |by| format!(", {by}"));
-            described(tested, format!("{name}: {}{by}", outcome.verdict), mistake.clone())
-        }
-    }
-}
-
-/// What the verdict rests on: a p-value, or numbers that must be equal.
-fn by(outcome: &Outcome) -> Option<String> {
-    let exact = || outcome.violation.is_some().then(|| "by an exact check".to_owned());
-    outcome.p.map(p_value).or_else(exact)
+    let verdict = format!("{}: {}", tested.name, verdict(&tested.outcome));
+    let mut told = said(&tested.outcome);
+    told.truncate(LINES);
+    let mut lines = told.into_iter().chain([verdict]);
+    let title = capitalized(&lines.next().unwrap_or_default());
+    picture(&tested.outcome).headed(title, lines.collect())
 }
 
 /// The drawing of the test of a planted fault, under a sentence that says what the fault is.
-pub fn fault(tested: &Tested, mistake: &str) -> Drawing {
-    let said = match tested.outcome.verdict {
+pub fn fault(Tested { outcome, .. }: &Tested, mistake: &str) -> Drawing {
+    let told = said(outcome);
+    let found = told.first().map_or(String::new(), |found| format!(": {found}"));
+    let lines = std::iter::once(verdict(outcome) + &found).chain(told.into_iter().skip(1));
+    picture(outcome).headed(capitalized(mistake), lines.take(LINES).collect())
+}
+
+/// The verdict, and the p-value that it rests on.
+fn verdict(outcome: &Outcome) -> String {
+    let verdict = match outcome.verdict {
         Verdict::Accept => "accepted",
         Verdict::Reject => "rejected",
         Verdict::Inconclusive => "inconclusive",
     };
-    let by = by(&tested.outcome).map_or(String::new(), |by| format!(": {by}"));
-    /// Places that are named.
-    const PLACES: usize = 2;
-    let outcome = &tested.outcome;
-    let places = outcome.found().into_iter().chain(outcome.other_places()).take(PLACES);
-    let places = places.flat_map(|place| lines(&whole_degrees(place.trim_start_matches("sampling: "))));
-    let (below, _) = picture(outcome);
-    below.headed(capitalized(mistake), std::iter::once(format!("{said}{by}")).chain(places).collect())
+    outcome.p.map_or(verdict.to_owned(), |p| format!("{verdict}, {}", p_value(p)))
 }
 
-/// A text in lines that are not too long.
-fn lines(text: &str) -> Vec<String> {
-    wrapped(text, "", WIDEST).lines().map(finding).collect()
+/// Lines below a title.
+const LINES: usize = 2;
+/// Most letters of a line.
+const WIDEST: usize = 90;
+
+/// What is wrong, in clauses: the mistake, what was found, where; nothing where that is nothing.
+fn said(outcome: &Outcome) -> Vec<String> {
+    let mistake = outcome.mistake.as_deref().filter(|_| outcome.verdict == Verdict::Reject);
+    let all = mistake.into_iter().chain(outcome.found()).chain(outcome.other_places());
+    all.flat_map(clauses).map(|clause| finding(&cut(&clause))).collect()
 }
 
-/// A text with its angles in whole degrees.
-fn whole_degrees(text: &str) -> String {
-    let rounded = |part: &str| {
-        let start = part.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |at| at + 1);
-        let start = start + part[start..].len() - part[start..].trim_start_matches('.').len();
-        let degrees = part[start..].parse::<f64>().map(|degrees| format!("{degrees:.0}"));
-        format!("{}{}", &part[..start], degrees.unwrap_or_else(|_| part[start..].to_owned()))
-    };
-    text.split('°').map(rounded).collect::<Vec<_>>().join("°")
+/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long.
+fn cut(text: &str) -> String {
+    let is_open = |text: &str| text.matches('(').count() > text.matches(')').count();
+    let ends = text.rmatch_indices([',', ':']).map(|(end, _)| text.split_at(end));
+    let ends = ends.filter(|(start, rest)| rest[1..].starts_with(' ') && !is_open(start)).map(|(start, _)| start);
+    let fits = |text: &&str| text.chars().count() <= WIDEST;
+    std::iter::once(text).chain(ends).find(fits).unwrap_or(text).to_owned()
 }
 
-fn described(tested: &Tested, title: String, first: Option<String>) -> Drawing {
-    let outcome = &tested.outcome;
-    let findings = outcome.found().into_iter().chain(outcome.other_places()).flat_map(lines);
-    let first = first.iter().flat_map(|text| lines(text));
-    let (below, beyond) = picture(outcome);
-    below.headed(title, first.chain(beyond).chain(findings).collect())
+/// What is wrong in the first cause for which tests are not accepted, and how many there are; `None` if all are accepted.
+pub fn reasons(validation: &Validation, first: Option<&Tested>) -> Option<Drawing> {
+    let told = said(&first?.outcome);
+    let [rejected, inconclusive, all] = [validation.rejected, validation.inconclusive, validation.tests.len()];
+    let count = [(rejected, "rejected"), (inconclusive, "inconclusive")].into_iter().filter(|(n, _)| *n > 0);
+    let count: Vec<String> = count.map(|(n, what)| format!("{n} of {all} tests {what}")).collect();
+    let lines = told.iter().skip(1).take(LINES - 1).cloned().chain([count.join(", ")]);
+    Some(nothing().headed(capitalized(told.first()?), lines.collect()))
 }
 
-/// What a test looked at, under its name.
+/// What a test of several looked at, under its name.
 pub fn pictured(Tested { name, outcome }: &Tested) -> Drawing {
-    let (below, beyond) = picture(outcome);
-    below.headed(name, beyond.into_iter().collect())
+    let name = match check_of(name) {
+        Some((check, angle)) => format!("{}, /{{ω}}o at {angle}° to the normal", capitalized(check)),
+        None => name.clone(),
+    };
+    picture(outcome).headed(name, Vec::new())
 }
 
-/// The counts or the numbers of a test, and what has no place there.
-fn picture(outcome: &Outcome) -> (Drawing, Option<String>) {
+/// The check of a BSDF that a test does, and the angle of `wo`; a comparison with a model is of all angles.
+pub fn check_of(name: &str) -> Option<(&str, f64)> {
+    let (kind, angle) = name.rsplit_once('/')?;
+    Some((kind.rsplit('/').next()?, angle.parse().ok()?))
+}
+
+/// What rejects: numbers that are not equal, or counts.
+fn picture(outcome: &Outcome) -> Drawing {
     match (&outcome.counts, &outcome.compared) {
-        (Some(counts), _) => {
-            let (plot, beyond) = plot(counts, outcome.wo);
-            (plot.draw(), beyond)
+        (counts, Some(compared)) if counts.is_none() || !outcome.is_rejected_by_p() => {
+            compared_plot(compared, counts.as_ref(), outcome.wo).draw()
         }
-        (None, Some(compared)) => (compared_plot(compared, outcome.wo).draw(), None),
-        (None, None) => (nothing(), None),
+        (Some(counts), _) => plot(counts, outcome.wo).draw(),
+        _ => nothing(),
     }
 }
 
-/// The plot of the cells, and what has no place there.
-fn plot(counts: &Counts, wo: Option<[f64; 3]>) -> (Plot, Option<String>) {
+/// The plot of what rejects: of parts of cells, of lobes and "no sample", or of the cells.
+fn plot(counts: &Counts, wo: Option<[f64; 3]>) -> Plot {
     let rows = rows(counts);
     let (cells, beyond) = rows.split_at(counts.grid.len());
+    let worst = |rows: &[Row]| rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let is_list = counts.grid.cells().all(|cell| cell.y == [0.0, 1.0]);
-    let plot = if cells.iter().all(|row| row.expected < 1.0 && row.observed == 0) {
-        listed(beyond, "atoms, then no sample", None)
+    if worst(beyond) > worst(cells).max(NOTABLE) {
+        lobes(counts, cells, beyond)
+    } else if let Some(finer) = &counts.finer {
+        parts(counts, finer)
     } else if is_list {
-        let axis = &counts.axes[0];
-        let axis = if counts.outcomes.is_some() { axis.clone() } else { format!("cell, by {axis}") };
-        listed(cells, &axis, counts.outcomes)
+        listed(counts, cells)
     } else {
-        maps(counts.axes.each_ref().map(String::as_str), cells, wo)
-    };
-    (plot, Some(remainder(counts.atoms.len(), beyond)).filter(|line| !line.is_empty()))
+        maps(counts, cells, wo)
+    }
 }
-
-/// Most letters of a line above a drawing, and of a mistake in its title.
-const WIDEST: usize = 110;
-const WIDEST_TITLE: usize = 80;
 
 /// What stands below lines of text alone.
 fn nothing() -> Drawing {
     Drawing::stacked(Vec::new(), 0.5)
-}
-
-/// The causes for which tests are not accepted, in whole sentences, as many as there is room for; `None` if all are accepted.
-pub fn reasons(validation: &Validation) -> Option<Drawing> {
-    /// Lines after which no further cause begins.
-    const LINES: usize = 9;
-    let found = validation.causes();
-    let (mut lines, mut told) = (Vec::new(), 0);
-    for cause in &found {
-        if lines.len() >= LINES {
-            break;
-        }
-        lines.extend(wrapped(cause, "", WIDEST).lines().map(finding));
-        told += 1;
-    }
-    if told < found.len() {
-        lines.push(format!("and {} more", found.len() - told));
-    }
-    let refused = validation.rejected + validation.inconclusive;
-    let title = format!("Why {refused} of {} tests do not accept", validation.tests.len());
-    (!lines.is_empty()).then(|| nothing().headed(title, lines))
 }
 
 /// Numbers of an exact check. Field names are the CSV columns.
@@ -186,49 +165,67 @@ pub struct ComparedRow {
 }
 
 pub fn compared_rows(compared: &Compared) -> Vec<ComparedRow> {
-    let row = |&([x, y, z], [found, expected]): &([f64; 3], [f64; 2])| ComparedRow {
-        theta_deg: x.hypot(y).atan2(z).to_degrees(),
-        phi_deg: y.atan2(x).to_degrees().rem_euclid(360.0),
-        found,
-        expected,
+    let row = |&(place, [found, expected]): &(Place, [f64; 2])| {
+        let [theta_deg, phi] = polar(place.into());
+        ComparedRow { theta_deg, phi_deg: phi.rem_euclid(360.0), found, expected }
     };
     compared.places.iter().map(row).collect()
 }
 
-/// The ratio of what was found to what is expected over the angle of `wi`, and one against the other.
-fn compared_plot(compared: &Compared, wo: Option<[f64; 3]>) -> Plot {
+/// What was found over what is expected, by place, the worst marked; and where they differ much, both.
+fn compared_plot(compared: &Compared, counts: Option<&Counts>, wo: Option<[f64; 3]>) -> Plot {
     /// Dots of a panel.
     const DOTS: usize = 500;
-    let all = compared_rows(compared);
-    let shown = || all.iter().filter(|row| row.found > 0.0 && row.expected > 0.0).take(DOTS);
-    let ratios: Vec<Point> = shown().map(|row| [row.theta_deg, row.found / row.expected]).collect();
-    let furthest = ratios.iter().map(|[_, ratio]| ratio.ln().abs()).fold(0.0, f64::max);
+    let is_angle = counts.is_none_or(|counts| counts.axes[0].contains("cos θ"));
+    let along = |place: Place| if is_angle { polar(place.into())[0] } else { place.coordinates()[0] };
+    let all = || compared.places.iter().map(|&(place, [found, expected])| [along(place), found, expected]);
+    let is_far = |[_, found, expected]: &[f64; 3]| (found / expected).ln().abs();
+    let positive = || all().filter(|[_, found, expected]| *found > 0.0 && *expected > 0.0);
+    let worst = positive().max_by(|a, b| is_far(a).total_cmp(&is_far(b)));
+    let shown: Vec<[f64; 3]> = positive().take(DOTS).chain(worst).collect();
+    let furthest = worst.as_ref().map_or(0.0, is_far);
+    let places = || match (is_angle, counts.and_then(|counts| counts.outcomes)) {
+        (true, _) => {
+            let end = if all().any(|[theta, ..]| theta > 90.0) { 180.0 } else { 90.0 };
+            let of = if counts.is_none() { " of /{ω}i" } else { "" };
+            Axis::linear(format!("/{{θ}}{of} (degrees)")).range(0.0, end).every(end / 6.0)
+        }
+        (_, Some(_)) => Axis::linear("outcome"),
+        _ => Axis::linear("x"),
+    };
     // Ratios near 1 in percent
     let is_near = furthest < 0.5;
-    let (y, points, equal) = match is_near {
-        true => {
-            let percent = ratios.iter().map(|[theta, ratio]| [*theta, 100.0 * (ratio - 1.0)]).collect::<Vec<_>>();
-            (Axis::linear("difference (percent)"), percent, 0.0)
-        }
-        false => (Axis::log("found / expected"), ratios, 1.0),
+    let (y, equal) = match is_near {
+        true => (Axis::linear("found − expected (percent)"), 0.0),
+        false => (Axis::log("found / expected"), 1.0),
     };
-    let end = if all.iter().any(|row| row.theta_deg > 90.0) { 180.0 } else { 90.0 };
-    let over_angle = Panel::new(Axis::linear("/{θ} of /{ω}i (degrees)").range(0.0, end).every(end / 6.0), y)
-        .title("Found over expected, by direction")
+    let ratio = |&[at, found, expected]: &[f64; 3]| match is_near {
+        true => [at, 100.0 * (found / expected - 1.0)],
+        false => [at, found / expected],
+    };
+    let law = capitalized(&finding(&compared.law));
+    let mut over_place = Panel::new(places(), y)
+        .title(if is_near { &law } else { "Found over expected" })
         .horizontal(equal, "equal")
-        .dots("", theme::REJECTED, points);
-    let over_angle = match wo.map(polar) {
-        Some([theta, _]) => over_angle.vertical(theta, "/{θ} of /{ω}o"),
-        None => over_angle,
+        .dots("", theme::REJECTED, shown.iter().map(ratio).collect::<Vec<Point>>());
+    if let Some(worst) = &worst {
+        let [at, [found, expected]] = [ratio(worst), [worst[1], worst[2]]].map(|pair| pair);
+        let text = format!("worst: {}, not {}", rounded(found, 3), rounded(expected, 3));
+        over_place = over_place.markers("", theme::INK, Marker::Open, [at]).note(at, text, theme::INK);
+    }
+    let over_place = match wo.map(polar) {
+        Some([theta, _]) => over_place.vertical(theta, "/{θ} of /{ω}o"),
+        None => over_place,
     };
-    let both: Vec<Point> = shown().map(|row| [row.expected, row.found]).collect();
-    let ends = shown().flat_map(|row| [row.found, row.expected]);
-    let [least, most] = ends.fold([f64::INFINITY, 0.0f64], |[least, most], x| [least.min(x), most.max(x)]);
-    let one_by_other = Panel::new(Axis::log("expected"), Axis::log("found"))
-        .title(finding(&compared.law))
-        .line("equal", Stroke::solid(theme::EXPECTED, theme::THIN), vec![[least, least], [most, most]])
-        .dots("found", theme::REJECTED, both);
-    Plot::new([over_angle, one_by_other])
+    let values = |i: usize| shown.iter().map(|all| [all[0], all[i]]).collect::<Vec<Point>>();
+    let both = (!is_near).then(|| {
+        Panel::new(places(), Axis::log("value")).title(law.as_str()).dots("expected", theme::EXPECTED, values(2)).dots(
+            "found",
+            theme::REJECTED,
+            values(1),
+        )
+    });
+    Plot::new(both.into_iter().chain([over_place]).collect::<Vec<_>>())
 }
 
 /// An axis of the cells as people read it: its title, its end there, the step between ticks, and where on the cells' axis a value is.
@@ -251,9 +248,13 @@ fn reading(axis: &str) -> Reading {
         "φ / 2π" => degrees("φ", 360.0, 90.0, |phi| phi / 360.0),
         "1 - cos θ" => degrees("θ", 90.0, 15.0, |theta| 1.0 - theta.to_radians().cos()),
         "(1 - cos θ) / 2" => degrees("θ", 180.0, 30.0, |theta| 0.5 - 0.5 * theta.to_radians().cos()),
+        RADIUS => Reading { title: "/{r} / /{R}".into(), end: 1.0, every: 0.5, place: |r| r * r },
         other => Reading { title: finding(other), end: 1.0, every: 0.2, place: |v| v },
     }
 }
+
+/// The first axis of a disk of radius R.
+const RADIUS: &str = "r² / R²";
 
 /// The angle of a direction with the normal and its azimuth, in degrees.
 fn polar([x, y, z]: [f64; 3]) -> [f64; 2] {
@@ -263,35 +264,72 @@ fn polar([x, y, z]: [f64; 3]) -> [f64; 2] {
 /// Where on the axes of the cells each point of a map lies, and the axes of the map.
 type Chart = (Box<dyn Fn(usize) -> Option<[f64; 2]>>, [Axis; 2]);
 
-/// A disc of directions around the normal, as the sky above: the angle with it grows from the centre to the rim. A lobe is one spot there,
-/// wherever it points.
+/// A disk of directions around the normal, as the sky above: the angle with it grows from the centre to the rim. A lobe is one spot there,
+/// wherever it points. The points of a disk lie as they are.
 fn sky(end: f64, place: fn(f64) -> f64, has_normal: bool) -> Chart {
     let at = move |i: usize| {
         let [x, y] = [i % POINTS, POINTS - 1 - i / POINTS].map(|k| 2.0 * (k as f64 + 0.5) / POINTS as f64 - 1.0);
         let theta = x.hypot(y) * end;
         (theta < end).then(|| [place(theta), y.atan2(x).to_degrees().rem_euclid(360.0) / 360.0])
     };
-    let axis = |of: &str, also: &str| {
-        Axis::linear(format!("/{{θ}} {of} /{{φ}} (degrees{also})")).range(-end, end).every(end / 3.0)
-    };
     let [normal, horizon] = [("; N: normal", has_normal), ("; circle: horizon", end > 90.0)];
     let told = |(text, is_seen): (&'static str, bool)| if is_seen { text } else { "" };
-    (Box::new(at), [axis("cos", told(normal)), axis("sin", told(horizon))])
+    let axis = |function: &str, also: &str, own: &str| match end {
+        1.0 => Axis::linear(format!("/{{{own}}} / /{{R}}")).range(-1.0, 1.0).every(0.5),
+        _ => Axis::linear(format!("/{{θ}} {function} /{{φ}} (degrees{also})")).range(-end, end).every(end / 3.0),
+    };
+    (Box::new(at), [axis("cos", told(normal), "x"), axis("sin", told(horizon), "y")])
 }
 
-/// A map whose rows are the first axis, from the top.
-fn rectangle(axes: [&str; 2]) -> Chart {
-    let [down, across] = axes.map(reading);
-    let x = Axis::linear(across.title.as_str()).range(0.0, across.end).every(across.every);
-    let y = Axis::linear(down.title.as_str()).range(down.end, 0.0).every(down.every);
-    let middle = |i: usize, of: &Reading| (of.place)(of.end * (i as f64 + 0.5) / POINTS as f64);
-    (Box::new(move |i| Some([middle(i / POINTS, &down), middle(i % POINTS, &across)])), [x, y])
+/// The first axis from left to right, the second upwards: those of boxes from an end to the other, of others as they are read.
+fn rectangle(axes: [&str; 2], boxes: Option<&[Cell]>) -> Chart {
+    let place = |i: usize| [i % POINTS, POINTS - 1 - i / POINTS].map(|k| (k as f64 + 0.5) / POINTS as f64);
+    if let Some(boxes) = boxes {
+        let ends = [shown(boxes.iter().flat_map(|cell| cell.x)), shown(boxes.iter().flat_map(|cell| cell.y))];
+        let axis = |name: &str, [from, to]: [f64; 2]| Axis::linear(name).range(from, to);
+        let at = move |i: usize| {
+            let [x, y] = place(i);
+            Some([(x, ends[0]), (y, ends[1])].map(|(u, [from, to])| from + u * (to - from)))
+        };
+        return (Box::new(at), [axis("x", ends[0]), axis("y", ends[1])]);
+    }
+    let both = axes.map(reading);
+    let axes = both.each_ref().map(|of| Axis::linear(of.title.as_str()).range(0.0, of.end).every(of.every));
+    let at = move |i: usize| {
+        let [x, y] = place(i);
+        Some([(both[0].place)(both[0].end * x), (both[1].place)(both[1].end * y)])
+    };
+    (Box::new(at), axes)
+}
+
+/// What is shown of an axis that is cut at these places: cells at the ends, which may hold a long tail, in part.
+fn shown(edges: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut edges: Vec<f64> = edges.collect();
+    edges.sort_by(f64::total_cmp);
+    edges.dedup();
+    let ends = [edges.first(), edges.last()].map(|end| end.copied().unwrap_or(1.0));
+    match edges[..] {
+        [first, second, .., before, last] if before > second => {
+            let inner = edges[1..edges.len() - 1].windows(2).map(|ends| ends[1] - ends[0]);
+            let part = inner.fold((before - second) / 4.0, f64::max);
+            [first.max(second - part), last.min(before + part)]
+        }
+        [first, middle, last] => {
+            let near = |end: f64, other: f64| if end.is_finite() { end } else { other };
+            [near(first, middle - 1.0), near(last, middle + 1.0)]
+        }
+        _ => ends,
+    }
 }
 
 /// Three heat maps, each cell at its place, with the normal and `wo` where these are known.
-fn maps(axes: [&str; 2], cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
+fn maps(counts: &Counts, cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
+    let axes = counts.axes.each_ref().map(String::as_str);
+    let boxes = counts.boxes.as_deref();
     let is_empty = |row: &Row| row.observed == 0 && row.expected <= EMPTY;
-    let (sphere, (place, [x, y])) = match (axes, reading(axes[0])) {
+    // The measure of all, and whether the horizon is seen
+    let (round, (place, [x, y])) = match (axes, reading(axes[0])) {
+        ([RADIUS, "φ / 2π"], Reading { end, place, .. }) => (Some((PI, false)), sky(end, place, false)),
         ([_, "φ / 2π"], Reading { end: last, place, .. }) if last > 1.0 => {
             // As much below the horizon as there are samples, and `wo`
             let has_wo = |end: &f64| wo.is_none_or(|wo| polar(wo)[0] <= *end);
@@ -302,22 +340,23 @@ fn maps(axes: [&str; 2], cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
             let area = if last > 90.0 { 4.0 * PI } else { 2.0 * PI };
             (Some((area, end > 90.0)), sky(end, place, wo.is_some()))
         }
-        _ => (None, rectangle(axes)),
+        _ => (None, rectangle(axes, boxes)),
     };
     let circle = |radius: f64| {
         (0..=72).map(|i| f64::from(5 * i).to_radians().sin_cos()).map(move |(y, x)| [radius * x, radius * y])
     };
-    let holds =
-        |from: Option<f64>, to: Option<f64>, v: f64| from.zip(to).is_some_and(|(from, to)| (from..to).contains(&v));
+    let all: Vec<Cell> = boxes.map_or_else(|| counts.grid.cells().collect(), <[Cell]>::to_vec);
+    let holds = |[from, to]: [f64; 2], v: f64| (from..to).contains(&v);
     // The cell at each point of the map, where there are any samples
     let at = |i: usize| {
         let [x, y] = place(i)?;
-        let cell = cells.iter().find(|row| holds(row.x_from, row.x_to, x) && holds(row.y_from, row.y_to, y));
-        cell.filter(|row| !is_empty(row))
+        let cell = all.iter().position(|cell| holds(cell.x, x) && holds(cell.y, y))?;
+        (!is_empty(&cells[cell])).then_some(cell)
     };
-    let places: Vec<Option<&Row>> = (0..POINTS * POINTS).map(at).collect();
-    let grid = |value: &dyn Fn(&Row) -> f64| places.iter().map(|row| row.map_or(f64::NAN, value)).collect::<Vec<_>>();
-    let marked = wo.filter(|_| sphere.is_some()).map_or(Vec::new(), |wo| {
+    let places: Vec<Option<usize>> = (0..POINTS * POINTS).map(at).collect();
+    let grid =
+        |value: &dyn Fn(usize) -> f64| places.iter().map(|cell| cell.map_or(f64::NAN, value)).collect::<Vec<_>>();
+    let marked = wo.filter(|_| round.is_some()).map_or(Vec::new(), |wo| {
         let [theta, phi] = polar(wo);
         let (sin, cos) = phi.to_radians().sin_cos();
         match theta < 1e-3 {
@@ -331,32 +370,34 @@ fn maps(axes: [&str; 2], cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
             let panel = panel.dots("", theme::MARKER_SHADE, [*at]).markers("", theme::BORDER, Marker::Open, [*at]);
             panel.note(*at, *name, theme::INK)
         });
-        if sphere.is_none_or(|(_, is_horizon_seen)| !is_horizon_seen) {
+        if round.is_none_or(|(_, is_horizon_seen)| !is_horizon_seen) {
             return panel;
         }
         panel.line("", Stroke::solid(theme::EXPECTED, theme::THIN), circle(90.0).collect::<Vec<Point>>())
     };
-    // Samples of a cell; of directions by solid angle, as cells that have equally many may be of any size
-    let per = |row: &Row, samples: f64| {
-        let side = |from: Option<f64>, to: Option<f64>| to.zip(from).map_or(1.0, |(to, from)| to - from);
-        let area = side(row.x_from, row.x_to) * side(row.y_from, row.y_to);
-        sphere.map_or(samples, |(all, _)| samples / (area * all))
+    // Samples by solid angle or area, as cells that have equally many may be of any size
+    let area = |cell: &Cell| (cell.x[1] - cell.x[0]) * (cell.y[1] - cell.y[0]);
+    let is_even = all.iter().all(|cell| (area(cell) / area(&all[0]) - 1.0).abs() < 1e-6);
+    let (unit, measure) = match round {
+        Some((measure, _)) if axes[0] != RADIUS => ("samples per steradian", measure),
+        Some((measure, _)) => ("samples per R²", measure),
+        None if is_even => ("samples", 1.0 / area(&all[0])),
+        None => ("samples per unit of area", 1.0),
     };
-    let unit = if sphere.is_some() { "samples per steradian" } else { "samples" };
+    let values = |samples: &dyn Fn(&Row) -> f64| {
+        cells.iter().zip(&all).map(|(row, cell)| samples(row) / (area(cell) * measure)).collect::<Vec<f64>>()
+    };
+    let [observed, expected] = [values(&|row| row.observed as f64), values(&|row| row.expected)];
     // One scale for both counts, in equal factors where a few cells have most of the samples
-    let mut expected: Vec<f64> = cells.iter().map(|row| per(row, row.expected)).collect();
-    expected.sort_by(f64::total_cmp);
-    let highest = cells.iter().map(|row| per(row, row.expected.max(row.observed as f64))).fold(0.0, f64::max);
-    let is_peaked = highest > PEAKED * expected.get(expected.len() / 2).copied().unwrap_or(highest);
-    let counts = |title: &str, value: &dyn Fn(&Row) -> f64| {
-        panel(
-            title,
-            match is_peaked {
-                true => Heatmap::new(POINTS, grid(&|row| value(row).max(DARKEST * highest)), Shading::Log10, unit)
-                    .range(DARKEST * highest, highest),
-                false => Heatmap::new(POINTS, grid(value), Shading::Linear, unit).range(0.0, highest),
-            },
-        )
+    let mut sorted = expected.clone();
+    sorted.sort_by(f64::total_cmp);
+    let highest = observed.iter().chain(&expected).copied().fold(0.0, f64::max);
+    let is_peaked = highest > PEAKED * sorted.get(sorted.len() / 2).copied().unwrap_or(highest);
+    let counted = |title: &str, values: &[f64]| {
+        let least = if is_peaked { DARKEST * highest } else { 0.0 };
+        let shading = if is_peaked { Shading::Log10 } else { Shading::Linear };
+        let values = grid(&|i| values[i].max(least));
+        panel(title, Heatmap::new(POINTS, values, shading, unit).range(least, highest))
     };
     // One cell with many samples where none belong would leave no colours to the others
     let mut sizes: Vec<f64> = cells.iter().map(|row| row.residual.abs()).filter(|size| *size > 0.0).collect();
@@ -367,10 +408,10 @@ fn maps(axes: [&str; 2], cells: &[Row], wo: Option<[f64; 3]>) -> Plot {
     let most = if is_clipped { most.ceil() } else { most };
     let beyond = if is_clipped { format!(" (ends: beyond ±{most})") } else { String::new() };
     let label = format!("standard deviations{beyond}");
-    let residual = Heatmap::new(POINTS, grid(&|row| row.residual), Shading::Diverging, label).range(-most, most);
+    let residual = Heatmap::new(POINTS, grid(&|i| cells[i].residual), Shading::Diverging, label).range(-most, most);
     Plot::new([
-        counts("Observed /{O}", &|row| per(row, row.observed as f64)),
-        counts("Expected /{E}", &|row| per(row, row.expected)),
+        counted("Observed /{O}", &observed),
+        counted("Expected /{E}", &expected),
         panel("Residual (/{O} − /{E})/√/{E}", residual),
     ])
     .frame_size(260.0, 260.0)
@@ -382,87 +423,137 @@ const EMPTY: f64 = 0.01;
 const NOTABLE: f64 = 5.0;
 
 /// Points of a map along each side.
-const POINTS: usize = 360;
+const POINTS: usize = 520;
 /// The share of the highest count that has the darkest colour where counts are peaked.
 const DARKEST: f64 = 1e-3;
 /// Times the median count that the highest one has where counts are peaked.
 const PEAKED: f64 = 8.0;
 
-/// Counts one after the other, or at their outcomes, with their residuals.
-fn listed(rows: &[Row], axis: &str, outcomes: Option<usize>) -> Plot {
-    // The ends of the bars: an outcome is in the middle of its own
-    let edges: Vec<f64> = match outcomes {
-        Some(outcomes) => {
-            let end = |x: &Option<f64>| (x.unwrap_or(0.0) * outcomes as f64).round() - 0.5;
-            rows.iter().take(1).map(|row| end(&row.x_from)).chain(rows.iter().map(|row| end(&row.x_to))).collect()
+/// Cells along the only axis.
+fn listed(counts: &Counts, cells: &[Row]) -> Plot {
+    let chart: Vec<Cell> = counts.boxes.clone().unwrap_or_else(|| counts.grid.cells().collect());
+    let edges = chart.iter().take(1).map(|cell| cell.x[0]).chain(chart.iter().map(|cell| cell.x[1]));
+    let (axis, unit, edges): (_, _, Vec<f64>) = match (counts.outcomes, counts.axes[0].as_str()) {
+        // An outcome is in the middle of its own
+        (Some(outcomes), axis) => {
+            (finding(axis), "outcome", edges.map(|x| (x * outcomes as f64).round() - 0.5).collect())
         }
-        None => (0..=rows.len()).map(|i| i as f64).collect(),
+        (_, "φ / 2π") => ("/{φ} (degrees)".into(), "degree", edges.map(|x| 360.0 * x).collect()),
+        (_, axis) if counts.boxes.is_none() => (finding(axis), "unit", edges.collect()),
+        _ => ("x".into(), "unit", edges.collect()),
     };
-    let bars = || edges.windows(2).map(|ends| (ends[0], ends[1])).zip(rows);
-    // Bars of several outcomes show the mean of these
-    let is_mean = bars().any(|((from, to), _)| to - from > 1.5);
-    let samples = if is_mean { "samples per outcome" } else { "samples" };
-    let expected: Vec<Point> =
-        bars().flat_map(|((from, to), row)| [from, to].map(|x| [x, row.expected / (to - from)])).collect();
-    let observed = bars().map(|((from, to), row)| row.observed as f64 / (to - from)).collect();
-    // Cells at the ends, which may hold a long tail, are shown in part
-    let [from, to] = match edges[..] {
-        [first, second, .., before, last] => {
-            let part = ((before - second) / 8.0).max(1.0);
-            [first.max(second - part), last.min(before + part)]
-        }
-        _ => [edges.first(), edges.last()].map(|end| end.copied().unwrap_or(1.0)),
-    };
-    let middle = |(start, end): (f64, f64)| 0.5 * (start.max(from) + end.min(to));
-    let residuals: Vec<Point> = bars().map(|(ends, row)| [middle(ends), row.residual]).collect();
-    let largest = rows.iter().map(|row| row.residual.abs()).fold(1.0, f64::max);
-    let numbers = || {
-        let axis = Axis::linear(axis).range(from, to);
-        if to - from <= 25.0 { axis.every(((to - from) / 12.0).ceil().max(1.0)) } else { axis }
-    };
-    Plot::new([
-        Panel::new(numbers(), Axis::linear(samples))
-            .title("Counts")
-            .bars("observed", theme::OBSERVED, edges.clone(), observed)
-            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), expected),
-        Panel::new(numbers(), Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
-            .title("Residual (/{O} − /{E})/√/{E}")
-            .horizontal(0.0, "")
-            .dots("", theme::RESIDUAL, residuals),
-    ])
+    let pairs: Vec<(f64, f64)> = cells.iter().map(|row| (row.observed as f64, row.expected)).collect();
+    bars(Axis::linear(axis), unit, &edges, &pairs)
 }
 
-/// What has no place on the chart.
-fn remainder(atoms: usize, beyond: &[Row]) -> String {
-    let of = |kind: &str| {
-        let of_kind = beyond.iter().filter(|row| row.kind == kind);
-        let (o, e) = of_kind.fold((0, 0.0), |(o, e), row| (o + row.observed, e + row.expected));
-        format!("{o} times (expected {e:.1})")
+/// Parts of cells around the place where these differ most.
+fn parts(counts: &Counts, Finer { axis, ends, observed, expected, .. }: &Finer) -> Plot {
+    let of = counts.axes[*axis].as_str();
+    let name = if counts.boxes.is_some() { ["x", "y"][*axis].to_owned() } else { finding(of) };
+    let pairs: Vec<(f64, f64)> = observed.iter().map(|n| *n as f64).zip(expected.iter().copied()).collect();
+    bars(Axis::linear(name), "unit", ends, &pairs)
+}
+
+/// Counts, observed and expected, between these edges, with their residuals.
+fn bars(axis: Axis, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
+    let widths: Vec<f64> = edges.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths.iter().copied().reduce(of));
+    let is_even = narrowest.zip(widest).is_some_and(|(narrowest, widest)| widest < 1.5 * narrowest);
+    // Of cells of other widths, samples by width
+    let label = if is_even { "samples".to_owned() } else { format!("samples per {unit}") };
+    let by_width = |i: usize, count: f64| if is_even { count } else { count / widths[i] };
+    let [from, to] = shown(edges.iter().copied());
+    let within = |x: f64| x.clamp(from, to);
+    let ends = |i: usize| [edges[i], edges[i + 1]].map(within);
+    let expected =
+        counts.iter().enumerate().flat_map(|(i, (_, expected))| ends(i).map(|x| [x, by_width(i, *expected)]));
+    let observed = counts.iter().enumerate().map(|(i, (observed, _))| by_width(i, *observed)).collect();
+    let residuals: Vec<Point> = counts
+        .iter()
+        .enumerate()
+        .map(|(i, (observed, expected))| [ends(i).iter().sum::<f64>() / 2.0, residual(*observed, *expected)])
+        .collect();
+    let largest = residuals.iter().map(|[_, size]| size.abs()).fold(1.0, f64::max);
+    let numbers = match unit {
+        "outcome" if to - from <= 25.0 => axis.range(from, to).every(((to - from) / 12.0).ceil().max(1.0)),
+        "degree" => axis.range(from, to).every(60.0),
+        _ => axis.range(from, to),
     };
-    let mut parts = Vec::new();
-    if atoms > 0 {
-        parts.push(format!("atoms: {}", of("atom")));
-    }
-    // Most samplers always return a sample; the integral of their pdf is 1 except for rounding.
-    if beyond.iter().any(|row| row.kind == "none" && (row.observed > 0 || row.expected >= 0.05)) {
-        parts.push(format!("no sample: {}", of("none")));
-    }
-    parts.join("; ")
+    let counts = Panel::new(numbers.clone(), Axis::linear(label))
+        .title("Counts")
+        .bars("observed", theme::OBSERVED, edges.iter().copied().map(within).collect(), observed)
+        .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), expected.collect::<Vec<Point>>());
+    // Two residuals tell no more than the counts
+    let residual = (residuals.len() > 2).then(|| {
+        Panel::new(numbers, Axis::linear("standard deviations").range(-1.1 * largest, 1.1 * largest))
+            .title("Residual (/{O} − /{E})/√/{E}")
+            .horizontal(0.0, "")
+            .dots("", theme::RESIDUAL, residuals)
+    });
+    Plot::new(std::iter::once(counts).chain(residual).collect::<Vec<_>>())
+}
+
+/// What has no place on the chart, delta lobes and "no sample", beside all that has.
+fn lobes(counts: &Counts, cells: &[Row], beyond: &[Row]) -> Plot {
+    let sum = |rows: &[Row]| rows.iter().fold([0.0; 2], |[o, e], row| [o + row.observed as f64, e + row.expected]);
+    let elsewhere = ("elsewhere".to_owned(), sum(cells));
+    let names = counts.atoms.iter().cloned().chain(["no sample".to_owned()]);
+    let own = names.zip(beyond).map(|(name, row)| (name, sum(std::slice::from_ref(row))));
+    let is_any = |(_, [observed, expected]): &(String, [f64; 2])| *observed > 0.0 || *expected >= 0.05;
+    let all: Vec<(String, [f64; 2])> = own.chain([elsewhere]).filter(is_any).collect();
+    let at = |i: usize| {
+        let place = |(row, (_, counts)): (usize, &(String, [f64; 2]))| [counts[i], row as f64 + 0.5];
+        all.iter().enumerate().map(place).collect::<Vec<Point>>()
+    };
+    let most = all.iter().flat_map(|(_, counts)| *counts).fold(0.0, f64::max);
+    let names: Vec<String> = all.iter().map(|(name, _)| finding(name)).collect();
+    let height = 36.0 * (names.len() + 1) as f64;
+    let panel = Panel::new(Axis::linear("samples").range(0.0, 1.08 * most), Axis::named("", names))
+        .markers("expected", theme::EXPECTED, Marker::Open, at(1))
+        .dots("observed", theme::REJECTED, at(0));
+    Plot::new([panel]).frame_size(420.0, height)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use etalon_bench::validation::planted::{all, run_pair};
-    use etalon_stats::{Discrete, Protocol, Sample, density, sampler, validate};
+    use etalon_stats::{
+        Density, Discrete, Domain, Line, Protocol, Rectangle, Sample, Sampler, density, sampler, validate,
+    };
+
+    fn svg(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density) -> String {
+        let outcome = validate(domain, sampler, density, &Protocol::default()).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Reject);
+        drawing(&Tested { name: "own".into(), outcome }).svg()
+    }
+
+    fn has(svg: &str, texts: &[&str]) {
+        texts.iter().for_each(|text| assert!(svg.contains(&format!(">{text}</text>")), "{text}: {svg}"));
+    }
+
+    #[test]
+    fn panels_show_what_rejects_in_the_domains_own_coordinates() {
+        let uniform = density(|_: [f64; 2]| 0.125);
+        let sides = Rectangle { x: Line { from: -1.0, to: 3.0 }, y: Line { from: 0.0, to: 2.0 } };
+        let skewed = sampler(2, |u| Some(Sample::new([4.0 * u[0] * u[0] - 1.0, 2.0 * u[1]])));
+        has(&svg(&sides, &skewed, &uniform), &["x", "y", "−1", "3", "1.5"]);
+        // Right in each cell, and wrong in its parts
+        let line = Line { from: 10.0, to: 20.0 };
+        let rippled = |u: f64| 10.0 + ((4096.0 * u).floor() + (4096.0 * u).fract().powi(2)) / 409.6;
+        let fine = svg(&line, &sampler(1, move |u| Some(Sample::new(rippled(u[0])))), &density(|_: f64| 0.1));
+        has(&fine, &["x", "Counts"]);
+        assert!(!fine.contains(">20</text>"), "{fine}");
+        let lazy = sampler(1, |u| (u[0] > 0.1).then(|| Sample::new(10.0 + 10.0 * (u[0] - 0.1) / 0.9)));
+        has(&svg(&line, &lazy, &density(|_: f64| 0.1)), &["no sample", "elsewhere"]);
+        let claimed = sampler(1, |u| Some(Sample { pdf: Some(0.2), ..Sample::new(10.0 + 10.0 * u[0]) }));
+        has(&svg(&line, &claimed, &density(|_: f64| 0.1)), &["Found over expected", "worst: 0.200, not 0.100"]);
+    }
 
     #[test]
     fn outcomes_of_a_finite_set_are_numbers_on_the_axis() {
         let coin = sampler(1, |u| Some(Sample::new((2.0 * u[0]) as usize)));
-        let die = density(|_: usize| 1.0 / 3.0);
-        let outcome = validate(&Discrete { outcomes: 3 }, &coin, &die, &Protocol::default()).unwrap();
-        let svg = pictured(&Tested { name: "coin".into(), outcome }).svg();
-        assert!(svg.contains(">outcome</text>") && !svg.contains("cell"), "{svg}");
+        has(&svg(&Discrete { outcomes: 3 }, &coin, &density(|_: usize| 1.0 / 3.0)), &["outcome", "0", "1", "2"]);
     }
 
     #[test]

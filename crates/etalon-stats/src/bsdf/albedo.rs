@@ -109,6 +109,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let not = if claim.is_upper_bound { "more than" } else { "not" };
             let (from, error, albedo) = (subject.from(), uncertainty.systematic + ROUNDING, claim.albedo);
             let deviation = uncertainty.deviation;
+            let noise = if deviation > 0.0 { format!(", standard error {deviation:.1e}") } else { String::new() };
             // What is on the side of `wo`, on the other, and in delta lobes
             let on_side = |is_above: bool| {
                 let cells = grid.cells().zip(&integrals.values);
@@ -123,7 +124,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let parts = if is_surface && parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
             let what = if is_surface { "albedo" } else { "integral over the sphere" };
             format!(
-                "{from}: the {what} is {value:.5} ± {error:.1e}, standard error {deviation:.1e}{parts}, {not} {albedo:.5}{}",
+                "{from}: the {what} is {value:.5} ± {error:.1e}{noise}{parts}, {not} {albedo:.5}{}",
                 if claim.is_upper_bound {
                     String::new()
                 } else {

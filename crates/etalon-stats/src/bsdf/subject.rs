@@ -384,7 +384,7 @@ impl Comparison {
         let violation = broken.or_else(|| {
             Some(format!("{}, as at {}", fails(self.different.len() as u64, self.numbers), self.ordinary()?))
         });
-        let places = self.different.iter().filter_map(|different| Some((different.wi?, different.numbers)));
+        let places = self.different.iter().filter_map(|different| Some((different.wi?.into(), different.numbers)));
         let compared = Some(places.collect::<Vec<_>>()).filter(|places| !places.is_empty());
         let compared = compared.map(|places| Compared { law: law.to_owned(), places });
         let all = self.compared;

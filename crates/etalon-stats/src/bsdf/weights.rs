@@ -153,7 +153,7 @@ impl Cells {
         let observed = self.terms.iter().zip(&expected).map(observed).chain([0]).collect();
         atoms.push("delta lobes that are not declared".to_owned());
         let expected = expected.into_iter().chain([f64::MIN_POSITIVE]).collect();
-        Counts { axes: sphere().axes().map(str::to_owned), outcomes: None, grid, observed, expected, atoms }
+        Counts::new(&sphere(), grid, atoms, observed, expected)
     }
 }
 

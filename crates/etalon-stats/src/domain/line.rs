@@ -159,6 +159,10 @@ impl Domain for Line {
         ]
     }
 
+    fn boxed(&self, cell: &Cell) -> Option<Cell> {
+        Some(Cell { x: self.range(cell.x), ..*cell })
+    }
+
     fn region(&self, cell: &Cell) -> String {
         let [from, to] = self.range(cell.x);
         format!("x {from:.5}..{to:.5}")
@@ -253,6 +257,10 @@ macro_rules! unbounded {
 
         fn told(&self, _axis: usize, at: f64) -> String {
             format!("x = {}", self.at(at))
+        }
+
+        fn boxed(&self, cell: &Cell) -> Option<Cell> {
+            Some(Cell { x: self.range(cell.x), ..*cell })
         }
 
         fn region(&self, cell: &Cell) -> String {

@@ -172,6 +172,11 @@ pub trait Domain: Sync {
         if self.is_plane() { format!("{}, {}", along(x, cell.x), along(y, cell.y)) } else { along(x, cell.x) }
     }
 
+    /// A cell of the chart in coordinates x and y, of a set of numbers or of pairs of numbers.
+    fn boxed(&self, _cell: &Cell) -> Option<Cell> {
+        None
+    }
+
     /// Where a cell is, as the end of a sentence: `within 2.0° of the horizon`.
     fn in_words(&self, cell: &Cell) -> String {
         format!("for {}", self.region(cell))

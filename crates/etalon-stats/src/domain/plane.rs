@@ -39,6 +39,10 @@ impl Domain for Square {
         ["x", "y"]
     }
 
+    fn boxed(&self, cell: &Cell) -> Option<Cell> {
+        Some(*cell)
+    }
+
     fn table(&self, sides: [usize; 2]) -> Option<[Vec<f64>; 2]> {
         Rectangle::UNIT.table(sides)
     }
@@ -171,6 +175,10 @@ impl<X: Axis, Y: Axis> Domain for Product<X, Y> {
             at(&format!("at {y_name}"), &|[x, y], [_, b]| [x, b - y]),
             at(&format!("at {x_name} and {y_name}"), &|[x, y], [a, b]| [a - x, b - y]),
         ]
+    }
+
+    fn boxed(&self, cell: &Cell) -> Option<Cell> {
+        Some(Cell { x: self.x.range(cell.x), y: self.y.range(cell.y) })
     }
 
     fn region(&self, cell: &Cell) -> String {
