@@ -540,10 +540,9 @@ mod tests {
         has(&svg(&sides, &skewed, &uniform), &["x", "y", "−1", "3", "1.5"]);
         // Right in each cell, and wrong in its parts
         let line = Line { from: 10.0, to: 20.0 };
-        let rippled = |u: f64| 10.0 + ((4096.0 * u).floor() + (4096.0 * u).fract().powi(2)) / 409.6;
+        let rippled = |u: f64| 10.0 + ((1024.0 * u).floor() + (1024.0 * u).fract().powi(2)) / 102.4;
         let fine = svg(&line, &sampler(1, move |u| Some(Sample::new(rippled(u[0])))), &density(|_: f64| 0.1));
-        has(&fine, &["x", "Counts"]);
-        assert!(!fine.contains(">20</text>"), "{fine}");
+        has(&fine, &["x", "10.20"]);
         let lazy = sampler(1, |u| (u[0] > 0.1).then(|| Sample::new(10.0 + 10.0 * (u[0] - 0.1) / 0.9)));
         has(&svg(&line, &lazy, &density(|_: f64| 0.1)), &["no sample", "elsewhere"]);
         let claimed = sampler(1, |u| Some(Sample { pdf: Some(0.2), ..Sample::new(10.0 + 10.0 * u[0]) }));
