@@ -265,7 +265,7 @@ def central_gaussian(t):
     scale = np.array([1, 1, 0.5, t])
 
     def sample(u):
-        q = normal(u) * scale
+        q = normal(u) * scale + 1e-100  # has a length for u = ½, too
         return q / np.linalg.norm(q, axis=1, keepdims=True)
 
     return sample, lambda q: ((q / scale) ** 2).sum(axis=1) ** -2 / np.prod(scale)
