@@ -203,7 +203,8 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
         ratios.sort_by(f64::total_cmp);
         let range = ratios[ratios.len() - 1 - ratios.len() / FEW] - ratios[ratios.len() / FEW];
         let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
-        let is_function = range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
+        let is_known = sorted.iter().all(|at| at[0].is_finite());
+        let is_function = is_known && range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
         let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
         let told = |[at, ratio]: &[f64; 2]| format!("{} at {at:.3}", number(ratio.exp()));
         let hint = what(&sorted);
