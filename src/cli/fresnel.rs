@@ -31,10 +31,10 @@ pub struct Fresnel {
     /// One is drawn with all its curves; several are drawn in one panel, at 587.56 nm.
     #[arg(value_name = "MEDIUM", allow_negative_numbers = true, conflicts_with_all = ["k", "eta_t"])]
     media: Vec<String>,
-    /// Index of refraction where the light comes from: a number, air or a dielectric by name
+    /// Index of refraction where light comes from: a number, air or a dielectric
     #[arg(long, value_name = "ETA", default_value_t = 1.0, value_parser = index, allow_negative_numbers = true)]
     eta_i: f64,
-    /// Index of refraction on the other side: a number, air or a dielectric by name
+    /// Index of refraction on the other side: a number, air or a dielectric
     #[arg(long, value_name = "ETA", default_value_t = 1.45, value_parser = index, allow_negative_numbers = true)]
     eta_t: f64,
     /// Metals, by symbol or name

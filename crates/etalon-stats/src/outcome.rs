@@ -375,10 +375,12 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
             None => i += 1,
         }
     }
-    // Weights are wrong by what the pdf is wrong by, whose mistake says more; and exact numbers say more than counts.
+    // One mistake says more than several that are left open; weights are wrong by what the pdf is wrong by, whose mistake says more;
+    // and exact numbers say more than counts.
     let rank = |Finding { kind, outcome, .. }: &Finding| {
+        let is_open = outcome.mistake.as_ref().is_some_and(|mistake| mistake.contains(" or "));
         let is_by_counts = outcome.continuous_p().is_some();
-        (outcome.verdict != Verdict::Reject, outcome.mistake.is_none(), !kind.ends_with(OF_PDF), is_by_counts)
+        (outcome.verdict != Verdict::Reject, outcome.mistake.is_none(), is_open, !kind.ends_with(OF_PDF), is_by_counts)
     };
     groups.sort_by_key(|group| rank(group[0]));
     let line = |group: Vec<&Finding>| {

@@ -38,8 +38,9 @@ use std::path::{Path, PathBuf};
 pub struct Validate {
     /// Tests, families, patterns with * and ?, or a Python file [default: all]
     ///
-    /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi). Names after it, or with
-    /// --exec, choose tests of the BSDF: formula, albedo/60.
+    /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi). Variables
+    /// of the file declare more: domain = "square", scatters = "both", eta = 1.5, precision = "single". Names after it, or with --exec, choose
+    /// tests of the BSDF: formula, albedo/60.
     #[arg(value_name = "NAME", help_heading = None::<&str>)]
     names: Vec<String>,
     /// List the tests and stop

@@ -123,8 +123,11 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let is_surface = subject.properties.kind == Kind::Surface;
             let parts = if is_surface && parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
             let what = if is_surface { "albedo" } else { "integral over the sphere" };
+            // Without 1/π in f, it is π times what its author knows.
+            let of_pi =
+                if claim.is_upper_bound && value <= PI { format!(" = {:.5} π", value / PI) } else { String::new() };
             format!(
-                "{from}: the {what} is {value:.5} ± {error:.1e}{noise}{parts}, {not} {albedo:.5}{}",
+                "{from}: the {what} is {value:.5}{of_pi} ± {error:.1e}{noise}{parts}, {not} {albedo:.5}{}",
                 if claim.is_upper_bound {
                     String::new()
                 } else {

@@ -59,7 +59,8 @@ impl Bsdf for Lambertian {
             Fault::Value => 0.7,
             Fault::Negative if wi[2] > 0.99 => -0.1,
             Fault::Asymmetric => 0.8 * (1.0 + 0.1 * wo[2]),
-            Fault::Bright => 1.5,
+            // Without 1/π
+            Fault::Bright => 0.7 * PI,
             Fault::Stochastic => 1.6 * u[0],
             Fault::NanValue if wi[2] > 0.99 => f64::NAN,
             _ => 0.8,
@@ -96,7 +97,7 @@ impl Bsdf for Lambertian {
     }
 
     fn albedo(&self, _: Direction) -> Option<Spectrum> {
-        Some([0.8; 3])
+        (self.0 != Fault::Bright).then_some([0.8; 3])
     }
 }
 
@@ -548,7 +549,8 @@ fn every_check_rejects_what_it_is_there_for() {
         let found = rejecting(&Lambertian(fault));
         assert!(checks.iter().all(|check| found.contains(check)), "{checks:?} of {found:?}");
     }
-    assert!(rejecting(&Lambertian(Fault::Bright)).contains(&"energy"));
+    let text = test("faulty", &Lambertian(Fault::Bright), &[towards(40.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("the albedo is 2.19911 = 0.70000 π"), "{text}");
     let text = test("faulty", &Lambertian(Fault::AboveBound), &[towards(40.0)], &quick()).unwrap().to_string();
     assert!(text.contains("above the declared bound 0.79"), "{text}");
     let text = test("faulty", &Lambertian(Fault::WrongMap), &[towards(40.0)], &quick()).unwrap().to_string();

@@ -44,7 +44,10 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
         let side = wo[2] * wi[2];
         let scatters = if side > 0.0 { properties.reflection } else { side == 0.0 || properties.transmission };
         let dark = f.iter().all(|&x| x == 0.0);
-        found.holds(scatters || dark, || format!("{}: light on a side that is not declared", subject.at(wi)));
+        found.holds(scatters || dark, || {
+            let (light, what) = if side > 0.0 { ("reflected", "reflection") } else { ("transmitted", "transmission") };
+            format!("{}: light is {light}, and no {what} is declared (`scatters`)", subject.at(wi))
+        });
     }
     // Weights of samples.
     for (u, sample) in samples {

@@ -528,6 +528,10 @@ impl<'a> Table<'a> {
             [(a, (n, m)), (b, (k, l))] if is_near((*n, *l)) && is_near((*k, *m)) => {
                 format!("the probabilities of {a} and of {b} are exchanged")
             }
+            // Without atoms, "no sample" has what the pdf lacks.
+            _ if all.len() == 2 && all[0].1.0 == 0 => {
+                format!("every draw returns a sample, though the pdf integrates to {:.4}", all[1].1.1 / draws)
+            }
             _ => format!(
                 "probabilities are wrong: {}",
                 wrong.iter().take(TOLD_SHARES).map(told).collect::<Vec<_>>().join(", ")

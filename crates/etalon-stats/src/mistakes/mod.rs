@@ -526,6 +526,13 @@ mod tests {
         let half = crate::density(|_: f64| 0.6).with_atoms(vec![crate::Atom::new(0.5, 0.4)]);
         let text = told(&Line::UNIT, &mixed, &half);
         assert!(text.contains("samples follow the pdf, and probabilities are wrong: that of atom 0 is 0."), "{text}");
+        // Shares of lobes that do not add to 1
+        let lacking = crate::density(|x: f64| 1.6 * x).with_mass(crate::Mass::AtMostOne);
+        let text = told(&Line::UNIT, &sampler(1, |u: &[f64]| Some(Sample::new(u[0].sqrt()))), &lacking);
+        assert!(
+            text.contains("follow the pdf, and every draw returns a sample, though the pdf integrates to 0.8000"),
+            "{text}"
+        );
         // A mixture with a uniform part
         let lobe = sampler(2, |u: &[f64]| Some(Sample::new(if u[0] < 0.3 { u[1] } else { u[1].sqrt().sqrt() })));
         let text = told(&Line::UNIT, &lobe, &crate::density(|x: f64| 0.5 + 2.0 * x.powi(3)));
