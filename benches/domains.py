@@ -198,7 +198,7 @@ simplex("dirichlet-of-5", "simplex:5", [1.5, 1, 1, 4])
 @sampler("clayton-copula", "box:0,1,0,1", 2, 2)
 def clayton(t):
     def sample(u):
-        x, v = u.T
+        x, v = np.fmax(u, 1e-30).T  # of 0 an infinity times 0 is no number
         return np.stack([x, (1 + x**-t * (v ** (-t / (1 + t)) - 1)) ** (-1 / t)], axis=1)
 
     return sample, lambda x: (1 + t) * np.prod(x, axis=1) ** (-1 - t) * (x[:, 0] ** -t + x[:, 1] ** -t - 1) ** (-2 - 1 / t)
@@ -242,7 +242,7 @@ def ball_cosine(t):
         cos = (np.sqrt((1 - t) ** 2 + 4 * t * u[:, 1]) - 1) / t
         return np.cbrt(u[:, :1]) * direction((cos + 1) / 2, u[:, 2])
 
-    return sample, lambda x: 0.75 / PI * (1 + t * x[:, 2] / np.linalg.norm(x, axis=1))
+    return sample, lambda x: 0.75 / PI * (1 + t * x[:, 2] / np.fmax(np.linalg.norm(x, axis=1), 1e-300))
 
 
 @sampler("von-mises", "circle", 1, 4)
