@@ -210,7 +210,7 @@ fn renderers_need_no_scene() {
         "{markdown}"
     );
     let figure = std::fs::read_to_string(path("out/good-bsdf-converge.svg")).unwrap();
-    assert!(figure.contains(">bsdf: biased<") && !figure.contains("BSDF"), "a renderer keeps its name");
+    assert!(figure.contains(">bsdf (biased)<") && !figure.contains("BSDF"), "a renderer keeps its name");
     for (args, says) in [
         (&["converge"][..], "required"),
         (&["converge", "--renderer", &good], "--reference: without a scene"),
