@@ -126,9 +126,9 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
             or_by_channel(least(all), &first, &image)
         };
         let pair = least(firsts.iter().take(FIRST).filter_map(second));
-        // Two changes have more freedom, and must leave much less than one
+        // Two changes have more freedom: they must explain all, and leave much less than one
         let most = found.as_ref().map_or(f64::INFINITY, |(left, _)| MOST_LEFT * left);
-        found = pair.filter(|(left, _)| *left <= most).or(found);
+        found = pair.filter(|(left, pair)| !pair.in_part && *left <= most).or(found);
     }
     let (_, found) = found?;
     Some(Explanation { mse_left: found.mse_left / mse(a, b), ..found })
