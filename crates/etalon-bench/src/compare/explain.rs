@@ -44,7 +44,7 @@ const LITTLE: f64 = 0.1;
 /// they differ otherwise as well.
 const MOST_LEFT: f64 = 0.25;
 /// First changes after which a second is tried.
-const FIRST: usize = 3;
+const FIRST: usize = 2;
 /// Largest shift that is tried, in pixels.
 const FARTHEST: usize = 8;
 /// Rows of an image that tell its shift, about.
