@@ -179,7 +179,7 @@ pub fn name_of_pair(a: &[PathBuf], word: &str, b: &[PathBuf]) -> String {
         {
             names = [format!("{a}-{}", names[0]), format!("{b}-{}", names[1])];
         } else {
-            // Of one folder
+            // The images of both sides are in one folder
             names = [a, b].map(|paths| name_of(&paths[..paths.len().min(1)]));
         }
     }

@@ -235,11 +235,13 @@ impl Scales {
                     }
                 };
                 let (mut test, at_ends) = halve(name, shares.are_independent, &mut observed, &mut values, &mut errors);
-                test.finer = Some(around(2 * test.worst.1));
-                test.locate(|pair| domain.in_words(&cell([2 * pair, 2 * (pair + 1)].map(|part| ends[part * width]))));
                 let along = &subdivision.axes[axis];
                 let values = 1.0 / (along.coincidence * test.parts as f64);
                 if is_good(&test, values, along.rounding(test.parts)) {
+                    test.finer = Some(around(2 * test.worst.1));
+                    test.locate(|pair| {
+                        domain.in_words(&cell([2 * pair, 2 * (pair + 1)].map(|part| ends[part * width])))
+                    });
                     scales.tests.push(test);
                     let at_ends = at_ends.into_iter().filter(|_| !shares.are_independent);
                     scales.ends.extend(at_ends.map(|(p, part, words)| (p, words, around(part))));

@@ -33,6 +33,12 @@ impl Explanation {
     }
 }
 
+/// A change without its reason: "undo the sRGB curve in A".
+#[must_use]
+pub fn without_reason(change: &str) -> &str {
+    change.split_once(": ").map_or(change, |(change, _)| change)
+}
+
 /// Standard errors beyond which a difference is more than noise, and within which a residual is noise.
 const BEYOND: f64 = 6.0;
 const WITHIN: f64 = 4.0;
@@ -120,7 +126,7 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
         firsts.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         let second = |(_, (change, image, _)): &(f64, &Candidate)| {
             let image = image();
-            let first = format!("{}, then ", change.split(": ").next().unwrap_or_default());
+            let first = format!("{}, then ", without_reason(change));
             let all = candidates(&image, b, &grid, None);
             let all = all.into_iter().filter_map(|(change, of, _)| try_one(format!("{first}{change}"), &of(), b));
             or_by_channel(least(all), &first, &image)

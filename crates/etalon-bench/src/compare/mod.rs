@@ -15,7 +15,7 @@ mod noise;
 mod side;
 
 pub use self::bias::Bias;
-pub use self::explain::Explanation;
+pub use self::explain::{Explanation, without_reason};
 pub use self::functionals::{Family, Functional};
 pub use self::measured::{Limit, METRICS, Measured, Metric};
 pub use self::side::{Noise, PRECISION, Side};

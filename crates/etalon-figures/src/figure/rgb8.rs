@@ -33,7 +33,8 @@ impl Rgb8 {
 
     /// The image whose pure white is left out: paper shows through, of whatever colour.
     pub fn on_paper(self) -> Self {
-        Self { own: Arc::new((self.own.0.clone(), OnceLock::new())), is_on_paper: true }
+        let (pixels, _) = Arc::unwrap_or_clone(self.own);
+        Self { is_on_paper: true, ..pixels.into() }
     }
 
     pub fn is_on_paper(&self) -> bool {

@@ -7,6 +7,7 @@ use crate::figure::{
 };
 use etalon_bench::compare::{
     Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
+    without_reason,
 };
 use etalon_bench::table::Table;
 use etalon_core::math::Rgb;
@@ -144,7 +145,7 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
 
 /// The change that explains a difference, without its reason: "Undo the sRGB curve in A".
 pub fn headline(Explanation { change, in_part, .. }: &Explanation) -> String {
-    let change = capitalized(change.split(": ").next().unwrap_or_default());
+    let change = capitalized(without_reason(change));
     if *in_part { change + " (in part)" } else { change }
 }
 

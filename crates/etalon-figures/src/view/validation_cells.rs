@@ -459,7 +459,7 @@ fn bars(axis: Axis, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
     let widths: Vec<f64> = edges.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths.iter().copied().reduce(of));
     let is_even = narrowest.zip(widest).is_some_and(|(narrowest, widest)| widest < 1.5 * narrowest);
-    // Of cells of other widths, samples by width
+    // Where widths differ, samples by width
     let label = if is_even { "samples".to_owned() } else { format!("samples per {unit}") };
     let by_width = |i: usize, count: f64| if is_even { count } else { count / widths[i] };
     let [from, to] = shown(edges.iter().copied());
