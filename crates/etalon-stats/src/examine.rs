@@ -6,6 +6,7 @@ use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
+use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::leaves::Leaves;
@@ -529,7 +530,7 @@ impl Test<'_> {
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
-            mistakes.extend(mistake.map(|named| named.name));
+            mistakes.extend(mistake.map(|named| named.what));
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);
@@ -552,7 +553,7 @@ impl Test<'_> {
             cells: counts.observed.len(),
             pooled: test.map_or(0, |test| test.dof + 1),
             none: tally.none,
-            mistake: Some(mistakes.join("; ")).filter(|text| !text.is_empty()),
+            mistake: Explanation::all(mistakes),
             violation,
             inconclusive_reason,
             diagnosis: Some(words.join("; ")).filter(|words| is_suspect && !words.is_empty()),

@@ -21,6 +21,7 @@ mod error;
 pub mod estimate;
 mod exact;
 mod examine;
+mod explanation;
 mod extremes;
 mod grid;
 mod leaves;
@@ -48,6 +49,7 @@ pub use domain::{
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};
 pub use examine::{Protocol, SampleCount, examine, validate};
+pub use explanation::Explanation;
 pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};

@@ -3,6 +3,7 @@
 use crate::diagnosis::{count, p_value};
 use crate::domain::{Domain, Point};
 use crate::estimate::Estimate;
+use crate::explanation::Explanation;
 use crate::grid::{Cell, Grid};
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm, sidak};
@@ -133,7 +134,7 @@ pub struct Outcome {
     pub repeated: bool,
     /// The usual mistake that explains what is wrong, if one does: "samples follow cos θ/π, not the pdf".
     #[cfg_attr(feature = "serde", serde(rename = "named"))]
-    pub mistake: Option<String>,
+    pub mistake: Option<Explanation>,
     /// What an exact check found wrong: a reason to reject, independent of `p`.
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
@@ -204,8 +205,8 @@ impl Outcome {
     /// Why the test does not accept, in a sentence: the usual mistake that explains it, then what was [found](Self::found).
     #[must_use]
     pub fn reason(&self) -> Option<String> {
-        let mistake = self.mistake.as_deref().filter(|_| self.is_rejected());
-        let all: Vec<&str> = mistake.into_iter().chain(self.found()).collect();
+        let mistake = self.mistake.as_ref().filter(|_| self.is_rejected()).map(ToString::to_string);
+        let all: Vec<String> = mistake.into_iter().chain(self.found().map(str::to_owned)).collect();
         Some(all.join(": ")).filter(|text| !text.is_empty())
     }
 
@@ -323,73 +324,75 @@ pub struct Finding<'a> {
     pub outcome: &'a Outcome,
 }
 
-/// Whether `one` is among the mistakes that are left `open`, "A or B", of which the first has what all begin with.
-fn has(open: &str, one: &str) -> bool {
-    // "samples follow …, not the pdf"
-    let [open, one] = [open, one].map(|told| told.split_once(", not ").map_or(told, |(mistake, _)| mistake));
-    let [open, one]: [Vec<&str>; 2] = [open, one].map(|mistakes| mistakes.split(" or ").collect());
-    let is_open = |one: &&str| open.iter().any(|open| one.ends_with(open) || open.ends_with(one));
-    open.len() > one.len() && one.iter().all(is_open)
-}
-
 /// The check of BSDFs that finds mistakes of pdfs alone, exactly.
 const OF_PDF: &str = "jacobian";
 
-/// A line for each cause for which tests do not accept, rejections with a name first: tests of one kind whose mistakes, or findings
-/// where none is named, differ in numbers alone have one line, which is that of the first.
-#[must_use]
-pub fn causes(findings: &[Finding]) -> Vec<String> {
-    let mut groups: Vec<Vec<&Finding>> = Vec::new();
-    let cause = |finding: &Finding| {
-        let outcome = finding.outcome;
-        let told =
-            outcome.mistake.as_deref().or(outcome.violation.as_deref()).or(outcome.inconclusive_reason.as_deref());
-        // Signs of numbers are no words, those of axes are.
-        let told: Vec<char> = told.unwrap_or_default().chars().collect();
-        let is_digit = |i: usize| told.get(i).is_some_and(|c| c.is_ascii_digit() || *c == '.');
-        let is_word = |i: &usize| !(is_digit(*i) || "-+".contains(told[*i]) && is_digit(i + 1));
-        let words: String = (0..told.len()).filter(is_word).map(|i| told[i]).collect();
-        (finding.kind.to_owned(), outcome.verdict, words)
-    };
-    for finding in findings.iter().filter(|finding| !finding.outcome.is_accepted()) {
-        match groups.iter_mut().find(|group| cause(group[0]) == cause(finding)) {
-            Some(group) => group.push(finding),
-            None => groups.push(vec![finding]),
+/// Tests of one kind that do not accept for one cause.
+struct Cause<'a> {
+    findings: Vec<&'a Finding<'a>>,
+    /// What explains all of them.
+    explanation: Option<Explanation>,
+}
+
+impl<'a> Cause<'a> {
+    /// Takes a finding into account, if it may have this cause: if one mistake explains it too, or if what is told of it differs in numbers
+    /// alone.
+    fn takes(&mut self, finding: &'a Finding<'a>) -> bool {
+        let first = self.findings[0];
+        if (first.kind, first.outcome.verdict) != (finding.kind, finding.outcome.verdict) {
+            return false;
         }
-    }
-    // Where one direction leaves several mistakes open of which another direction has one, that one is told.
-    let mistake = |group: &[&Finding]| group[0].outcome.mistake.clone();
-    let mut i = 0;
-    while i < groups.len() {
-        let open = mistake(&groups[i]);
-        let narrower = (0..groups.len()).find(|&other| {
-            let is_of_one_kind = other != i && groups[other][0].kind == groups[i][0].kind;
-            is_of_one_kind
-                && open.as_deref().zip(mistake(&groups[other]).as_deref()).is_some_and(|(open, one)| has(open, one))
-        });
-        match narrower {
-            Some(other) => {
-                let group = groups.remove(i);
-                groups[if other > i { other - 1 } else { other }].extend(group);
-            }
-            None => i += 1,
+        let common = || self.explanation.as_ref()?.common(finding.outcome.mistake.as_ref()?);
+        let common = common();
+        let takes = common.is_some() || words(first.outcome) == words(finding.outcome);
+        self.explanation = common.or(self.explanation.take());
+        if takes {
+            self.findings.push(finding);
         }
+        takes
     }
-    // One mistake says more than several that are left open; weights are wrong by what the pdf is wrong by, whose mistake says more;
-    // and exact numbers say more than counts.
-    let rank = |Finding { kind, outcome, .. }: &Finding| {
-        let is_open = outcome.mistake.as_ref().is_some_and(|mistake| mistake.contains(" or "));
+
+    /// One mistake says more than several that are left open; weights are wrong by what the pdf is wrong by, whose mistake says more; and
+    /// exact numbers say more than counts.
+    fn rank(&self) -> impl Ord + use<> {
+        let Finding { kind, outcome, .. } = self.findings[0];
+        let is_open = self.explanation.as_ref().is_some_and(Explanation::is_open);
         let is_by_counts = outcome.continuous_p().is_some();
-        (outcome.verdict != Verdict::Reject, outcome.mistake.is_none(), is_open, !kind.ends_with(OF_PDF), is_by_counts)
-    };
-    groups.sort_by_key(|group| rank(group[0]));
-    let line = |group: Vec<&Finding>| {
-        let (first, others) = (group[0], &group[1..]);
+        let is_named = self.explanation.is_some();
+        (outcome.verdict != Verdict::Reject, !is_named, is_open, !kind.ends_with(OF_PDF), is_by_counts)
+    }
+
+    /// The line of the first finding, with the names of the others.
+    fn line(self) -> String {
+        let (first, others) = (self.findings[0], &self.findings[1..]);
         let also: Vec<&str> = others.iter().map(|finding| finding.name).collect();
         let also = if also.is_empty() { String::new() } else { format!("; also {}", also.join(", ")) };
-        format!("{}: {}{also}", first.name, first.outcome)
-    };
-    groups.into_iter().map(line).collect()
+        format!("{}: {}{also}", first.name, Outcome { mistake: self.explanation, ..first.outcome.clone() })
+    }
+}
+
+/// What is told of a test, without numbers.
+fn words(outcome: &Outcome) -> String {
+    let mistake = outcome.mistake.as_ref().map(ToString::to_string);
+    let told = mistake.or_else(|| outcome.violation.clone().or_else(|| outcome.inconclusive_reason.clone()));
+    // Signs of numbers are no words, those of axes are.
+    let told: Vec<char> = told.unwrap_or_default().chars().collect();
+    let is_digit = |i: usize| told.get(i).is_some_and(|c| c.is_ascii_digit() || *c == '.');
+    let is_word = |i: &usize| !(is_digit(*i) || "-+".contains(told[*i]) && is_digit(i + 1));
+    (0..told.len()).filter(is_word).map(|i| told[i]).collect()
+}
+
+/// A line for each cause for which tests do not accept, rejections with a name first.
+#[must_use]
+pub fn causes(findings: &[Finding]) -> Vec<String> {
+    let mut causes: Vec<Cause> = Vec::new();
+    for finding in findings.iter().filter(|finding| !finding.outcome.is_accepted()) {
+        if !causes.iter_mut().any(|cause| cause.takes(finding)) {
+            causes.push(Cause { findings: vec![finding], explanation: finding.outcome.mistake.clone() });
+        }
+    }
+    causes.sort_by_key(Cause::rank);
+    causes.into_iter().map(Cause::line).collect()
 }
 
 /// Decides on the tests of one run, which together reject right samplers with probability `level` at most.

@@ -133,7 +133,7 @@ impl Claim {
         let mut outcome = Outcome { detectable: Some(EQUAL), remarks: found.remarks, ..Outcome::open(found.compared) };
         if let Some(Difference { words, variant, numbers }) = found.difference {
             let law = format!("having the values of {}{at}", self.name());
-            outcome.mistake = variant.map(|variant| format!("it is {} with {variant}", self.name()));
+            outcome.mistake = variant.map(|variant| format!("it is {} with {variant}", self.name()).into());
             outcome.violation = Some(format!("not the values of {}{at}: {words}", self.name()));
             let places: Vec<_> = numbers.into_iter().map(|(wi, numbers)| (wi.into(), numbers)).collect();
             outcome.compared = (!places.is_empty()).then_some(Compared { law, places });
@@ -612,7 +612,7 @@ mod tests {
     #[test]
     fn models_that_are_not_meant_are_rejected_and_variants_named() {
         let gold = [0.3, 0.3, 0.2, 3.0];
-        let named = |found: Outcome| found.mistake.unwrap_or_else(|| panic!("{:?}", found.violation));
+        let named = |found: Outcome| found.mistake.unwrap_or_else(|| panic!("{:?}", found.violation)).to_string();
         let beckmann = examine("ggx", &[("alpha", 0.3)], "beckmann", &gold);
         assert!(named(beckmann).contains("Beckmann's normals"));
         let squared = examine("ggx", &[("alpha", 0.3)], "ggx", &[0.09, 0.09, 0.2, 3.0]);

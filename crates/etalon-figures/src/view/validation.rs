@@ -33,7 +33,7 @@ pub struct Row<'a> {
     repeated: bool,
     seconds: f64,
     /// The usual mistake that explains a rejection.
-    named: &'a str,
+    named: Option<String>,
     /// Why the test does not accept.
     remark: String,
     /// Where samples and pdf differ most, of a rejected test.
@@ -63,7 +63,7 @@ pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
             none: outcome.none,
             repeated: outcome.repeated,
             seconds: outcome.seconds,
-            named: outcome.mistake.as_deref().unwrap_or_default(),
+            named: outcome.mistake.as_ref().map(ToString::to_string),
             remark: outcome.reason().unwrap_or_default(),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
             remarks: outcome.remarks.join("; "),
@@ -191,7 +191,7 @@ pub struct PlantedRow<'a> {
     verdict: String,
     by: &'a str,
     /// The usual mistake that the test names.
-    named: &'a str,
+    named: Option<String>,
     violation: &'a str,
     diagnosis: &'a str,
     statistic: f64,
@@ -213,7 +213,7 @@ pub fn planted_rows<'a>(findings: &'a Findings) -> Vec<PlantedRow<'a>> {
             mistake,
             verdict: outcome.verdict.to_string(),
             by: by.map_or("", By::name),
-            named: outcome.mistake.as_deref().unwrap_or(""),
+            named: outcome.mistake.as_ref().map(ToString::to_string),
             violation: outcome.violation.as_deref().unwrap_or(""),
             diagnosis: outcome.diagnosis.as_deref().unwrap_or(""),
             statistic: outcome.statistic,
@@ -240,7 +240,7 @@ pub struct MuseumRow<'a> {
     story: &'a str,
     verdict: String,
     check: &'a str,
-    named: &'a str,
+    named: Option<String>,
     reason: String,
     would_find: &'a str,
     p: Option<f64>,
@@ -261,7 +261,7 @@ pub fn museum_rows<'a>(museum: &'a Museum) -> Vec<MuseumRow<'a>> {
             story: mistake,
             verdict: outcome.verdict.to_string(),
             check: test.check.unwrap_or(""),
-            named: outcome.mistake.as_deref().unwrap_or(""),
+            named: outcome.mistake.as_ref().map(ToString::to_string),
             reason: outcome.reason().unwrap_or_default(),
             would_find: test.would_find.unwrap_or(""),
             p: outcome.p,

@@ -82,8 +82,8 @@ const WIDEST: usize = 90;
 
 /// What is wrong, in clauses: the mistake, what was found, where; nothing where that is nothing.
 fn said(outcome: &Outcome) -> Vec<String> {
-    let mistake = outcome.mistake.as_deref().filter(|_| outcome.verdict == Verdict::Reject);
-    let all = mistake.into_iter().chain(outcome.found()).chain(outcome.other_places());
+    let mistake = outcome.mistake.as_ref().filter(|_| outcome.verdict == Verdict::Reject).map(ToString::to_string);
+    let all = mistake.as_deref().into_iter().chain(outcome.found()).chain(outcome.other_places());
     all.flat_map(clauses).map(|clause| finding(&cut(&clause))).collect()
 }
 

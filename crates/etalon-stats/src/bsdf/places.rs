@@ -195,9 +195,8 @@ pub fn mean_cosine(subject: &Subject) -> Result<Option<Outcome>> {
             found.mistake = is_opposite.then(|| {
                 let [is, points] =
                     if wo_points_away { ["away", "along the light"] } else { ["along the light", "away"] };
-                format!(
-                    "forward and backward are exchanged, as if wo pointed {points}: declared is that it points {is}"
-                )
+                let declared = format!("declared is that it points {is}");
+                format!("forward and backward are exchanged, as if wo pointed {points}: {declared}").into()
             });
         }
     }

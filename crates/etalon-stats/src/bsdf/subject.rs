@@ -10,6 +10,7 @@ use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
 use crate::exact::{AS_SINGLE, ordinary, percent, relative_difference};
 use crate::examine::Protocol;
+use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, number};
 use crate::outcome::{Compared, Outcome};
@@ -272,7 +273,7 @@ pub struct Comparison {
     /// How many of what was compared are numbers.
     numbers: u64,
     /// The usual mistakes that explain all, each with the channels in which they do, where those were compared by themselves.
-    mistakes: Vec<(String, Vec<usize>)>,
+    mistakes: Vec<(Explanation, Vec<usize>)>,
     /// The channels whose differences no mistake explains.
     unexplained: Vec<usize>,
     /// The channels that were compared, where a mistake may be that of one.
@@ -329,32 +330,36 @@ impl Comparison {
     }
 
     /// The usual mistake that explains what was just compared, if one does.
-    pub fn named(&mut self, mistake: Option<String>) {
-        let is_new = |mistake: &String| self.mistakes.iter().all(|(known, _)| known != mistake);
+    pub fn named(&mut self, mistake: Option<impl Into<Explanation>>) {
+        let mistake = mistake.map(Into::into);
+        let is_new = |mistake: &Explanation| self.mistakes.iter().all(|(known, _)| known != mistake);
         self.mistakes.extend(mistake.filter(is_new).map(|mistake| (mistake, Vec::new())));
     }
 
     /// The usual mistake that explains what was found to differ in this channel of so many.
-    pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<String>) {
+    pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<Explanation>) {
         self.channels = self.channels.max(channels);
         let Some(mistake) = mistake else { return self.unexplained.push(channel) };
-        match self.mistakes.iter_mut().find(|(known, _)| *known == mistake) {
-            Some((_, channels)) => channels.push(channel),
-            None => self.mistakes.push((mistake, vec![channel])),
+        for (known, channels) in &mut self.mistakes {
+            if let Some(common) = known.common(&mistake) {
+                *known = common;
+                return channels.push(channel);
+            }
         }
+        self.mistakes.push((mistake, vec![channel]));
     }
 
     /// The mistakes, with their channels where others do not have them.
-    fn told(&self) -> Option<String> {
+    fn told(&self) -> Option<Explanation> {
         let list = |channels: &[usize]| channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
-        let told = |(mistake, of): &(String, Vec<usize>)| {
+        let told = |(mistake, of): &(Explanation, Vec<usize>)| {
             let is_of_all = of.is_empty() || of.len() >= self.channels;
-            if is_of_all { mistake.clone() } else { format!("{mistake}, in channel {}", list(of)) }
+            if is_of_all { mistake.clone() } else { mistake.clone().then(&format!(", in channel {}", list(of))) }
         };
         let others = (self.channels > 1 && !self.unexplained.is_empty())
-            .then(|| format!("other differences in channel {}", list(&self.unexplained)));
-        let all: Vec<String> = self.mistakes.iter().map(told).collect();
-        (!all.is_empty()).then(|| all.into_iter().chain(others).collect::<Vec<_>>().join("; "))
+            .then(|| Explanation::from(format!("other differences in channel {}", list(&self.unexplained))));
+        let all = self.mistakes.iter().map(told).chain(others.filter(|_| !self.mistakes.is_empty()));
+        Explanation::all(all.collect())
     }
 
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.

@@ -10,6 +10,7 @@ use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
+use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, FEWEST_PAIRS, common_factor, number};
 use crate::outcome::Outcome;
@@ -75,7 +76,7 @@ pub fn values(subject: &Subject) -> Result<Option<Outcome>> {
     let is_nan = |what: &String| what.contains("NaN");
     let total = || "NaN where wo is beyond the critical angle of a smooth surface".to_owned();
     Ok(outcome.map(|outcome| {
-        let mistake = outcome.violation.as_ref().filter(|what| is_total && is_nan(what)).map(|_| total());
+        let mistake = outcome.violation.as_ref().filter(|what| is_total && is_nan(what)).map(|_| total().into());
         Outcome { remarks, mistake, ..outcome }
     }))
 }
@@ -418,7 +419,7 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         }
     }
     for names in [of_probability, of_weight] {
-        found.named(names.left.filter(|names| !names.is_empty()).map(|names| names.join(" or ")));
+        found.named(names.left.and_then(|names| Explanation::one_of("", names, "")));
     }
     Ok(())
 }

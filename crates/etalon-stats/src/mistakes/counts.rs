@@ -5,6 +5,7 @@ use super::centre;
 use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
+use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::grid::Cell;
 use crate::outcome::Counts;
@@ -82,17 +83,17 @@ pub fn of_counts(
     unless_cancelled(explained)
 }
 
-/// A mistake that explains counts.
+/// What explains counts.
 pub struct Named {
     /// What samples follow.
-    pub name: String,
+    pub what: Explanation,
     /// Whether it has an amount that was fitted, so that few samples may follow it by chance.
     pub is_fitted: bool,
 }
 
 impl Named {
-    fn new(name: String) -> Self {
-        Self { name, is_fitted: false }
+    fn new(words: String) -> Self {
+        Self { what: Explanation::from(words), is_fitted: false }
     }
 }
 
@@ -587,8 +588,10 @@ impl<'a> Table<'a> {
         let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
-        let follow = |name: String| Ok(Some(Named::new(format!("{samples} follow {name}, not {of}"))));
-        let follow_amount = |name: String| Ok(follow(name)?.map(|named| Named { is_fitted: true, ..named }));
+        let named = |names: Vec<String>, is_fitted: bool| {
+            let what = Explanation::one_of(&format!("{samples} follow"), names, &format!(", not {of}"));
+            Ok(what.map(|what| Named { what, is_fitted }))
+        };
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;
         for (group, is_place, is_last) in [(known, false, false), (places, true, false), (asked, false, true)] {
             let mut found = Vec::new();
@@ -607,7 +610,7 @@ impl<'a> Table<'a> {
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
             // Places that a symmetry makes equal are named together, and densities of the first rank that differ.
             if is_place && !found.is_empty() {
-                return follow(alternatives(found.into_iter().map(|explained| explained.name).collect()));
+                return named(found.into_iter().map(|explained| explained.name).collect(), false);
             }
             let rank = found.iter().map(|explained| explained.rank).min();
             found.retain(|explained| Some(explained.rank) == rank);
@@ -620,7 +623,7 @@ impl<'a> Table<'a> {
             if let Some(rank) = rank {
                 let proportional = if rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
                 let names = different.into_iter().map(|explained| format!("{proportional}{}", explained.name));
-                return follow(alternatives(names.collect()));
+                return named(names.collect(), false);
             }
         }
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
@@ -631,13 +634,13 @@ impl<'a> Table<'a> {
             fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
             let best = fitted[0].0;
             fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
-            return follow_amount(alternatives(fitted.into_iter().map(|(_, name)| name).collect()));
+            return named(fitted.into_iter().map(|(_, name)| name).collect(), true);
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
             Some(from) => self.turned(from, most, of)?,
             None => None,
         };
-        turned.map_or(Ok(None), follow_amount)
+        named(turned.into_iter().collect(), true)
     }
 
     /// The axis about which the pdf is symmetric, if there is one.
@@ -783,15 +786,6 @@ fn significant(x: f64, digits: i32) -> String {
     let text = format!("{x:.*}", after.within(0.0, 9.0) as usize);
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Mistakes that are equal because of a symmetry, the first of them by name.
-pub fn alternatives(mut names: Vec<String>) -> String {
-    const NAMED: usize = 2;
-    let more = names.len().saturating_sub(NAMED);
-    names.truncate(NAMED);
-    let more = if more > 0 { format!(" or {more} more that explain as much") } else { String::new() };
-    names.join(" or ") + &more
 }
 
 /// Whether amounts, which can be had for many errors, leave so little: they must explain more than what has none.

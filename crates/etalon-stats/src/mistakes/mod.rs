@@ -568,7 +568,7 @@ mod tests {
         let changes: [(Pdf, &str); 5] = [
             (|w| beckmann_pdf(0.5, w) * PI, "what samples carry is 3.141593 = π times the pdf"),
             (|w| beckmann_pdf(0.5, w) / w[2], "what samples carry is the pdf divided by cos θ"),
-            (|w| 2.0 * w[2] / PI, "what samples carry has the shape of cos θ/π"),
+            (|w| 2.0 * w[2] / PI, "what samples carry is in proportion to cos θ/π"),
             (|w| beckmann_pdf(0.49, w), "what samples carry is the pdf times a function of cos θ alone"),
             (|w| beckmann_pdf(0.5, w) * (1.0 + 0.1 * (20.0 * w[0] + 15.0 * w[1]).sin()), ""),
         ];

@@ -1,9 +1,9 @@
 //! The mistake that makes numbers other than they should be: the pdfs that samples carry, and values of BSDFs.
 
-use super::counts::alternatives;
 use super::{Follows, MOST_CELLS, Variable, all, asked, number, unless_cancelled, variables};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
+use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::sampler::Density;
 
@@ -30,12 +30,13 @@ pub fn of_pairs(
     density: &dyn Density,
     pairs: &[Pair],
     [found, of]: [&str; 2],
-) -> Result<Option<String>> {
+) -> Result<Option<Explanation>> {
     let explained = explained_pairs(domain, density, pairs, of);
-    unless_cancelled(explained.map(|name| name.map(|name| format!("{found} {name}"))))
+    unless_cancelled(explained.map(|names| Explanation::one_of(&format!("{found} is"), names, "")))
 }
 
-fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Option<String>> {
+/// What the numbers are: the mistakes that make them, each of which does.
+fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Vec<String>> {
     let pairs = both_not_zero(pairs);
     let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
     let known: Vec<f64> = values.iter().map(|[_, known]| *known).collect();
@@ -47,7 +48,8 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     };
     let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
     if let Some(factor) = factor_of(&known) {
-        return Ok((!is_one(factor)).then(|| format!("is {} times {of}", number(factor))));
+        let name = (!is_one(factor)).then(|| format!("{} times {of}", number(factor)));
+        return Ok(name.into_iter().collect());
     }
     // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
     let (mut exact, mut shape) = (Vec::new(), None);
@@ -57,14 +59,14 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         let Some(factor) = values.as_deref().and_then(factor_of) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
-            Follows::Density(_) if is_positive => shape = shape.or(Some(format!("has the shape of {name}"))),
+            Follows::Density(_) if is_positive => shape = shape.or(Some(format!("in proportion to {name}"))),
             Follows::Density(_) => {}
             _ if is_one(factor) => exact.push(name),
-            _ => shape = shape.or(Some(format!("is {} times {name}", number(factor)))),
+            _ => shape = shape.or(Some(format!("{} times {name}", number(factor)))),
         }
     }
     if !exact.is_empty() {
-        return Ok(Some(format!("is {}", alternatives(exact))));
+        return Ok(exact);
     }
     // The power by the largest and the least value, if it holds for all
     let ln: Vec<[f64; 2]> =
@@ -75,7 +77,7 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         let powers: Vec<f64> = known.iter().map(|known| known.powf(power)).collect();
         if let Some(factor) = factor_of(&powers).filter(|_| power.is_finite() && power.abs() > EQUAL) {
             let factor = if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) };
-            return Ok(Some(format!("is {factor}{of} to the power of {}", number(power))));
+            return Ok(vec![format!("{factor}{of} to the power of {}", number(power))]);
         }
     }
     // The pdf of another outcome
@@ -91,14 +93,12 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         different.dedup();
         let is_many = values.len() >= FEWEST_PAIRS && different.len() > 2;
         if shape.is_none() && is_many && values.iter().all(|[found, _]| near(*found)) {
-            return Ok(Some(format!("is {of} of other outcomes")));
+            return Ok(vec![format!("{of} of other outcomes")]);
         }
     }
-    if shape.is_some() {
-        return Ok(shape);
-    }
-    let told = logarithms(&pairs).and_then(|ratios| powers(&ratios, &variables(domain, density)));
-    Ok(told.map(|told| format!("is {}", told.replace("{}", of))))
+    let powers = || powers(&logarithms(&pairs)?, &variables(domain, density));
+    let told = shape.or_else(|| Some(powers()?.replace("{}", of)));
+    Ok(told.into_iter().collect())
 }
 
 /// The variable of which alone the ratio of the numbers is a function, if there is one: less than a mistake, and not looked for
@@ -108,9 +108,9 @@ pub fn of_one_variable(
     density: &dyn Density,
     pairs: &[Pair],
     [found, of]: [&str; 2],
-) -> Option<String> {
+) -> Option<Explanation> {
     let told = function(&logarithms(&both_not_zero(pairs))?, &variables(domain, density))?;
-    Some(format!("{found} is {of} times a function of {told}"))
+    Some(Explanation::from(format!("{found} is {of} times a function of {told}")))
 }
 
 /// Pairs that have a ratio, or where one number alone is 0.

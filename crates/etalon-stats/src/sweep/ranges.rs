@@ -91,7 +91,10 @@ pub fn over_ranges(
         (values, found) = shrunk(parameters, values, found, &examine, fails)?;
         let region = region(parameters, &values, &|values| Ok(fails(&examine(values)?)))?;
         let place = format!("fails {region}, such as {}", named(&values));
-        found.mistake = Some(found.mistake.map_or(place.clone(), |mistake| format!("{place}: {mistake}")));
+        found.mistake = Some(match found.mistake.take() {
+            Some(mistake) => mistake.after(&format!("{place}: ")),
+            None => place.into(),
+        });
         found.remarks.push(format!("{failed} of {} values of the parameters failed", all.len()));
     } else {
         found

@@ -155,11 +155,12 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let (mut rows, mut panels, mut checks) = (Vec::new(), Vec::new(), Vec::new());
     for Mistaken { mistake, domain, sampler, density, follows } in all() {
         let outcome = validate(&*domain, &*sampler, &*density, &inputs.protocol())?;
-        let said = outcome.mistake.clone().unwrap_or_default();
+        let said = outcome.mistake.as_ref().map(ToString::to_string).unwrap_or_default();
         let is_named = outcome.verdict == Verdict::Reject && said == format!("samples follow {follows}, not the pdf");
+        let follows = outcome.mistake.as_ref().map_or("", |mistake| mistake.first());
         checks.push(Check::equal(format!("named: {mistake}"), 1.0, f64::from(u8::from(is_named))));
         let bars = bars(&outcome, mistake, &said);
-        panels.push(panel(domain.axes()[0], mistake, &said, &bars));
+        panels.push(panel(domain.axes()[0], mistake, follows, &bars));
         rows.extend(bars);
     }
     let rest = panels.chunks(COLUMNS).map(|row| (String::new(), row.to_vec()));
@@ -182,16 +183,14 @@ fn bars(outcome: &Outcome, mistake: &'static str, said: &str) -> Vec<Row> {
     strips.chunks(strips.len().div_ceil(BARS)).map(bar).collect()
 }
 
-fn panel(axis: &str, mistake: &str, said: &str, bars: &[Row]) -> Panel {
+fn panel(axis: &str, mistake: &str, follows: &str, bars: &[Row]) -> Panel {
     let edges = bars.iter().map(|bar| bar.x_from).chain(bars.last().map(|bar| bar.x_to)).collect();
     let per_width = |count: f64, bar: &Row| count / (bar.x_to - bar.x_from) / 1000.0;
     let observed = bars.iter().map(|bar| per_width(bar.observed as f64, bar)).collect();
     let expected: Vec<Point> =
         bars.iter().flat_map(|bar| [bar.x_from, bar.x_to].map(|x| [x, per_width(bar.expected, bar)])).collect();
-    // The clause, without what explains it
-    let said = [" (", " or ", ", "].into_iter().fold(said, |said, end| said.split(end).next().unwrap_or_default());
     Panel::new(Axis::linear(finding(axis)).range(0.0, 1.0), Axis::linear("1000 samples per unit"))
-        .title(format!("{}: {}", capitalized(mistake), finding(said)))
+        .title(format!("{}: samples follow {}", capitalized(mistake), finding(follows)))
         .bars("samples", theme::OBSERVED, edges, observed)
         .line("pdf", Stroke::solid(theme::EXPECTED, theme::LINE), expected)
 }
