@@ -263,13 +263,13 @@ pub fn examine(
             None if p.is_none_or(|p| p >= protocol.own_level()) => false,
             // The test goes on where few samples leave it open whether what explains most is the mistake, as they do with an amount.
             None => {
-                let clearness = mistakes::clearness(&counts);
+                let clearness = mistakes::clearness(&counts, looks.samples());
                 let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
                 let found = || test.mistake(&counts, kinds).unwrap_or_default();
                 let is_settled = |named: &Named| clearness == Clearness::Certain && !named.is_fitted;
                 let mut named = named.borrow_mut();
-                samples >= mistakes::TOLD
-                    || clearness != Clearness::Open && named.get_or_insert_with(found).as_ref().is_none_or(is_settled)
+                let mut is_told = || named.get_or_insert_with(found).as_ref().is_none_or(is_settled);
+                clearness != Clearness::Open && (samples >= mistakes::TOLD || is_told())
             }
         }
     };

@@ -150,7 +150,7 @@ impl ScaleTest {
             .map(|level| FRAC_PI_2 * (noncentrality_near(dof, level) / self.counted).sqrt());
         let error = ((self.sum - self.mean).at_least(0.0) / self.counted).sqrt();
         let words = format!(
-            "structure at 1/{} of {}: neighbouring parts differ by {:.2} % (RMS){}",
+            "{} parts of {}: neighbours differ by {:.2} % (RMS){}",
             self.parts,
             self.of,
             200.0 * error,
@@ -238,13 +238,16 @@ impl Scales {
                 let along = &subdivision.axes[axis];
                 let values = 1.0 / (along.coincidence * test.parts as f64);
                 if is_good(&test, values, along.rounding(test.parts)) {
+                    let place = |parts: [usize; 2]| domain.in_words(&cell(parts.map(|part| ends[part * width])));
                     test.finer = Some(around(2 * test.worst.1));
-                    test.locate(|pair| {
-                        domain.in_words(&cell([2 * pair, 2 * (pair + 1)].map(|part| ends[part * width])))
-                    });
+                    test.locate(|pair| place([2 * pair, 2 * (pair + 1)]));
                     scales.tests.push(test);
                     let at_ends = at_ends.into_iter().filter(|_| !shares.are_independent);
-                    scales.ends.extend(at_ends.map(|(p, part, words)| (p, words, around(part))));
+                    scales
+                        .ends
+                        .extend(at_ends.map(|(p, part, words)| {
+                            (p, format!("{words}, {}", place([part, part + 1])), around(part))
+                        }));
                 }
             }
         }
@@ -325,8 +328,8 @@ fn end_of(of: &str, parts: usize, end: usize, counts: [u64; 2], expected: [f64; 
     let (count, binomial) = (counts[end], Binomial::new(q, n).ok()?);
     let below = binomial.cdf(count);
     let above = if count > 0 { binomial.sf(count - 1) } else { 1.0 };
-    let name = ["lower", "upper"][end];
-    let words = format!("{count} samples, not {:.0}, within 1/{parts} of the {name} end of {of}", n as f64 * q);
+    let name = ["first", "last"][end];
+    let words = format!("{count} samples, not {:.0}, in the {name} of {parts} parts of {of}", n as f64 * q);
     Some(((2.0 * below.at_most(above)).at_most(1.0), words))
 }
 

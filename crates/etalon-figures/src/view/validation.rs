@@ -354,7 +354,11 @@ fn of_one_subject(tests: &[Tested]) -> String {
     }
     let counts: Vec<String> = kinds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     let detected = percent(accepted().filter_map(|test| test.outcome.detectable).max_by(f64::total_cmp));
-    wrapped(&format!("accepted: {}; errors of {detected} would have been found", counts.join(", ")), "  ", 100)
+    wrapped(
+        &format!("accepted: {}; in these, errors of {detected} would have been found", counts.join(", ")),
+        "  ",
+        100,
+    )
 }
 
 /// One line for each family, in the order of the tests.

@@ -552,7 +552,7 @@ mod tests {
         for (name, wo) in places(subject).unwrap().iter().filter(|(name, _)| !is_edge_on(name)) {
             for check in super::super::ALL.iter().filter(|check| !check.is_statistical) {
                 let outcome = check.examine(subject, *wo, &Protocol::default(), 0).unwrap().unwrap_or_default();
-                let said = outcome.mistake.into_iter().chain(outcome.violation).collect::<Vec<_>>().join("; ");
+                let said = outcome.reason().unwrap_or_default();
                 if !said.is_empty() {
                     found += &format!("{}/{name}: {said}\n", check.name);
                 }

@@ -261,9 +261,9 @@ impl Domain for Directions {
         let place = match (cell.x == [0.0, 1.0], t0 == 0.0, cell.x[1] == 1.0 && !self.half) {
             (true, ..) => "for all theta".to_owned(),
             (_, true, _) if horizon(t1) => "above the horizon".to_owned(),
-            (_, true, _) if t1 < NEAR => format!("within {}° of theta = 0", degrees(t1)),
+            (_, true, _) if t1 < POLAR => format!("within {}° of theta = 0", degrees(t1)),
             (_, _, true) if horizon(t0) => "below the horizon".to_owned(),
-            (_, _, true) if t0 > 180.0 - NEAR => format!("within {}° of theta = 180°", degrees(180.0 - t0)),
+            (_, _, true) if t0 > 180.0 - POLAR => format!("within {}° of theta = 180°", degrees(180.0 - t0)),
             _ if horizon(t1) && t0 > 90.0 - NEAR => format!("within {}° of the horizon", degrees(90.0 - t0)),
             _ if horizon(t0) && t1 < 90.0 + NEAR => format!("within {}° below the horizon", degrees(t1 - 90.0)),
             _ => format!("for theta {}°..{}°", degrees(t0), degrees(t1)),
@@ -273,8 +273,9 @@ impl Domain for Directions {
     }
 }
 
-/// Degrees that are near: places that reach further are named by their limits.
-const NEAR: f64 = 75.0;
+/// Degrees within which a place is near a pole, and near the horizon: places that reach further are named by their limits.
+const POLAR: f64 = 75.0;
+const NEAR: f64 = 45.0;
 
 /// Degrees with two decimals, or three significant digits where those would be 0.00.
 fn degrees(x: f64) -> String {

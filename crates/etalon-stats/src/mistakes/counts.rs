@@ -28,8 +28,7 @@ const LEFT: f64 = 0.002;
 /// errors; and what chance may hide beside a factor.
 const MOST: f64 = 0.1;
 const MOST_FITTED: f64 = 0.02;
-/// Samples after which an excess within chance says that the shape is right, and for which a test that rejects goes on if they are
-/// to name the mistake.
+/// Samples after which an excess within chance says that the shape is right, and a clear one names the mistake or has none.
 pub const TOLD: u64 = 1 << 16;
 /// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from which
 /// there is something to explain; and those from which more samples tell nothing more.
@@ -141,16 +140,17 @@ pub enum Clearness {
     Certain,
 }
 
-/// How clearly counts differ from the pdf. Where they do not, as other findings reject, more samples name nothing either.
-pub fn clearness(counts: &Counts) -> Clearness {
+/// How clearly counts differ from the pdf; open is what up to `most` samples in all may make clear, as the excess grows with the samples.
+pub fn clearness(counts: &Counts, most: u64) -> Clearness {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
     let all = observed.iter().sum::<u64>();
     // What chance hides of the shape must be little beside a factor, too.
     let is_factor = (counts.expected[..cells].iter().sum::<f64>() / all as f64 - 1.0).abs() > MOST_FITTED;
+    let growth = most as f64 / all as f64;
     match excess(observed, &shares, 1) {
         Some([excess, spread]) if all < TOLD && excess <= CHANCE * spread && is_factor => Clearness::Open,
-        Some([excess, spread]) if all < TOLD && excess > CHANCE * spread && excess < CLEAR * spread => Clearness::Open,
+        Some([excess, spread]) if excess < CLEAR * spread && excess * growth >= CLEAR * spread => Clearness::Open,
         Some([excess, spread]) if all < TOLD && excess < CERTAIN * spread => Clearness::Clear,
         _ => Clearness::Certain,
     }
@@ -504,6 +504,13 @@ impl<'a> Table<'a> {
         Ok(found.map(|_| name()))
     }
 
+    /// Whether probabilities of all that may be drawn do not add to 1.
+    fn is_mass_wrong(&self) -> bool {
+        let draws = self.total + self.others.iter().map(|(n, _)| *n as f64).sum::<f64>();
+        let expected = self.expected.iter().chain(self.others.iter().map(|(_, expected)| expected)).sum::<f64>();
+        (expected / draws - 1.0).abs() > PRECISION
+    }
+
     /// What shares of the draws are wrong, of atoms, "no sample" and the rest, where nothing else is.
     fn of_draws(&self, [samples, of]: [&str; 2]) -> Option<String> {
         let names = self.density.atom_names().into_iter().chain(["no sample".to_owned()]);
@@ -515,7 +522,7 @@ impl<'a> Table<'a> {
         let is_wrong = |counts: (u64, f64)| deviations(counts) > WRONG;
         let is_near = |counts: (u64, f64)| deviations(counts) <= CHANCE;
         // Where expected probabilities do not add to 1, they are no probabilities.
-        if is_wrong((draws as u64, all.iter().map(|(_, (_, expected))| expected).sum())) {
+        if self.is_mass_wrong() {
             return None;
         }
         let wrong: Vec<&(String, (u64, f64))> = all.iter().filter(|(_, counts)| is_wrong(*counts)).collect();
@@ -563,10 +570,11 @@ impl<'a> Table<'a> {
             return Ok(if self.total == 0.0 { of_draws() } else { None });
         };
         if of_pdf <= CHANCE * spread {
-            // What chance hides of the shape must be little beside the factor.
+            // What chance hides of the shape must be little beside the factor, unless probabilities tell that there is one.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
-            let is_factor = ratio.is_finite() && MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
-            let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.2}") };
+            let is_much = MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
+            let is_factor = ratio.is_finite() && (is_much || self.is_mass_wrong());
+            let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
             let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
             return Ok(of_draws().or_else(|| is_factor.then(told).map(Named::new)));
         }

@@ -557,7 +557,7 @@ mod tests {
         let text = told(&half, &uniform, &crate::density(|_: [f64; 3]| 1.0 / PI));
         assert!(
             text.contains(
-                "samples follow the pdf up to a factor: the pdf is 2.00 times as large: the pdf integrates to 2.0"
+                "samples follow the pdf up to a factor: the pdf is 2.000 times as large: the pdf integrates to 2.0"
             ),
             "{text}"
         );

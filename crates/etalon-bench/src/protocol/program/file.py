@@ -122,9 +122,11 @@ class Call:
         try:
             value = self.function(*arguments)
         except Exception as error:
+            is_at_zero = self.name == "sample" and isinstance(error, ArithmeticError | ValueError) and 0 in row
             single = lambda cut: repr(row[cut]) if isinstance(cut, int) else f"({', '.join(map(repr, row[cut]))})"
             given = ", ".join(map(single, self.cuts))
             error.given = f", for {given}" if any(isinstance(cut, slice) for cut in self.cuts) else f", for ({given})"
+            error.given += "; random numbers are from 0 to below 1, with 0: use 1 - u where 0 is not allowed" if is_at_zero else ""
             raise
         return self.read(value, False, 1)
 
@@ -361,10 +363,10 @@ def guessed(points):
         return "sphere" if any(z < 0 for _, _, z in points) else "hemisphere"
     outside = [point for point in points if any(isfinite(x) and not 0 <= x <= 1 for x in point)]
     if 10 * len(outside) > len(points):
+        declared, others = ('"real"', '"half-line", "interval:-1,1", "discrete:6" …') if width == 1 else ('"plane"', '"disk", "triangle" …')
         raise Refused(
-            f"sample returns points such as ({', '.join(f'{x:.4g}' for x in outside[0])}), which no domain has that is taken by default: "
-            "coordinates of square and line are from 0 to 1, directions of sphere and hemisphere are unit vectors x, y, z, "
-            'and a file with domain = "discrete:6" returns 0 to 5; others are "real", "half-line", "plane", "disk" …'
+            f"sample returns points such as ({', '.join(f'{x:.4g}' for x in outside[0])}), and coordinates are from 0 to 1 unless the file "
+            f"declares a domain: write domain = {declared} into it, or {others}"
         )
     return {2: "square", 1: "line"}[width]
 
