@@ -95,17 +95,22 @@ fn without_asides(text: &str) -> String {
     kept + rest
 }
 
-/// A text with its angles in whole degrees.
+/// A text with its angles in whole degrees, unless two that differ are one then.
 fn whole_degrees(text: &str) -> String {
-    let rounded = |part: &str| {
-        let start = part.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |at| at + 1);
-        let start = start + part[start..].len() - part[start..].trim_start_matches('.').len();
-        let degrees = part[start..].parse::<f64>().map(|degrees| format!("{degrees:.0}"));
-        format!("{}{}", &part[..start], degrees.unwrap_or_else(|_| part[start..].to_owned()))
-    };
+    fn parted(part: &str) -> (&str, &str) {
+        let digits = part.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |at| at + 1);
+        // "24.41°..37.96°"
+        part.split_at(part.len() - part[digits..].trim_start_matches('.').len())
+    }
     let Some((angles, rest)) = text.rsplit_once('°') else { return text.to_owned() };
-    let angles: Vec<String> = angles.split('°').map(rounded).collect();
-    format!("{}°{rest}", angles.join("°"))
+    let parts: Vec<(&str, &str)> = angles.split('°').map(parted).collect();
+    let whole = |angle: &str| angle.parse::<f64>().map_or(angle.to_owned(), |angle| format!("{angle:.0}"));
+    let is_one = |a: &str, b: &str| a != b && whole(a) == whole(b);
+    if parts.iter().any(|(_, a)| parts.iter().any(|(_, b)| is_one(a, b))) {
+        return text.to_owned();
+    }
+    let told: Vec<String> = parts.iter().map(|(before, angle)| format!("{before}{}", whole(angle))).collect();
+    format!("{}°{rest}", told.join("°"))
 }
 
 /// A text whose numbers have at most four digits, or as many as tell them from a whole one.
@@ -205,6 +210,8 @@ mod tests {
         let found = "the sample (-0.069404, 0.994738) carries the pdf 0.397887, but the density says 0.795775 (sampled from u = (0.44495))";
         assert_eq!(clauses(found), ["the sample carries the pdf 0.3979, but the density says 0.7958"]);
         let kept = "a density in proportion to 1/r (the radius is u, not √u)";
+        assert_eq!(clauses(kept), [kept]);
+        let kept = "samples have a mean angle of 5.04° with the axis, not 5.05°";
         assert_eq!(clauses(kept), [kept]);
         assert_eq!(clauses("1.0000312, 9.02 % for theta 31.00°..58.49°"), ["1.00003, 9.02 % for theta 31°..58°"]);
     }
