@@ -124,6 +124,9 @@ const LONGEST_SIDE: usize = 120;
 /// The share of the budget from which the time for reading the scene is told of.
 const LONG_READING: f64 = 0.25;
 
+/// What lets a renderer take more samples per pixel.
+const MORE_SAMPLES: &str = "fewer --replicates or a larger --budget";
+
 /// Seconds of the default budget, and for each renderer.
 const BUDGET: [f64; 2] = [30.0, 60.0];
 
@@ -200,7 +203,7 @@ impl Converge {
         for Fault { strategy, replicate, seed, spp, message } in &result.faults {
             console.warn(&format!("{strategy}, replicate {replicate} (seed {seed}, {spp} spp): {message}"));
         }
-        result.notes.iter().for_each(|note| console.warn(note));
+        result.notes.iter().for_each(|note| console.warn(&format!("{note}; {MORE_SAMPLES} may help")));
         let mut saving = Saving::default();
         if !result.curves.is_empty() {
             saving.add(output::write(&stem, &view::curves(&result), &style, &output::csv(&view::rows(&result))?));
@@ -384,10 +387,12 @@ fn text(output: &Output<'_>) -> String {
     text += "the CSV file has more columns\n";
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
-        let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(|e| [e.value, e.half_width]);
+        let of = |e: etalon_stats::estimate::Estimate| [e.value, e.half_width];
+        let [start, each] = [fit.startup_cpu_seconds, fit.cpu_seconds_per_spp].map(of);
+        let [wall, wall_each] = [fit.startup_wall_seconds, fit.wall_seconds_per_spp].map(of);
         let times = format!(
-            "start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} s, {:.5} s",
-            start[0], start[1], each[0], each[1], fit.startup_wall_seconds.value, fit.wall_seconds_per_spp.value
+            "start-up {:.3} ± {:.3} s, {:.5} ± {:.5} s of processor time per spp; wall clock {:.3} ± {:.3} s, {:.5} ± {:.5} s",
+            start[0], start[1], each[0], each[1], wall[0], wall[1], wall_each[0], wall_each[1]
         );
         text += &format!("{}:\n{}", curve.strategy, wrapped(&times, "  ", LINE));
     }

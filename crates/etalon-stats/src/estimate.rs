@@ -34,7 +34,8 @@ impl Estimate {
         Self::new(value, (squares / (n * (n - 1.0))).sqrt(), n - 1.0)
     }
 
-    /// f of the replicates' mean, its error by leaving one replicate out at a time (the jackknife).
+    /// f of the replicates' mean, its error by leaving one replicate out at a time (the jackknife). Where f is not finite without one
+    /// of them, there is no interval: its half width is infinite.
     ///
     /// Source: Efron & Stein, "The Jackknife Estimate of Variance", 1981.
     pub fn jackknife<T>(replicates: &[T], f: impl Fn(&[&T]) -> f64) -> Self {
@@ -51,7 +52,8 @@ impl Estimate {
         let left: Vec<f64> = (0..n).map(without).collect();
         let mean = left.iter().sum::<f64>() / n as f64;
         let squares: f64 = left.iter().map(|x| (x - mean).powi(2)).sum();
-        Self::new(f(&all), (squares * (n as f64 - 1.0) / n as f64).sqrt(), n as f64 - 1.0)
+        let error = (squares * (n as f64 - 1.0) / n as f64).sqrt();
+        Self::new(f(&all), if error.is_finite() { error } else { f64::INFINITY }, n as f64 - 1.0)
     }
 
     /// The same value with the interval of another confidence than 95 %, by Student's t of n replicates.
@@ -222,6 +224,9 @@ mod tests {
         let mean = |v: &[&f64]| v.iter().copied().sum::<f64>() / v.len() as f64;
         let (a, b) = (Estimate::jackknife(&values, mean), Estimate::mean(&values));
         assert!((a.value - b.value).abs() < 1e-12 && (a.half_width - b.half_width).abs() < 1e-9, "{a:?} {b:?}");
+        // Without the largest value there is none.
+        let degenerate = Estimate::jackknife(&values, |v| if v.contains(&&16.0) { mean(v) } else { f64::NAN });
+        assert!(degenerate.value == 7.5 && degenerate.half_width == f64::INFINITY, "{degenerate:?}");
     }
 
     #[test]

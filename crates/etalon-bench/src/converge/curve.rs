@@ -90,19 +90,30 @@ pub struct TimeFit {
 }
 
 impl TimeFit {
-    /// By weighted least squares (see [`fit::relative_line`]); `None` unless both times per sample are positive beyond
-    /// two standard errors.
+    /// By weighted least squares (see [`fit::relative_line`]); `None` unless the processor time per sample is positive beyond
+    /// two standard errors. Wall-clock time, which other programs on the machine disturb, decides nothing.
     pub(super) fn new(runs: &[&Run]) -> Option<Self> {
         let line = |time: fn(Times) -> f64| {
             let points = runs.iter().flat_map(|run| run.levels.iter().map(|m| [f64::from(m.spp), time(m.times)]));
             fit::relative_line(&points.collect::<Vec<_>>())
         };
-        let ([startup_wall_seconds, wall], [startup_cpu_seconds, cpu]) = (line(|t| t.wall)?, line(|t| t.cpu)?);
-        let is_known = |slope: Estimate| slope.value > 2.0 * slope.standard_error;
-        let fit =
-            Self { startup_wall_seconds, startup_cpu_seconds, wall_seconds_per_spp: wall, cpu_seconds_per_spp: cpu };
-        (is_known(wall) && is_known(cpu)).then_some(fit)
+        let [startup_cpu_seconds, cpu_seconds_per_spp] = line(|t| t.cpu)?;
+        let [startup_wall_seconds, wall_seconds_per_spp] = line(|t| t.wall).unwrap_or_default();
+        let fit = Self { startup_wall_seconds, startup_cpu_seconds, wall_seconds_per_spp, cpu_seconds_per_spp };
+        is_separated(cpu_seconds_per_spp).then_some(fit)
     }
+
+    /// Whether there is no such fit without one of the replicates.
+    pub(super) fn rests_on_one(runs: &[Run]) -> bool {
+        let without =
+            |i: usize| runs.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, run)| run).collect::<Vec<_>>();
+        (0..runs.len()).any(|i| Self::new(&without(i)).is_none())
+    }
+}
+
+/// Whether a time per sample is told from 0.
+fn is_separated(slope: Estimate) -> bool {
+    slope.value > 2.0 * slope.standard_error
 }
 
 /// One contender's errors.
@@ -233,10 +244,14 @@ impl Curve {
     }
 
     /// The logarithm of the efficiency after `seconds` of processor time, 1/(MSE · seconds), its error by the jackknife over the
-    /// replicates. Between levels the MSE follows a power law; beyond them, the efficiency stays.
+    /// replicates. Between levels the MSE follows a power law; beyond them, the efficiency stays. It has no interval if
+    /// the time per sample is not told from 0 without one of the replicates.
     pub fn log_efficiency_at(&self, seconds: f64) -> Estimate {
         Estimate::jackknife(&self.runs, |some| {
             let fit = if self.times.is_some() { TimeFit::new(some) } else { None };
+            if fit.is_some() != self.times.is_some() {
+                return f64::NAN;
+            }
             let mean = |i: usize| some.iter().map(|run| run.levels[i].errors.mse).sum::<f64>() / some.len() as f64;
             let points: Vec<[f64; 2]> =
                 mean_times(some, fit).iter().enumerate().map(|(i, times)| [times.cpu, mean(i)]).collect();
@@ -264,14 +279,19 @@ impl Curve {
     }
 }
 
-/// The mean times of each level; by a fit, those of its samples alone.
+/// The mean times of each level; by a fit, those of its samples alone. The wall-clock time is NaN where that of a sample is not told
+/// from 0.
 fn mean_times(runs: &[&Run], fit: Option<TimeFit>) -> Vec<Times> {
     let level = |i: usize| {
         let mean = |f: fn(Times) -> f64| runs.iter().map(|run| f(run.levels[i].times)).sum::<f64>() / runs.len() as f64;
         let spp = f64::from(runs[0].levels[i].spp);
         fit.map_or_else(
             || Times { wall: mean(|t| t.wall), cpu: mean(|t| t.cpu) },
-            |fit| Times { wall: fit.wall_seconds_per_spp.value * spp, cpu: fit.cpu_seconds_per_spp.value * spp },
+            |fit| {
+                let wall = fit.wall_seconds_per_spp;
+                let wall = if is_separated(wall) { wall.value * spp } else { f64::NAN };
+                Times { wall, cpu: fit.cpu_seconds_per_spp.value * spp }
+            },
         )
     };
     (0..runs[0].levels.len()).map(level).collect()
@@ -356,5 +376,71 @@ fn verdict(
         CurveVerdict::Slower
     } else {
         CurveVerdict::MonteCarlo
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_core::math::Rgb;
+    use etalon_core::raster::{compare, compare_shown};
+    use etalon_core::scene::Request;
+
+    /// Replicates of a renderer by the wall-clock and processor seconds of its images of 1, 4, 16 and 64 samples per pixel.
+    fn curve(times: &[[[f64; 2]; 4]]) -> Curve {
+        let white = || Image::from_fn(2, 1, |_, _| Rgb::ONE);
+        let request = Request { width: 2, height: 1, spp: 1, light_samples: 1, max_depth: 1 };
+        let reference = Reference::given(white(), &request, "white".into()).unwrap();
+        let run = |(i, times): (usize, &[[f64; 2]; 4])| {
+            let level = |(spp, [wall, cpu]): (u32, [f64; 2])| {
+                let mse = (1.0 + 0.01 * i as f64) / f64::from(spp);
+                let errors = Comparison { mse, ..compare(&white(), &white()).unwrap() };
+                let shown = Some((compare_shown(&white(), &white()), white()));
+                Measured { spp, times: Times { wall, cpu }, errors, shown }
+            };
+            Run {
+                seed: i as u64,
+                levels: [1, 4, 16, 64].into_iter().zip(*times).map(level).collect(),
+                last: None,
+                preparation: 0.0,
+            }
+        };
+        let runs: Vec<Run> = times.iter().enumerate().map(run).collect();
+        let fit = TimeFit::new(&runs.iter().collect::<Vec<_>>());
+        let contender = Contender::from("mis".parse::<super::super::strategy::Strategy>().unwrap());
+        Curve::new(&contender, runs, &reference, fit).unwrap()
+    }
+
+    /// A record of a renderer in NumPy on a busy machine.
+    const BUSY: [[[f64; 2]; 4]; 5] = [
+        [[0.327, 0.1354], [0.349, 0.1370], [0.289, 0.1483], [0.367, 0.1830]],
+        [[0.300, 0.1354], [0.329, 0.1379], [0.324, 0.1425], [0.418, 0.1725]],
+        [[0.279, 0.1376], [0.345, 0.1395], [0.418, 0.1577], [0.468, 0.1795]],
+        [[0.404, 0.1297], [0.424, 0.1361], [1.022, 0.1708], [0.573, 0.2165]],
+        [[0.275, 0.1269], [0.388, 0.1194], [0.395, 0.1337], [0.556, 0.1634]],
+    ];
+
+    #[test]
+    fn wall_clock_times_do_not_disturb_what_is_measured_in_processor_time() {
+        let noisy = curve(&BUSY);
+        let quiet = curve(&BUSY.map(|run| run.map(|[_, cpu]| [cpu, cpu])));
+        let none = curve(&BUSY.map(|run| run.map(|[_, cpu]| [0.0, cpu])));
+        let seconds = quiet.levels[3].cpu_seconds;
+        let [noisy_found, quiet_found, none_found] =
+            [&noisy, &quiet, &none].map(|curve| curve.log_efficiency_at(seconds));
+        assert_eq!((noisy_found, none_found), (quiet_found, quiet_found));
+        assert!(quiet_found.half_width < 2.0_f64.ln(), "{quiet_found:?}");
+        assert!(none.levels[3].wall_seconds.is_nan() && none.levels[3].cpu_seconds == seconds);
+    }
+
+    #[test]
+    fn a_time_per_sample_that_rests_on_one_replicate_gives_no_interval() {
+        // Without the first replicate the slope is 1.2 standard errors, with both 2.4.
+        let both = [[0.1, 0.101, 0.104, 0.118], [0.1, 0.103, 0.101, 0.1035]];
+        let curve = curve(&both.map(|run| run.map(|seconds| [seconds; 2])));
+        assert!(curve.times.is_some() && TimeFit::rests_on_one(&curve.runs));
+        let found = curve.log_efficiency_at(0.1);
+        assert!(found.value.is_finite() && found.half_width == f64::INFINITY, "{found:?}");
+        assert!(!TimeFit::rests_on_one(&self::curve(&BUSY).runs));
     }
 }

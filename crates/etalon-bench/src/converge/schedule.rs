@@ -177,7 +177,7 @@ pub fn run(
         entries.iter().filter(is_timed).filter(|e| fit(e).is_none()).map(|e| e.contender.name()).collect();
     if !unseparated.is_empty() {
         let unknown = "its time does not grow measurably with the samples: start-up counts for every renderer, and the answer leaves \
-                       them out; a larger budget may separate the two";
+                       them out";
         result.notes.push(format!("{}: {unknown}", unseparated.join(", ")));
     }
     let is_separated = unseparated.is_empty();
@@ -196,6 +196,10 @@ pub fn run(
         }
         if runs.is_empty() {
             continue;
+        }
+        if times.is_some() && runs.len() > 1 && TimeFit::rests_on_one(&runs) {
+            let unknown = "without one of its replicates its time per sample is not told from 0, and its efficiency has no interval";
+            result.notes.push(format!("{name}: {unknown}"));
         }
         result.curves.push(Curve::new(contender, runs, truth, times)?);
     }

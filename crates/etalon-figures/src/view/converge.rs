@@ -196,21 +196,21 @@ fn of_best(answer: &Answer) -> String {
         return format!("{} alone has no known bias\n", answer.best);
     };
     let times = |ratio: &Ratio| format!("{} times", rounded(ratio.ratio, 2));
-    let ends = |ratio: &Ratio| match ratio.high.is_finite() {
-        true => format!("{} to {}", rounded(ratio.low, 2), rounded(ratio.high, 2)),
-        false => "unknown".to_owned(),
+    let ends = |ratio: &Ratio, confidence: &str| match ratio.high.is_finite() {
+        true => format!("({confidence}{} to {})", rounded(ratio.low, 2), rounded(ratio.high, 2)),
+        false => "(no interval)".to_owned(),
     };
     let doubt = if next.low > 1.0 { "" } else { ", not beyond chance" };
     let mut text = format!(
-        "best at {}{doubt}: {}, {} the efficiency of {} (95 %: {})",
+        "best at {}{doubt}: {}, {} the efficiency of {} {}",
         duration(answer.cpu_seconds),
         answer.best,
         times(next),
         next.over,
-        ends(next)
+        ends(next, "95 %: ")
     );
     if let Some(last) = others.last() {
-        text += &format!(", {} that of {} ({})", times(last), last.over, ends(last));
+        text += &format!(", {} that of {} {}", times(last), last.over, ends(last, ""));
     }
     text + "\n"
 }
