@@ -37,6 +37,12 @@ fn a_fault_is_shown_beside_the_closest_model() {
     for file in ["mine.png", "mine.exr", "mine-values.exr", "mine-model.exr"].map(|end| format!("sphere-env-{end}")) {
         assert!(folder.path().join("out").join(&file).is_file(), "{file}");
     }
+    // What is not found is no agreement
+    let args = ["render", "sphere-env", "--bsdf", "mine.py", "-r", "12", "12", "-s", "4", "-o", "right"];
+    let text = etalon(folder.path(), &args).stdout.replace("\n  ", " ");
+    for said in ["mine: no difference found", "would have been found (with 90 %", "etalon validate mine.py"] {
+        assert!(text.contains(said), "{text}");
+    }
     let page = include_str!("../../docs/src/columns.md");
     for key in right.as_object().unwrap().keys().filter(|key| *key != "files") {
         assert!([format!("`{key}`"), format!("`{key}.")].iter().any(|name| page.contains(name)), "{key}");

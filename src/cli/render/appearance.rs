@@ -115,7 +115,12 @@ impl Render {
             write_exr(&path, &layers, Precision::Float, &metadata)?;
             files.push(path);
         }
-        console.saved(&found, &target.written(files), || view::text(&found));
+        let tested = match source {
+            ProgramSource::File(file) => file.to_owned(),
+            ProgramSource::Command(command) => format!("--exec '{command}'"),
+        };
+        let test = format!("its samples, pdf and values themselves are tested by: etalon validate {tested}\n");
+        console.saved(&found, &target.written(files), || view::text(&found) + &test);
         Ok(Verdict::Good)
     }
 }

@@ -23,6 +23,7 @@ use etalon_core::sampling::stream::CounterRng;
 use etalon_core::sampling::warp;
 use etalon_core::scene::{Emission, Environment, Material, Object, Ray, Rectangle, Request, Scene, Shape};
 use etalon_stats::bsdf::{BatchBsdf, Density, Direction, Family as _, Pair, Properties, Spectrum};
+use etalon_stats::estimate;
 use glam::{DVec3, Vec3};
 use rand::RngExt;
 use serde::Serialize;
@@ -68,6 +69,8 @@ pub struct Difference {
     pub mean_difference_percent: f64,
     /// Its standard error.
     pub standard_error_percent: f64,
+    /// The smallest mean difference that is found with 90 % probability, at [`LEVEL`].
+    pub detectable_percent: f64,
     /// Mean absolute difference of the pixels.
     pub pixel_difference_percent: f64,
     /// What noise alone makes of that.
@@ -75,7 +78,13 @@ pub struct Difference {
     /// The difference of each pixel and those around it, [`AROUND`] to each side; NaN where the other is black.
     #[serde(skip)]
     pub percent: Vec<f64>,
+    /// P-value of the mean difference, if there is none in truth.
+    #[serde(skip)]
+    p: f64,
 }
+
+/// Level of the test of a mean difference.
+pub const LEVEL: f64 = 1e-3;
 
 /// Pixels to each side over which differences of pixels are averaged: noise would hide them.
 pub const AROUND: usize = 2;
@@ -84,10 +93,8 @@ impl Difference {
     /// Whether it is more than noise, in the mean or in the pixels.
     #[must_use]
     pub fn is_seen(&self) -> bool {
-        const ERRORS: f64 = 4.0;
         const OVER_NOISE: f64 = 1.5;
-        self.mean_difference_percent.abs() > ERRORS * self.standard_error_percent
-            || self.pixel_difference_percent > OVER_NOISE * self.pixel_noise_percent
+        self.p < LEVEL || self.pixel_difference_percent > OVER_NOISE * self.pixel_noise_percent
     }
 }
 
@@ -153,9 +160,17 @@ impl Differences {
                 .sum()
         };
         let percent = |i: usize| 100.0 * (around(a, i) - around(b, i)) / around(b, i);
+        let of_mean = estimate::Difference {
+            value: percent_of(mean),
+            standard_error: percent_of((variance / n).sqrt()),
+            dof: n - 1.0,
+            allowance: 0.0,
+        };
         Difference {
-            mean_difference_percent: percent_of(mean),
-            standard_error_percent: percent_of((variance / n).sqrt()),
+            mean_difference_percent: of_mean.value,
+            standard_error_percent: of_mean.standard_error,
+            detectable_percent: of_mean.detectable(LEVEL),
+            p: of_mean.p(),
             pixel_difference_percent: over_pixels(1.0),
             pixel_noise_percent: over_pixels(-1.0),
             percent: (0..a.sums.len()).map(percent).collect(),

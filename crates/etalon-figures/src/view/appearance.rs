@@ -2,7 +2,7 @@
 
 use super::text::{LINE, rounded, wrapped};
 use crate::figure::{Drawing, Heatmap, Rgb8, Shading, contact_sheet};
-use etalon_bench::appearance::{AROUND, Appearance, Difference, Model};
+use etalon_bench::appearance::{AROUND, Appearance, Difference, LEVEL, Model};
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 
 /// Models with a larger difference of their values are not close.
@@ -41,13 +41,15 @@ fn is_close(found: &Appearance) -> bool {
     found.model.difference <= FAR
 }
 
-/// A row for each comparison: the BSDF, the other image, and the difference in percent with its scale, which is one for both.
+/// A row for each comparison: the BSDF, the other image, and the difference in percent with its scale, which is one for both. A model that is not
+/// close has none: its colours and its lobes are others, too.
 pub fn drawing(found: &Appearance) -> Drawing {
     // One exposure for all, so that a difference in brightness is seen
     let own = &found.images[0].image;
     let stops = auto_exposure(&found.images[1].image);
     let shown = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops }));
     let all = comparisons(found);
+    let all = if is_close(found) { &all[..] } else { &all[..1] };
     let percent = all.iter().flat_map(|comparison| &comparison.difference.percent);
     let mut sizes: Vec<f64> = percent.filter(|x| x.is_finite()).map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -63,7 +65,13 @@ pub fn drawing(found: &Appearance) -> Drawing {
         [
             (found.bsdf.clone(), shown(own)),
             (caption.clone(), shown(image)),
-            (format!("difference, {mean} % in the mean over the spheres"), map(difference).image()),
+            (
+                format!(
+                    "difference, {mean} % in the mean over the spheres (standard error {:.1} %)",
+                    difference.standard_error_percent
+                ),
+                map(difference).image(),
+            ),
         ]
     };
     let cells: Vec<(String, Rgb8)> = all.iter().flat_map(row).collect();
@@ -75,8 +83,10 @@ pub fn drawing(found: &Appearance) -> Drawing {
 fn cause(found: &Appearance) -> String {
     match (found.sampling.is_seen(), found.of_model.is_seen() && is_close(found)) {
         (true, _) => "samples, pdf or weights change the image".into(),
-        (false, true) => format!("samples and weights agree with f, which is not that of {}", found.model.name),
-        (false, false) => "samples and weights agree with f".into(),
+        (false, true) => {
+            format!("f is not that of {}; no difference found that samples, pdf or weights make", found.model.name)
+        }
+        (false, false) => "no difference found that samples, pdf or weights make".into(),
     }
 }
 
@@ -88,7 +98,8 @@ fn named(Model { name, parameters, .. }: &Model) -> String {
 }
 
 fn signed(percent: f64) -> String {
-    format!("{percent:+.1}").replace('-', "−")
+    let rounded = (10.0 * percent).round() / 10.0;
+    if rounded == 0.0 { "0.0".to_owned() } else { format!("{rounded:+.1}").replace('-', "−") }
 }
 
 /// The mean difference that tells most first, then the other.
@@ -96,15 +107,25 @@ pub fn text(found: &Appearance) -> String {
     let Appearance { bsdf, model, scene, width, height, spp, .. } = found;
     let mut text = wrapped(&format!("{bsdf}: {}", cause(found)), "", LINE);
     for Comparison { other, difference, .. } in comparisons(found) {
-        let mean = difference.mean_difference_percent;
+        let (mean, error) = (difference.mean_difference_percent, difference.standard_error_percent);
         let direction = if mean < 0.0 { "darker" } else { "brighter" };
+        let of_mean = if difference.is_seen() {
+            format!(
+                "it makes the spheres of {scene} {:.1} % {direction} (standard error {error:.1} %) than {other}",
+                mean.abs()
+            )
+        } else {
+            format!(
+                "it is not found to make the spheres of {scene} darker or brighter than {other}: {} % in the mean (standard error {error:.1} %); \
+                 {:.1} % would have been found (with 90 % probability, at a level of {} %)",
+                signed(mean),
+                difference.detectable_percent,
+                100.0 * LEVEL
+            )
+        };
         let said = format!(
-            "it makes the spheres of {scene} {:.1} ± {:.1} % {direction} than {other}; pixels differ by {:.1} % in the mean, of which noise makes \
-             {:.1} %",
-            mean.abs(),
-            difference.standard_error_percent,
-            difference.pixel_difference_percent,
-            difference.pixel_noise_percent
+            "{of_mean}; pixels differ by {:.1} % in the mean, of which noise makes {:.1} %",
+            difference.pixel_difference_percent, difference.pixel_noise_percent
         );
         text += &wrapped(&said, "  ", LINE);
     }
@@ -120,4 +141,14 @@ pub fn text(found: &Appearance) -> String {
         text += &format!("{} paths with light below 0 or not finite count as black\n", found.dropped);
     }
     text + &format!("{width}x{height}, {spp} samples per pixel: {:.1} s\n", found.seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::signed;
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!([-0.04, 0.04, -0.06, 1.25, -2.0].map(signed), ["0.0", "0.0", "−0.1", "+1.3", "−2.0"]);
+    }
 }
