@@ -31,10 +31,7 @@ pub struct SceneArgs {
     #[arg(long)]
     fit: bool,
     /// Environment map, a file or a built-in name [default: the scene's]
-    ///
-    /// Built-in scenes that have one have nave. It takes the place of the map of a built-in scene that has one (`etalon scenes` lists them) or of a .pbrt file. To a .dae
-    /// scene it is added; row 0 is at +y, the file's up axis.
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", long_help = envmap_help())]
     envmap: Option<OsString>,
     #[command(flatten)]
     map_options: MapOptions,
@@ -85,6 +82,15 @@ fn note_crop([width, height]: [usize; 2], console: &Console) {
             "{width}x{height} pixels show the middle of a view of {all_width}x{all_height}, as in the course's renderer; with --fit, all of it"
         ));
     }
+}
+
+fn envmap_help() -> String {
+    format!(
+        "Environment map, a file or a built-in name [default: the scene's]\n\nBuilt-in scenes that have one have nave, and multiply its \
+         radiance, and that of a map in its place: {}. It takes the place of the map of a built-in scene that has one or of a .pbrt file. \
+         To a .dae scene it is added; row 0 is at +y, the file's up axis.",
+        builtin::map_scales()
+    )
 }
 
 impl SceneArgs {

@@ -46,6 +46,8 @@ struct Entry {
     spp: u32,
     light_samples: u32,
     max_depth: u32,
+    /// What it multiplies the radiance of its environment map by.
+    map_scale: Option<f32>,
     /// Options of `render` that change it and that other scenes may refuse.
     options: Vec<&'static str>,
 }
@@ -100,6 +102,7 @@ impl Scenes {
             let (scene, request) = built_in.make(environment, None)?;
             Ok(Entry {
                 options: accepted(&built_in, &scene),
+                map_scale: built_in.map_scale(),
                 name: built_in.name,
                 description: built_in.doc,
                 width: request.width,
@@ -122,9 +125,24 @@ impl Scenes {
                 none if none.is_empty() => none,
                 options => wrapped(&format!("options: {options}"), "    ", LINE),
             };
-            scenes.text_with(|scene, line| line + &wrapped(&scene.description, "    ", LINE) + &options(scene))
+            let map = |scene: &Entry| match scene.map_scale {
+                Some(scale) => format!("    the radiance of its map is multiplied by {scale}\n"),
+                None => String::new(),
+            };
+            let told = |scene: &Entry| wrapped(&scene.description, "    ", LINE) + &map(scene) + &options(scene);
+            scenes.text_with(|scene, line| line + &told(scene))
                 + "render also takes scene files: pbrt (.pbrt) and COLLADA (.dae)\n"
         });
         Ok(Verdict::Good)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use etalon_core::scene::builtin;
+
+    #[test]
+    fn the_book_says_what_scenes_multiply_their_maps_by() {
+        assert!(include_str!("../../docs/src/render.md").contains(&builtin::map_scales()), "{}", builtin::map_scales());
     }
 }

@@ -1,6 +1,6 @@
 //! Scenes as XML of Mitsuba 3, for its RGB variants.
 
-use super::{Aside, numbers, scaled_map, unsupported};
+use super::{Aside, numbers, scaled_map, told_scale, unsupported};
 use crate::bsdf::Bsdf;
 use crate::error::Result;
 use crate::math::Rgb;
@@ -15,9 +15,10 @@ use glam::{DMat3, DMat4, DQuat, DVec3};
 pub fn text(scene: &Scene, request: &Request, aside: &mut Aside) -> Result<String> {
     let Request { width, height, spp, max_depth, .. } = request;
     let mut text = format!(
-        "<!-- The scene {} of etalon -->\n<scene version=\"3.0.0\">\n\
+        "<!-- The scene {} of etalon{} -->\n<scene version=\"3.0.0\">\n\
          <integrator type=\"path\"><integer name=\"max_depth\" value=\"{}\"/></integrator>\n",
         scene.name,
+        told_scale(scene),
         max_depth.saturating_add(1)
     );
     text += &camera(

@@ -19,6 +19,7 @@ mod tests;
 
 use crate::error::{Error, Result};
 use crate::files;
+use crate::math::Rgb;
 use crate::raster::{self, Image, Metadata};
 use crate::scene::{Emission, EmitterVisibility, Environment, Mesh, PixelFilter, Request, Scene};
 use glam::{Vec2, Vec3};
@@ -140,6 +141,13 @@ fn unsupported(scene: &Scene, what: &str) -> Error {
 /// Numbers with `separator` between them, each with as many digits as it takes to read the same number.
 fn numbers<T: std::fmt::Display>(values: impl IntoIterator<Item = T>, separator: &str) -> String {
     values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(separator)
+}
+
+/// What the first line of a file says of the environment's map beside it.
+fn told_scale(scene: &Scene) -> String {
+    let scale = scene.environment.as_ref().map_or(Rgb::ONE, |environment| environment.scale);
+    let factor = if scale == Rgb::splat(scale.x) { scale.x.to_string() } else { numbers(scale.to_array(), ", ") };
+    if scale == Rgb::ONE { String::new() } else { format!("; the map beside it is the environment map times {factor}") }
 }
 
 /// The environment's map with its scale.

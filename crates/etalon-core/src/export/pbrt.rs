@@ -1,6 +1,6 @@
 //! Scenes as text of pbrt-v4.
 
-use super::{Aside, numbers, scaled_map, unsupported};
+use super::{Aside, numbers, scaled_map, told_scale, unsupported};
 use crate::bsdf::Bsdf;
 use crate::envmap::equal_area;
 use crate::error::Result;
@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// The scene file.
 pub fn text(scene: &Scene, request: &Request, aside: &mut Aside) -> Result<String> {
     let Request { width, height, spp, max_depth, .. } = request;
-    let mut text = format!("# The scene {} of etalon\n", scene.name);
+    let mut text = format!("# The scene {} of etalon{}\n", scene.name, told_scale(scene));
     text += &camera(&scene.camera);
     text += &format!(
         "Film \"rgb\" \"integer xresolution\" {width} \"integer yresolution\" {height} \"string filename\" \"{}.exr\"\n\

@@ -127,6 +127,8 @@ fn every_scene_has_an_xml_file_whose_files_exist() {
         let path = folder.path().join(format!("{}.xml", entry.name));
         let exported = write(&path, &scene, &request).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
+        let scale = entry.map_scale().map(|scale| format!("the environment map times {scale} -->"));
+        assert!(scale.is_none_or(|scale| text.contains(&scale)), "{text}");
         let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{}: {e}", entry.name));
         let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
         assert_eq!(count("shape"), scene.objects.len(), "{}", entry.name);

@@ -259,6 +259,13 @@ pub fn find(name: &str) -> Option<BuiltIn> {
     scenes().into_iter().find(|scene| scene.name == name)
 }
 
+/// The scenes under an environment map, each with what it multiplies the map's radiance by: "sphere-env by 8, …".
+#[must_use]
+pub fn map_scales() -> String {
+    let of = |scene: &BuiltIn| Some(format!("{} by {}", scene.name, scene.map_scale()?));
+    scenes().iter().filter_map(of).collect::<Vec<_>>().join(", ")
+}
+
 impl BuiltIn {
     /// How much the scene brightens the environment map that [`BuiltIn::make`] needs; `None`: it needs none.
     #[must_use]
