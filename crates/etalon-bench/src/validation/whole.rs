@@ -179,18 +179,26 @@ impl<F: Family> WholeBsdf<F> {
         self.tests.iter().map(|test| test.name.clone()).collect()
     }
 
-    /// Runs all checks that apply for every direction, at the level of `protocol` for all together, and calls `done` after each.
+    /// Runs all checks that apply for every direction, at the level of `protocol` for all together, and calls `done` after each. What an
+    /// interruption leaves unfinished is inconclusive.
     ///
     /// # Errors
     /// [`Error::Parameter`] for an impossible protocol, and if none of the tests applies to the BSDF; those of the BSDF;
-    /// [`Error::Interrupted`].
+    /// [`Error::Interrupted`] if no test is finished.
     pub fn run(&self, protocol: &Protocol, done: &dyn Fn()) -> Result<Validation> {
         let start = Instant::now();
         let protocol = Protocol { tests: self.tests.len(), cancelled: interrupt::requested, ..*protocol };
         let bsdf = self.family.with(&self.values)?;
-        let examine = |test: &Test, round| match &test.examined {
-            Examined::Check(check, wo) => Ok(check.examine(&*bsdf, *wo, &protocol, round)?),
-            Examined::Claim(claim) => claim.examine(&self.family, &self.values).map(Some),
+        let examine = |test: &Test, round| {
+            let examined = match &test.examined {
+                _ if interrupt::requested() => Err(Error::Interrupted),
+                Examined::Check(check, wo) => check.examine(&*bsdf, *wo, &protocol, round).map_err(Error::from),
+                Examined::Claim(claim) => claim.examine(&self.family, &self.values).map(Some),
+            };
+            match examined {
+                Err(Error::Interrupted) => Ok(Some(Outcome::interrupted())),
+                other => other,
+            }
         };
         let mut applied = Vec::new();
         let mut outcomes: Vec<Outcome> = Vec::new();
@@ -203,6 +211,9 @@ impl<F: Family> WholeBsdf<F> {
         }
         if applied.is_empty() {
             return Err(Error::parameter("names", "none of these tests applies to the BSDF"));
+        }
+        if outcomes.iter().all(|outcome| outcome.interrupted) {
+            return Err(Error::Interrupted);
         }
         decide(&mut outcomes, protocol.level, |i| examine(applied[i], 1).map(Option::unwrap_or_default))?;
         let both = applied.into_iter().zip(outcomes);
