@@ -86,6 +86,7 @@ fn bad_input_is_refused_with_what_and_why() {
         (&["cornell-spheres", "-r", "100000", "100000"], "the films of"),
         (&["cornell-spheres", "--renderer", "prog"], "--renderer: "),
         (&["cornell-spheres", "--renderer", "a=prog {spp}"], "has no {out}"),
+        (&["cornell-spheres", "--renderer", "a=BIAS=0.1 prog {spp} {out}"], "hint: `env BIAS=0.1 ...`"),
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {sed}"], "no placeholder {sed}"),
         (&["cornell-spheres", "--renderer", "a=prog {spp} {out} {scene}"], "hint: --renderer-scene"),
         (&["cornell-spheres", "--renderer", "mis=prog {spp} {out}"], "two of them are called mis"),

@@ -165,7 +165,13 @@ impl Error {
             Error::Input(fault) | Error::Parameter(fault) | Error::Unsupported(fault) | Error::Limit(fault) => {
                 fault.hint.as_deref()
             }
-            Error::Io { .. } | Error::Memory(_) | Error::Interrupted => None,
+            // The shell gives a pattern that matches nothing as it is
+            Error::Io { path, source } => {
+                let is_pattern = path.to_string_lossy().contains(['*', '?']);
+                let is_missing = source.kind() == std::io::ErrorKind::NotFound;
+                (is_pattern && is_missing).then_some("the pattern matches no file")
+            }
+            Error::Memory(_) | Error::Interrupted => None,
         }
     }
 }
@@ -278,6 +284,14 @@ mod tests {
         assert_eq!(e.hint(), Some("SPP or LDR, `git lfs pull`"));
         let e = Error::input(Path::new("spp"), "`size` of ``spp`").with_names(word);
         assert_eq!(e.to_string(), "spp: `size` of `SPP");
+    }
+
+    #[test]
+    fn a_pattern_without_a_match_is_told_so() {
+        let of = |path: &str, kind: std::io::ErrorKind| Error::io(Path::new(path), kind.into());
+        assert!(of("no-*.exr", std::io::ErrorKind::NotFound).hint().is_some_and(|hint| hint.contains("no file")));
+        assert_eq!(of("a.exr", std::io::ErrorKind::NotFound).hint(), None);
+        assert_eq!(of("a*.exr", std::io::ErrorKind::PermissionDenied).hint(), None);
     }
 
     #[test]

@@ -267,6 +267,7 @@ mod tests {
             ("../up=prog {spp} {out}", "no name of a renderer"),
             ("a=", "is no command"),
             ("a='prog {spp} {out}", "is no command"),
+            ("a=BIAS=0.1 prog {spp} {out}", "no shell reads the command"),
             ("a=prog {spp} {output}", "no placeholder {output}"),
             ("a=prog {spp}", "has no {out}"),
             ("a=prog {out}", "has no {spp}"),

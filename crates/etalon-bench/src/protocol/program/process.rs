@@ -31,12 +31,19 @@ const POLL: Duration = Duration::from_millis(50);
 /// inputs from now on. `parameter` is what the command was given as.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a command without a word, or with a quote that is not closed.
+/// [`Error::Parameter`] for a command without a word, with a quote that is not closed, or that begins with a variable as for a shell.
 pub fn words(parameter: &'static str, command: &str) -> Result<Vec<String>> {
     let words = shlex::split(command).filter(|words| !words.is_empty()).ok_or_else(|| {
         Error::parameter(parameter, format!("{command:?} is no command"))
             .with_hint("give a program and its arguments, with quotes in pairs")
     })?;
+    let is_name = |name: &str| {
+        name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && !name.starts_with(|c: char| c.is_ascii_digit())
+    };
+    if words[0].split_once('=').is_some_and(|(name, _)| !name.is_empty() && is_name(name)) {
+        let message = format!("\"{}\" is no program, and no shell reads the command", words[0]);
+        return Err(Error::parameter(parameter, message).with_hint(format!("`env {} ...` sets the variable", words[0])));
+    }
     files::note_command(&words);
     Ok(words)
 }
