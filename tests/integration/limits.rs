@@ -285,6 +285,30 @@ fn every_long_command_can_be_interrupted() {
     }
 }
 
+/// A program's BSDF, too, keeps its finished checks.
+#[cfg(unix)]
+#[test]
+#[ignore = "takes seconds: cargo test -- --ignored"]
+fn an_interrupted_test_of_a_bsdf_tells_what_it_has() {
+    if !crate::exec::has("python3", &["--version"]) {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let diffuse = "
+from math import cos, pi, sin, sqrt, tau
+def value(wo, wi): return 0.5 / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+def pdf(wo, wi): return wi[2] / pi if wo[2] > 0 and wi[2] > 0 else 0.0
+def sample(wo, u): return (sqrt(u[0]) * cos(tau * u[1]), sqrt(u[0]) * sin(tau * u[1]), sqrt(1 - u[0]))
+";
+    std::fs::write(dir.path().join("slow.py"), diffuse).unwrap();
+    let args = ["validate", "slow.py", "--samples", "10000000", "--json", "-o", "o"];
+    let mut attempts = (1..7).map(|n| interrupted(dir.path(), &args, MOMENT * 2_u32.pow(n)));
+    let ran = attempts.find(|ran| !ran.stdout.is_empty()).unwrap();
+    assert_eq!(ran.code, 3, "{}{}", ran.stdout, ran.stderr);
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert!(value["interrupted"] == true && value["accepted"].as_u64().unwrap() > 0, "{value}");
+}
+
 /// What was not finished is inconclusive, in every format of the result.
 #[cfg(unix)]
 #[test]
