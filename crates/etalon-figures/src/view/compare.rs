@@ -487,7 +487,11 @@ pub fn text(compared: &Compared) -> String {
     text += &Table::of(&compared.families).words("", |family| family.family.name()).words("", told).text_with(
         |family, line| match family.dominated {
             0 => line,
-            count => format!("{line}  {count} inconclusive: a few samples dominate\n"),
+            count => {
+                let first = family.tests.iter().find(|test| test.dominated);
+                let place = first.map_or(String::new(), |test| format!(", first at {}", test.functional));
+                format!("{line}  {count} inconclusive: a few samples dominate{place}\n")
+            }
         },
     );
     let found = |what: &str, bias: f64| {
