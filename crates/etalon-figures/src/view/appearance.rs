@@ -84,9 +84,9 @@ fn cause(found: &Appearance) -> String {
     match (found.sampling.is_seen(), found.of_model.is_seen() && is_close(found)) {
         (true, _) => "samples, pdf or weights change the image".into(),
         (false, true) => {
-            format!("f is not that of {}; no difference found that samples, pdf or weights make", found.model.name)
+            format!("f is not that of {}; no difference found from the image by its values alone", found.model.name)
         }
-        (false, false) => "no difference found that samples, pdf or weights make".into(),
+        (false, false) => "no difference found from the image by its values alone".into(),
     }
 }
 
