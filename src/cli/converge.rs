@@ -8,7 +8,7 @@ use super::style::StyleArgs;
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::converge::answer::Answer;
 use etalon_bench::converge::contender::{Contender, Fault};
-use etalon_bench::converge::curve::{BIAS_LEVEL, CurveVerdict, SLOPE_MARGIN};
+use etalon_bench::converge::curve::{BIAS_LEVEL, Curve, CurveVerdict, SLOPE_MARGIN};
 use etalon_bench::converge::recorded::Recorded;
 use etalon_bench::converge::reference::Reference;
 use etalon_bench::converge::strategy::{self, SUFFIXES, Strategy};
@@ -67,12 +67,12 @@ pub struct Converge {
     /// Keep all images and their times in DIR, for --runs
     #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
     keep_runs: Option<PathBuf>,
-    /// Seconds for the run but its figures [default: 30, and 60 for each renderer]
+    /// Seconds of measurement [default: 30, and 60 for each renderer]
     ///
-    /// Reading the scene counts. A step that no clock stops may run over: reading a file, preparing one render.
+    /// Reading the scene counts; the exact image, which is computed before, and the figures do not. A step that no clock stops may run over: reading a file, preparing one render.
     #[arg(long, help_heading = SAMPLING, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
-    /// Samples per pixel at which every curve ends [default: what the budget allows]
+    /// Most samples per pixel of every curve [default: what the budget allows]
     #[arg(long, help_heading = SAMPLING, value_name = "N")]
     max_spp: Option<u32>,
     /// Renders of each strategy, for the confidence bands [default: 8, if they fit]
@@ -339,7 +339,11 @@ fn checks(result: &Convergence) -> Vec<Check> {
             CurveVerdict::Unknown => etalon_stats::Verdict::Inconclusive,
             CurveVerdict::MonteCarlo | CurveVerdict::Faster | CurveVerdict::Slower => etalon_stats::Verdict::Accept,
         };
-        check(&curve.strategy, verdict, format!("{}; {}", view::word(curve.verdict), view::bias(result, curve)))
+        let found = match view::detectable(curve) {
+            some if verdict == etalon_stats::Verdict::Accept && !some.is_empty() => format!("; {some}"),
+            _ => String::new(),
+        };
+        check(&curve.strategy, verdict, format!("{}; {}{found}", view::word(curve.verdict), view::bias(result, curve)))
     });
     let faults = result.faults.iter().map(|Fault { strategy, replicate, seed, spp, message }| {
         let name = format!("{strategy}, replicate {replicate}, seed {seed}, {spp} spp");
@@ -382,9 +386,10 @@ fn text(output: &Output<'_>) -> String {
     };
     text += &view::table(result);
     if common_rmse.is_finite() {
-        text += &format!("* processor time to an RMSE of {}; ", rounded(*common_rmse, 3));
+        text += &format!("* processor time to an RMSE of {}\n", rounded(*common_rmse, 3));
     }
-    text += "the CSV file has more columns\n";
+    let equal = duration(*common_cpu_seconds);
+    text += &format!("† after equal time, {equal} of processor time; the CSV file has all levels\n");
     for curve in &result.curves {
         let Some(fit) = curve.times else { continue };
         let of = |e: etalon_stats::estimate::Estimate| [e.value, e.half_width];
@@ -396,8 +401,24 @@ fn text(output: &Output<'_>) -> String {
         );
         text += &format!("{}:\n{}", curve.strategy, wrapped(&times, "  ", LINE));
     }
-    text +=
-        &format!("equal time: {} of processor time; {:.1} s in all\n", duration(*common_cpu_seconds), result.seconds);
+    let is_accepted = |curve: &&Curve| {
+        curve.contender.is_timed_from_outside()
+            && ![CurveVerdict::Biased, CurveVerdict::Unknown].contains(&curve.verdict)
+    };
+    let accepted = result.curves.iter().filter(is_accepted).map(|curve| (curve, view::detectable(curve)));
+    let known: Vec<_> = accepted.filter(|(_, found)| !found.is_empty()).collect();
+    for (curve, found) in &known {
+        text += &wrapped(&format!("{}: {found}", curve.strategy), "", LINE);
+    }
+    if !known.is_empty() {
+        text += "a part of an image may hide a larger bias: etalon compare IMAGE... --against\nIMAGE... tests tiles, too (--keep-runs DIR keeps images)\n";
+    }
+    text += &match result.exact_seconds {
+        0.0 => format!("{:.1} s in all\n", result.seconds),
+        exact => {
+            format!("{:.1} s in all, {exact:.1} s of them for the exact image, no part of --budget\n", result.seconds)
+        }
+    };
     if result.interrupted {
         text += "interrupted: this is what was measured until then\n";
     }

@@ -40,6 +40,23 @@ fn fixed_lights_are_biased_and_light_samples_are_not() {
     assert!(verdicts[2..].iter().all(|verdict| *verdict != "biased"), "{verdicts:?}");
 }
 
+/// The efficiencies of the table are those of the answer, after equal time.
+#[test]
+fn the_table_has_the_efficiencies_of_the_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["converge", "cornell-lambert", "-r", "24", "18", "--max-spp", "64", "--replicates", "3"];
+    let text = etalon(folder.path(), &[&args[..], &["--strategies", "light,bsdf", "-o", "out"]].concat()).stdout;
+    // "best at 0.014 s: light, 78 times the efficiency of bsdf (95 %: 65 to 95)"
+    let ratio: f64 = text.split_once("light, ").unwrap().1.split_once(" times").unwrap().0.parse().unwrap();
+    let end = text.lines().find_map(|line| Some(line[..line.find('†')?].chars().count())).unwrap();
+    let efficiency = |name: &str| -> f64 {
+        let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+        line.chars().take(end + 1).collect::<String>().split_whitespace().last().unwrap().parse().unwrap()
+    };
+    assert!((efficiency("light ") / efficiency("bsdf ") / ratio - 1.0).abs() < 0.06, "{text}");
+    assert!(text.contains("† after equal time"), "{text}");
+}
+
 #[test]
 fn it_ends_when_the_budget_does() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,6 +215,7 @@ fn renderers_need_no_scene() {
     ];
     let ran = etalon(folder.path(), &[&args[..], &["--junit", "j.xml"]].concat());
     assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.replace("\n  ", " ").contains("good: no bias found; one of "), "{}", ran.stdout);
     assert!(
         path("out/good-converge.csv").is_file() && !ran.stdout.contains("NaN") && !ran.stdout.contains("inf "),
         "{}",
@@ -206,6 +224,7 @@ fn renderers_need_no_scene() {
     let ran = etalon(folder.path(), &[&args[..], &["--renderer", &bright, "--markdown", "m.md"]].concat());
     assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
     let markdown = std::fs::read_to_string(path("m.md")).unwrap();
+    assert!(markdown.contains("; no bias found; one of "), "{markdown}");
     assert!(
         markdown.starts_with("## etalon converge good-bsdf: rejected\n") && markdown.contains("all channels +10."),
         "{markdown}"

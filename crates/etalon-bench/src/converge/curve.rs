@@ -7,7 +7,7 @@ use crate::fit;
 use etalon_core::error::Result;
 use etalon_core::raster::{Comparison, DisplayMetrics, Image};
 use etalon_stats::Extremes;
-use etalon_stats::estimate::Estimate;
+use etalon_stats::estimate::{Difference, Estimate};
 use glam::DVec3;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -136,6 +136,11 @@ pub struct Curve {
     pub verdict: CurveVerdict,
     /// Mean over the image of the contender, relative to that of the reference, minus 1.
     pub mean_bias: Estimate,
+    /// The smallest [`Curve::mean_bias`] that is found with 90 % probability.
+    pub detectable_mean_bias: f64,
+    /// The smallest root mean square of the pixels' biases that is found with 90 % probability, over the mean of the reference; NaN
+    /// where pixels are not tested, against a reference of unknown noise.
+    pub detectable_rms_bias: f64,
     /// Mean wall-clock time of the preparation: tables, trees; of a renderer, its start-up.
     pub preparation_seconds: f64,
     /// Start-up and time per sample of a renderer; `None` for ours, whose preparation is timed by itself, and where the
@@ -155,6 +160,8 @@ pub const FIT_FROM: u32 = 4;
 pub const FIT_LEVELS: usize = 3;
 /// Slopes that differ by less are the same: over a thousand times the samples, errors differ by 15 %.
 pub const SLOPE_MARGIN: f64 = 0.02;
+/// The share of the last level's mean squared error that the squared bias of the pixels has at least to be called bias.
+const LEAST_BIAS: f64 = 0.01;
 /// Level of each of both t-tests for bias, of the pixels and of the image's mean.
 pub const BIAS_LEVEL: f64 = 5e-3;
 
@@ -224,6 +231,8 @@ impl Curve {
         // What differs in the pixels may be noise of the reference, where that is unknown
         let in_pixels = if reference.is_of_unknown_noise() { Estimate::default() } else { bias2 };
         let verdict = verdict(slope, [in_pixels, mean_bias], runs.len(), levels.last());
+        let [detectable_rms_bias, detectable_mean_bias] =
+            detectable([in_pixels, mean_bias], runs.len(), levels.last(), reference.facts.mean);
         let measured = runs.iter().map(|run| run.preparation).sum::<f64>() / runs.len() as f64;
         let preparation_seconds = times.map_or(measured, |fit| fit.startup_wall_seconds.value);
         runs.iter_mut().for_each(|run| run.last = None);
@@ -235,6 +244,8 @@ impl Curve {
             slope,
             bias2,
             mean_bias,
+            detectable_mean_bias,
+            detectable_rms_bias,
             verdict,
             preparation_seconds,
             times,
@@ -352,6 +363,20 @@ fn mean(images: &[&Image]) -> Image {
     Image::from_pixels(images[0].width(), images[0].height(), pixels)
 }
 
+/// The smallest root mean square of the pixels' biases, over the `mean` of the reference, and the smallest relative bias of the mean
+/// that the tests of [`verdict`] find with 90 % probability.
+fn detectable([bias2, mean_bias]: [Estimate; 2], replicates: usize, last: Option<&Level>, mean: f64) -> [f64; 2] {
+    let found = |estimate: Estimate, level: f64| {
+        let Estimate { value, standard_error, .. } = estimate;
+        Difference { value, standard_error, dof: replicates as f64 - 1.0, allowance: 0.0 }.detectable(level)
+    };
+    let least = LEAST_BIAS * last.map_or(f64::NAN, |level| level.mse.value);
+    // The test of the pixels is one-sided.
+    let squared = found(bias2, 2.0 * BIAS_LEVEL);
+    let squared = if squared.is_nan() { squared } else { squared.at_least(least) };
+    [squared.sqrt() / mean, found(mean_bias, BIAS_LEVEL)]
+}
+
 /// Bias must be significant by a t-test of the replicates: that of the pixels, and then at least a hundredth of the last level's
 /// mean squared error, or that of the whole image.
 fn verdict(
@@ -361,11 +386,12 @@ fn verdict(
     last: Option<&Level>,
 ) -> CurveVerdict {
     let last = last.map_or(f64::NAN, |level| level.mse.value);
+    let least = LEAST_BIAS * last;
     let beyond = |estimate: Estimate, tail: f64| {
         let t = StudentsT::new(0.0, 1.0, replicates as f64 - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - tail));
         estimate.value.abs() > t * estimate.standard_error
     };
-    let in_pixels = bias2.value > 0.01 * last && beyond(bias2, BIAS_LEVEL);
+    let in_pixels = bias2.value > least && beyond(bias2, BIAS_LEVEL);
     if in_pixels || beyond(mean_bias, 0.5 * BIAS_LEVEL) {
         CurveVerdict::Biased
     } else if !slope.half_width.is_finite() {
@@ -431,6 +457,22 @@ mod tests {
         assert_eq!((noisy_found, none_found), (quiet_found, quiet_found));
         assert!(quiet_found.half_width < 2.0_f64.ln(), "{quiet_found:?}");
         assert!(none.levels[3].wall_seconds.is_nan() && none.levels[3].cpu_seconds == seconds);
+    }
+
+    #[test]
+    fn a_bias_that_would_have_been_found_is_found() {
+        // With 8 replicates, t of 7 degrees of freedom is 4.03 at 0.5 % on both sides, and 3.50 on one.
+        let of = |value: f64, error: f64| Estimate { value, half_width: 2.0 * error, standard_error: error };
+        let level = Level { mse: of(1.0, 0.1), ..curve(&BUSY).levels[0].clone() };
+        let [rms, mean] = detectable([of(0.0, 0.01), of(0.0, 0.002)], 8, Some(&level), 2.0);
+        assert!(mean > 4.03 * 0.002 && mean < 10.0 * 0.002, "{mean}");
+        assert!(rms > 0.5 * (3.50 * 0.01_f64).sqrt() && rms < 0.5 * 0.1_f64.sqrt(), "{rms}");
+        let slope = of(-0.5, 0.0);
+        let verdict = |bias2, mean_bias| verdict(slope, [of(bias2, 0.01), of(mean_bias, 0.002)], 8, Some(&level));
+        assert_eq!(verdict((2.0 * rms).powi(2), 0.0), CurveVerdict::Biased);
+        assert_eq!((verdict(0.0, mean), verdict(0.0, 0.0)), (CurveVerdict::Biased, CurveVerdict::MonteCarlo));
+        // A squared bias below a hundredth of the mean squared error does not count.
+        assert!((detectable([of(0.0, 1e-9), of(0.0, 0.002)], 8, Some(&level), 1.0)[0] - 0.1).abs() < 1e-12);
     }
 
     #[test]

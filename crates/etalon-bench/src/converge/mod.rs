@@ -72,11 +72,13 @@ pub fn measure(
     }
     let start = Instant::now();
     let exact = if asked.is_none() { Reference::exact(scene, request) } else { None };
+    let exact_seconds = if exact.is_some() { start.elapsed().as_secs_f64() } else { 0.0 };
     let all = Deadline::after(plan.budget);
     let mut result = Convergence {
         scene: scene.name.clone(),
         width: request.width,
         height: request.height,
+        exact_seconds,
         ..Convergence::default()
     };
     let truth = match exact {

@@ -128,9 +128,11 @@ pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
     result.curves.iter().flat_map(of_curve).collect()
 }
 
-/// The methods at their last levels, those with bias at the end.
+/// The methods at their last levels, those with bias at the end; their efficiency is that of the answer, after equal time.
 pub fn table(result: &Convergence) -> String {
     let target = result.common_rmse();
+    let seconds = result.common_seconds();
+    let efficiency = |curve: &Curve| curve.log_efficiency_at(seconds).value.exp();
     let is_biased = |curve: &Curve| curve.verdict == CurveVerdict::Biased;
     let mut last: Vec<(&Curve, &Level)> = result.curves.iter().filter_map(|c| Some((c, c.levels.last()?))).collect();
     last.sort_by_key(|(curve, _)| is_biased(curve));
@@ -145,7 +147,7 @@ pub fn table(result: &Convergence) -> String {
             known(slope.half_width, format!("{:.2} ± {:.2}", slope.value, slope.half_width))
         })
         .words("verdict", |(curve, _)| word(curve.verdict))
-        .numbers("1/(MSE·time)", |(_, level)| known(level.efficiency, rounded(level.efficiency, 3)))
+        .numbers("1/(MSE·time) †", |(curve, _)| known(efficiency(curve), rounded(efficiency(curve), 3)))
         .numbers("time to *", |(curve, _)| match is_biased(curve) {
             true => String::new(),
             false => curve.time_to(target).map_or("never".into(), duration),
@@ -166,6 +168,21 @@ pub fn bias(result: &Convergence, curve: &Curve) -> String {
             format!("bias: mean of all channels {value:+.2} ± {half_width:.2} %, {rms}")
         }
         _ => "bias: unknown, of too few replicates".into(),
+    }
+}
+
+/// What the tests of a curve without known bias would have found, in words; empty where that is unknown.
+pub fn detectable(curve: &Curve) -> String {
+    let known =
+        [(curve.detectable_mean_bias, "of the image's mean"), (curve.detectable_rms_bias, "of its pixels (RMS)")];
+    let parts: Vec<String> = known
+        .iter()
+        .filter(|(bias, _)| bias.is_finite())
+        .map(|(bias, of)| format!("{} % {of}", rounded(100.0 * bias, 2)))
+        .collect();
+    match parts.as_slice() {
+        [] => String::new(),
+        parts => format!("no bias found; one of {} would have been found with 90 % probability", parts.join(" or ")),
     }
 }
 
@@ -629,6 +646,14 @@ mod tests {
             assert!(!colours.contains(&own[0]), "{name} shares its colour");
             colours.push(own[0]);
         }
+    }
+
+    #[test]
+    fn a_ratio_without_an_interval_has_none() {
+        let ratio = |over: &str, high: f64| Ratio { over: over.into(), ratio: 2.0, low: 1.5, high };
+        let ratios = vec![ratio("a", f64::INFINITY), ratio("b", 2.5)];
+        let text = of_best(&Answer { best: "c".into(), cpu_seconds: 1.0, ratios, default: None });
+        assert!(text.contains("of a (no interval), 2.0 times that of b (1.5 to 2.5)"), "{text}");
     }
 
     #[test]
