@@ -188,7 +188,9 @@ pub fn run(
         let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
         let asked =
             plan.max_spp.filter(|asked| reached <= asked / if contender.is_timed_from_outside() { 4 } else { 2 });
-        result.cut.extend(asked.map(|asked| format!("{name}: {reached} of {asked} samples per pixel")));
+        let count = runs.len();
+        let short = |asked| format!("{name}: {reached} of {asked} samples per pixel, in each of {count} replicates");
+        result.cut.extend(asked.map(short));
         if let Some(dir) = &plan.keep {
             let of_run =
                 |run: &Run| run.levels.iter().map(|level| (run.seed, level.spp, level.times)).collect::<Vec<_>>();
@@ -218,6 +220,16 @@ fn time_of_replicate(growing: &[Option<Growing<'_>>]) -> f64 {
     known.iter().sum::<f64>() * missing
 }
 
+/// The factor by which a replicate may take more than its share of the time, for more samples per pixel: 2, with half of the replicates
+/// then, if its last image took less than twice the time of its first. It is mostly start-up, and without further levels the time per
+/// sample would not be told from it.
+fn levels_first(levels: &[Measured]) -> f64 {
+    match levels {
+        [first, .., last] if last.times.wall < 2.0 * first.times.wall => 2.0,
+        _ => 1.0,
+    }
+}
+
 impl Setting<'_> {
     /// Takes the next level of a replicate, if there is one that fits.
     fn advance(&self, entry: &mut Entry<'_>, one: &mut Growing<'_>, index: u32, share: f64) -> Result<Option<Fault>> {
@@ -230,7 +242,8 @@ impl Setting<'_> {
             // A curve without a slope would be of no use.
             None => {
                 let fitted = levels.iter().filter(|level| level.spp >= FIT_FROM).count();
-                fitted < FIT_LEVELS && self.plan.max_spp.is_none() || replicate.total_with_next() <= share
+                let share = if self.plan.replicates.is_none() { share * levels_first(levels) } else { share };
+                fitted < FIT_LEVELS || replicate.total_with_next() <= share
             }
         };
         if !fits {
@@ -280,5 +293,25 @@ impl Entry<'_> {
         }
         self.runs.push(Run { seed: replicate.seed, levels, last, preparation: replicate.preparation });
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::converge::doubling::Times;
+    use etalon_core::math::Rgb;
+    use etalon_core::raster::compare;
+
+    #[test]
+    fn what_is_mostly_start_up_takes_more_samples_in_place_of_replicates() {
+        let image = Image::from_fn(1, 1, |_, _| Rgb::ONE);
+        let level = |wall: f64| {
+            let errors = compare(&image, &image).unwrap();
+            Measured { spp: 1, times: Times { wall, cpu: wall }, errors, shown: None }
+        };
+        let factor = |seconds: &[f64]| levels_first(&seconds.iter().copied().map(level).collect::<Vec<_>>());
+        assert_eq!((factor(&[0.3, 0.31, 0.29, 0.35]), factor(&[0.3, 0.31, 0.4, 0.7])), (2.0, 1.0));
+        assert_eq!((factor(&[]), factor(&[0.3])), (1.0, 1.0), "of one image nothing is known");
     }
 }
