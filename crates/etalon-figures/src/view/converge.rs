@@ -275,7 +275,8 @@ fn shown(curve: &Curve) -> String {
     format!("{}{}", curve.strategy, if is_biased { " (biased)" } else { "" })
 }
 
-/// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers.
+/// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers. The default, which does
+/// what one of the others does, is wider.
 fn strokes(result: &Convergence) -> Vec<Stroke> {
     let name = |curve: &Curve| match curve.contender.is_independent() {
         true => curve.strategy.replace("+independent", ""),
@@ -297,7 +298,8 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
             (false, false) => theme::SOLID,
             (false, true) => theme::DASH_DOT,
         };
-        Stroke { dash, ..Stroke::solid(colour, theme::LINE) }
+        let width = if curve.contender.is_default() { 3.0 * theme::LINE } else { theme::LINE };
+        Stroke { dash, ..Stroke::solid(colour, width) }
     };
     result.curves.iter().zip(&names).map(stroke).collect()
 }
@@ -306,7 +308,7 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
 pub fn curves(result: &Convergence) -> Drawing {
     let against = |title: &str, x: Axis, at: &dyn Fn(&Level) -> f64| {
         let mut panel = Panel::new(x, Axis::log("RMSE of radiance")).title(title);
-        for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
+        for (curve, stroke) in drawn(result) {
             let points: Vec<_> = curve.levels.iter().map(|level| with_band(at(level), level)).collect();
             panel = panel.banded_line(shown(curve), stroke, &points);
         }
@@ -322,6 +324,8 @@ pub fn curves(result: &Convergence) -> Drawing {
     Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(FRAME[0], FRAME[1]).draw()
 }
 
+/// What the axis of a value says of its interval.
+const INTERVALS: &str = "95 % interval or in the mark";
 /// Size of the frames of [`curves`].
 const FRAME: [f64; 2] = [350.0, 250.0];
 /// The name of the guide.
@@ -353,7 +357,7 @@ fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
     let title = format!("Efficiency after about {}", duration(seconds));
-    let axis = Axis::log("1 / (MSE · processor time) (1/s), each with its 95 % interval");
+    let axis = Axis::log(format!("1/(MSE · processor time) (1/s), {INTERVALS}"));
     let panel = by_strategy(drawn(result), axis, &at_equal_time, &shown);
     with_legend(panel.title(title), result)
 }
@@ -365,14 +369,16 @@ fn slopes(result: &Convergence) -> Panel {
         known.then_some([curve.slope.low(), curve.slope.value, curve.slope.high()])
     };
     let count = result.curves.len() as f64;
-    let axis = Axis::linear("/{p} of RMSE ∝ spp^{/{p}}, with its 95 % interval");
+    let axis = Axis::linear(format!("/{{p}} of RMSE ∝ spp^{{/{{p}}}}, {INTERVALS}"));
     let panel = by_strategy(drawn(result), axis, &slope, &shown).title("Slope of the error");
     with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
 }
 
-/// The curves with their strokes.
+/// The curves with their strokes, the default first: it lies beneath the others, with which it may coincide.
 fn drawn(result: &Convergence) -> Vec<(&Curve, Stroke)> {
-    result.curves.iter().zip(strokes(result)).collect()
+    let mut drawn: Vec<_> = result.curves.iter().zip(strokes(result)).collect();
+    drawn.sort_by_key(|(curve, _)| !curve.contender.is_default());
+    drawn
 }
 
 /// A row for each strategy, the biased ones below a line: a marker at a value, with its interval.
@@ -402,7 +408,7 @@ fn by_strategy(
 
 /// A panel with the legend of the curves.
 fn with_legend(mut panel: Panel, result: &Convergence) -> Panel {
-    for (curve, stroke) in result.curves.iter().zip(strokes(result)) {
+    for (curve, stroke) in drawn(result) {
         panel = panel.line(shown(curve), stroke, Vec::new());
     }
     panel.line(GUIDE, theme::GUIDE, Vec::new())
@@ -519,10 +525,19 @@ pub fn images(result: &Convergence, most: usize) -> Drawing {
     let errors: Vec<Vec<f64>> = levels.iter().map(|(.., image)| relative(image)).collect();
     let regions = regions([truth.width(), truth.height()], &errors, REGIONS);
     let tones = |image: &Image| Rgb8::new(image.width(), image.height(), to_rgb8(image, &tone));
-    let mut cells = vec![(
-        "reference, and the regions shown".to_owned(),
-        framed(&tones(&truth), &regions, (WIDTH / truth.width()).max(1)),
-    )];
+    // Pixels that are not compared have no value in the reference
+    let is_unknown = |x: usize, y: usize| !truth.pixels()[y * truth.width() + x].is_finite();
+    let grey = [theme::NO_VALUE.r, theme::NO_VALUE.g, theme::NO_VALUE.b];
+    let toned = tones(&truth);
+    let toned =
+        Rgb8::from_fn(truth.width(), truth.height(), |x, y| if is_unknown(x, y) { grey } else { toned.pixel(x, y) });
+    let is_whole = truth.pixels().iter().all(|pixel| pixel.is_finite());
+    let caption = if is_whole {
+        "reference, and the regions shown"
+    } else {
+        "reference, and the regions shown; grey is not compared"
+    };
+    let mut cells = vec![(caption.to_owned(), framed(&toned, &regions, (WIDTH / truth.width()).max(1)))];
     for ((curve, level, image), errors) in levels.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
