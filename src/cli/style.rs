@@ -5,10 +5,10 @@ use clap::{ArgAction, Args};
 use etalon_core::error::Result;
 use etalon_figures::figure::style::{Medium, Style, Theme, WIDTHS};
 
-/// The options, of subcommands that write plots.
+/// The options, of subcommands that write figures of one panel.
 #[derive(Args)]
 #[command(next_help_heading = "Figures")]
-pub struct StyleArgs {
+pub struct FigureArgs {
     /// Where the figures will be seen
     ///
     /// It sets the size of type and lines, and how many panels stand side by side.
@@ -23,29 +23,47 @@ pub struct StyleArgs {
     /// Width of the figure in mm [default: 84 for column, 339 for slide]
     #[arg(id = "page_width", long = "width", value_name = "MM", value_parser = width, allow_negative_numbers = true)]
     width: Option<f64>,
+}
+
+/// The options, of subcommands that write plots.
+#[derive(Args)]
+#[command(next_help_heading = "Figures")]
+pub struct StyleArgs {
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Show only panels with these words in their title
+    ///
+    /// Or in that of their group, or in the caption of an image. Of several figures, those that have no such panel are whole.
     #[arg(long, value_name = "WORDS,...", value_delimiter = ',', action = ArgAction::Set)]
     panels: Vec<String>,
 }
 
-impl StyleArgs {
+impl FigureArgs {
     pub fn style(&self) -> Result<Style> {
         let mut style = Style::new(self.style, self.width)?;
         style.title = self.title.clone().unwrap_or_default();
-        style.panels.clone_from(&self.panels);
         style.theme = self.theme;
+        Ok(style)
+    }
+}
+
+impl StyleArgs {
+    pub fn style(&self) -> Result<Style> {
+        let mut style = self.figure.style()?;
+        style.panels.clone_from(&self.panels);
         Ok(style)
     }
 
     /// The flags that give this style.
     pub fn flags(&self) -> Vec<(&'static str, String)> {
-        let medium = Medium::ALL.into_iter().find(|(.., medium)| *medium == self.style && *medium != Medium::default());
-        let theme = Theme::ALL.into_iter().find(|(.., theme)| *theme == self.theme && *theme != Theme::default());
+        let FigureArgs { style, theme, title, width } = &self.figure;
+        let medium = Medium::ALL.into_iter().find(|(.., medium)| medium == style && *medium != Medium::default());
+        let theme = Theme::ALL.into_iter().find(|(.., known)| known == theme && *known != Theme::default());
         let given = [
             ("--style", medium.map(|(name, ..)| name.to_owned())),
             ("--theme", theme.map(|(name, ..)| name.to_owned())),
-            ("--title", self.title.clone()),
-            ("--width", self.width.map(|mm| mm.to_string())),
+            ("--title", title.clone()),
+            ("--width", width.map(|mm| mm.to_string())),
             ("--panels", (!self.panels.is_empty()).then(|| self.panels.join(","))),
         ];
         given.into_iter().filter_map(|(flag, value)| Some((flag, value?))).collect()

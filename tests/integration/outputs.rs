@@ -96,6 +96,59 @@ fn figures_have_the_style_that_is_asked_for() {
 }
 
 #[test]
+fn panels_are_chosen_or_refused_by_every_command_that_has_the_option() {
+    let dir = folder();
+    for name in ["a.exr", "b.exr"] {
+        json(dir.path(), &["envmap", "make", "onehot", "-o", name]);
+    }
+    // Each with a panel that it has
+    let commands = [
+        ("compare a.exr b.exr", "a"),
+        ("converge cornell-lambert -r 8 6 --max-spp 4 --replicates 2 --strategies light,bsdf", "error"),
+        ("envmap proposal sun -n 1000", "uniform"),
+        ("fresnel glass --points 9", "relative"),
+        ("furnace diffuse --size 3x2", "SPHERES"),
+        ("reproduce --quick --only fresnel-enter", "relative"),
+        ("render sphere-env -r 8 6 -s 2", ""),
+        ("stability sphere", "single"),
+        ("validate warp/circle-f32/angle --samples 2000", "counts"),
+    ];
+    let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    let run = |command: &str, more: &[&str]| {
+        let all = [words(command), more.iter().map(|word| (*word).to_owned()).collect()].concat();
+        etalon(dir.path(), &all.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    // The commands of a help text
+    let listed = |help: &str| {
+        let rest = help.split("Commands:\n").nth(1).unwrap_or_default().split("\n\n").next().unwrap_or_default();
+        let lines = rest.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+        lines.map(|line| line.split_whitespace().next().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let mut with_option = Vec::new();
+    for name in listed(&etalon(dir.path(), &["--help"]).stdout).into_iter().filter(|name| name != "help") {
+        let help = etalon(dir.path(), &[&name, "--help"]).stdout;
+        let below = listed(&help).into_iter().filter(|name| name != "help").map(|below| format!("{name} {below}"));
+        let below: Vec<String> = below.collect();
+        let all = if below.is_empty() { vec![name] } else { below };
+        with_option.extend(all.into_iter().filter(|command| run(command, &["--help"]).stdout.contains("--panels")));
+    }
+    with_option.sort();
+    let tested = commands.map(|(command, _)| command);
+    let is_tested = |name: &String| tested.iter().any(|command| command.starts_with(&format!("{name} ")));
+    assert!(with_option.iter().all(is_tested) && with_option.len() == tested.len(), "{with_option:?}");
+    for (command, panel) in commands {
+        let ran = run(command, &["--panels", "nonsense"]);
+        assert!(ran.code == 2 && ran.stderr.contains("--panels"), "{command}: {} {}", ran.code, ran.stderr);
+        if !panel.is_empty() {
+            let ran = run(command, &["--panels", panel]);
+            assert!(ran.code == 0, "{command}: {} {}", ran.code, ran.stderr);
+        }
+    }
+    let ran = run("validate --planted warp/cosine-hemisphere/*", &["--panels", "counts"]);
+    assert!(ran.code == 2 && ran.stderr.contains("none is drawn"), "{}", ran.stderr);
+}
+
+#[test]
 fn inputs_are_never_replaced() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);

@@ -3,7 +3,7 @@
 use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict, out};
-use crate::cli::style::StyleArgs;
+use crate::cli::style::FigureArgs;
 use crate::cli::values::choice;
 use clap::{ArgAction, Args};
 use etalon_bench::median_cut::{self, Centroid, RegionRow};
@@ -47,7 +47,7 @@ pub struct Cut {
     #[command(flatten)]
     map: MapArgs,
     #[command(flatten)]
-    style: StyleArgs,
+    style: FigureArgs,
 }
 
 #[derive(Serialize)]

@@ -3,7 +3,7 @@
 use super::{LookArgs, MapArgs, Outputs};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, SAMPLING, Verdict, out, seed, threads};
-use crate::cli::style::StyleArgs;
+use crate::cli::style::FigureArgs;
 use crate::cli::values::{map_samplers, map_sampling, model};
 use clap::{ArgAction, Args};
 use etalon_bench::map_samples::{self, MapSamples, SampleRow};
@@ -45,7 +45,7 @@ pub struct Sample {
     #[command(flatten)]
     map: MapArgs,
     #[command(flatten)]
-    style: StyleArgs,
+    style: FigureArgs,
 }
 
 #[derive(Serialize)]

@@ -13,7 +13,7 @@ use clap::Args;
 use etalon_bench::validation::{Tested, Validation, run, select, suite};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
-use etalon_figures::figure::Style;
+use etalon_figures::figure::Wanted;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::{validation as view, validation_cells as cells};
@@ -93,6 +93,11 @@ pub struct Validate {
 
 impl Validate {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
+        let draws_nothing = self.planted || self.museum && self.names.is_empty();
+        if let (true, Some((flag, _))) = (draws_nothing && !self.list, self.style.flags().first()) {
+            let message = format!("{flag} is of figures, and none is drawn");
+            return Err(Error::parameter("style", message).with_hint("`museum` draws faults that are named"));
+        }
         if self.planted {
             let faults = select(planted::all(), &self.names)?;
             if self.list {
@@ -130,17 +135,19 @@ impl Validate {
         }?;
         bar.finish_and_clear();
         let mut saving = Saving::default();
-        let table = output::csv(&view::rows(&validation))?;
-        saving.add(output::write(&stem, &view::drawing(&validation), &style.clone().with_all_panels(), &table));
+        let mut wanted = Wanted::of(&style);
+        let (drawing, table) = (view::drawing(&validation), output::csv(&view::rows(&validation))?);
+        saving.add(output::write(&stem, &drawing, &wanted.style(&drawing), &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
             if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
                 match validation.tests.as_slice() {
                     [_] => saving.add(write_counts(tested, &name, &target)),
-                    _ => saving.add(draw_counts(tested, &style, &target)),
+                    _ => saving.add(draw_counts(tested, &mut wanted, &target)),
                 }
             }
         }
+        saving.add(wanted.check().map(|()| Vec::new()));
         saving.add(self.reports.write(&checks(&validation)));
         let (files, saved) = saving.end();
         console.saved(&validation, &target.written(files), || view::text(&validation, self.verbose));
@@ -198,10 +205,11 @@ fn numbers(Tested { outcome, .. }: &Tested) -> Result<Option<Vec<u8>>> {
 }
 
 /// Writes the numbers of one test, if it has any, and their drawing.
-fn draw_counts(tested: &Tested, style: &Style, target: &output::Target) -> Result<Vec<PathBuf>> {
+fn draw_counts(tested: &Tested, wanted: &mut Wanted, target: &output::Target) -> Result<Vec<PathBuf>> {
     let Some(table) = numbers(tested)? else { return Ok(Vec::new()) };
     let stem = target.stem("validation", &format!("-{}", output::file_name(&tested.name)), &output::STUDY)?;
-    output::write(&stem, &cells::drawing(tested), style, &table)
+    let drawing = cells::drawing(tested);
+    output::write(&stem, &drawing, &wanted.style(&drawing), &table)
 }
 
 /// Writes the counts of the only test, if it has any.

@@ -7,7 +7,7 @@ use etalon_bench::validation::Tested;
 use etalon_bench::validation::museum::{self, Exhibit, Museum, Plain, Shown};
 use etalon_core::error::Result;
 use etalon_core::files;
-use etalon_figures::figure::Style;
+use etalon_figures::figure::{Style, Wanted};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::text::{LINE, counted, wrapped};
@@ -34,13 +34,16 @@ pub fn run(
     bar.finish_and_clear();
     let mut saving = Saving::default();
     saving.add(files::write_bytes(&path, &output::csv(&view::museum_rows(&museum))?).map(|()| vec![path]));
+    let mut wanted = Wanted::of(style);
     for Shown { finding, .. } in museum.tests.iter().filter(|_| !names.is_empty()) {
         let tested = Tested { name: finding.name.to_owned(), outcome: finding.outcome.clone() };
         if let Some(table) = super::numbers(&tested)? {
             let stem = target.stem("exhibit", &format!("-{}", output::file_name(finding.name)), &output::STUDY)?;
-            saving.add(output::write(&stem, &cells::fault(&tested, finding.mistake), style, &table));
+            let drawing = cells::fault(&tested, finding.mistake);
+            saving.add(output::write(&stem, &drawing, &wanted.style(&drawing), &table));
         }
     }
+    saving.add(wanted.check().map(|()| Vec::new()));
     saving.add(reports.write(&checks(&museum)));
     let (files, saved) = saving.end();
     console.saved(&museum, &target.written(files), || text(&museum));

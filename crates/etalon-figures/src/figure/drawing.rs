@@ -63,7 +63,7 @@ impl Drawing {
     /// # Errors
     /// [`Error::Parameter`] if no panel has one of the names of [`Style::panels`], or a part does not fit.
     pub fn pages(&self, style: &Style) -> Result<Vec<Page>> {
-        let shown = self.named(&style.panels)?.titled(&style.title);
+        let shown = self.named(style)?.titled(&style.title);
         let finished = |page: Page| {
             let page = Page { unit: style.unit, scale: style.room.pixels.unwrap_or(page.scale), ..page.within(style) };
             if style.theme == Theme::Dark { page.darkened() } else { page }
@@ -125,7 +125,7 @@ impl Drawing {
                 let parts = self.names().len();
                 let half = |from: usize, to: usize| {
                     let mut index = 0;
-                    self.select(&mut |_| {
+                    self.select(&[], &mut |_| {
                         index += 1;
                         (from..to).contains(&(index - 1))
                     })
@@ -175,47 +175,45 @@ impl Drawing {
         }
     }
 
-    /// What this drawing consists of: the titles of its panels, the captions of its images.
-    fn names(&self) -> Vec<String> {
+    /// What this drawing consists of: panels and images by their titles and captions, each behind the titles of the groups that it is in.
+    fn names(&self) -> Vec<Vec<String>> {
         let mut names = Vec::new();
-        self.select(&mut |name| {
-            names.push(text::plain(name));
+        self.select(&[], &mut |name| {
+            names.push(name.iter().map(|part| text::plain(part)).collect());
             true
         });
         names
     }
 
-    /// The panels and images whose name has one of these in it, in any case.
-    fn named(&self, wanted: &[String]) -> Result<Self> {
-        if wanted.is_empty() {
+    /// The panels and images whose name, or that of a group that they are in, has one of the style's names in it, in any case.
+    fn named(&self, style: &Style) -> Result<Self> {
+        if style.panels.is_empty() {
             return Ok(self.clone());
         }
-        let names = self.names();
-        let has = |name: &str, part: &String| name.to_lowercase().contains(&part.to_lowercase());
-        if let Some(unknown) = wanted.iter().find(|part| !names.iter().any(|name| has(name, part))) {
-            let names: Vec<String> = names.iter().filter(|name| !name.is_empty()).map(|n| format!("\"{n}\"")).collect();
-            return Err(Error::parameter("panels", format!("no panel is called \"{unknown}\"")).with_hint(
-                if names.is_empty() { "it has none".into() } else { format!("they are {}", names.join(", ")) },
-            ));
-        }
-        let shown = self.select(&mut |name| wanted.iter().any(|part| has(&text::plain(name), part)));
+        let mut wanted = Wanted::of(style);
+        wanted.style(self);
+        wanted.check()?;
+        let shown = self.select(&[], &mut |name| style.panels.iter().any(|words| has(name, words)));
         Ok(shown.unwrap_or_else(|| self.clone()))
     }
 
-    /// The parts that `keep` wants, asked in order; `None` if it wants none.
-    fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
+    /// The parts that `keep` wants, asked in order, inside of these groups; `None` if it wants none.
+    fn select(&self, groups: &[&str], keep: &mut Keep) -> Option<Self> {
         match self {
-            Self::Plot(plot) => plot.select(keep).map(Self::Plot),
-            Self::Sheet(sheet) => sheet.select(keep).map(Self::Sheet),
-            Self::Picture(_) => keep("").then(|| self.clone()),
+            Self::Plot(plot) => plot.select(groups, keep).map(Self::Plot),
+            Self::Sheet(sheet) => sheet.select(groups, keep).map(Self::Sheet),
+            Self::Picture(_) => keep(groups).then(|| self.clone()),
             Self::Bar(..) => Some(self.clone()),
-            Self::Headed { title, lines, below } => Some(below.select(keep)?.headed(title.clone(), lines.clone())),
+            Self::Headed { title, lines, below } => {
+                let below = below.select(&[groups, &[title.as_str()]].concat(), keep)?;
+                Some(below.headed(title.clone(), lines.clone()))
+            }
             Self::Stack { rows, align } => {
-                let rows: Vec<Self> = rows.iter().filter_map(|row| row.select(keep)).collect();
+                let rows: Vec<Self> = rows.iter().filter_map(|row| row.select(groups, keep)).collect();
                 (!rows.iter().all(Self::is_bar)).then_some(Self::Stack { rows, align: *align })
             }
             Self::Beside(columns) => {
-                let columns: Vec<Self> = columns.iter().filter_map(|column| column.select(keep)).collect();
+                let columns: Vec<Self> = columns.iter().filter_map(|column| column.select(groups, keep)).collect();
                 (!columns.is_empty()).then_some(Self::Beside(columns))
             }
         }
@@ -230,6 +228,54 @@ impl Drawing {
             Self::Headed { lines, below, .. } => below.headed(title, lines),
             other => other.headed(title, Vec::new()),
         }
+    }
+}
+
+/// Whether a part is wanted, by the titles of its groups and its own.
+pub(super) type Keep<'a> = dyn FnMut(&[&str]) -> bool + 'a;
+
+/// Whether a name, or that of a group, has these words in it, in any case.
+fn has(name: &[impl AsRef<str>], words: &str) -> bool {
+    name.iter().any(|part| text::plain(part.as_ref()).to_lowercase().contains(&words.to_lowercase()))
+}
+
+/// The wanted panels of several drawings of one command, each of which may have some of them.
+pub struct Wanted<'a> {
+    style: &'a Style,
+    /// The names of all parts that were seen.
+    known: Vec<Vec<String>>,
+}
+
+impl<'a> Wanted<'a> {
+    pub fn of(style: &'a Style) -> Self {
+        Self { style, known: Vec::new() }
+    }
+
+    /// The style of one of the drawings: with those of the wanted panels that it has, or all where it has none of them.
+    pub fn style(&mut self, drawing: &Drawing) -> Style {
+        let names = drawing.names();
+        let panels = self.style.panels.iter().filter(|words| names.iter().any(|name| has(name, words)));
+        let style = Style { panels: panels.cloned().collect(), ..self.style.clone() };
+        self.known.extend(names);
+        style
+    }
+
+    /// Whether every wanted panel is in one of the drawings.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] with the names of all.
+    pub fn check(self) -> Result<()> {
+        let is_unknown = |words: &&String| !self.known.iter().any(|name| has(name, words));
+        let Some(words) = self.style.panels.iter().find(is_unknown) else { return Ok(()) };
+        let mut known: Vec<String> = Vec::new();
+        for name in self.known.into_iter().flatten().filter(|name| !name.is_empty()) {
+            let name = format!("\"{name}\"");
+            if !known.contains(&name) {
+                known.push(name);
+            }
+        }
+        let hint = if known.is_empty() { "it has none".into() } else { format!("they are {}", known.join(", ")) };
+        Err(Error::parameter("panels", format!("no panel is called \"{words}\"")).with_hint(hint))
     }
 }
 
@@ -385,6 +431,22 @@ mod tests {
         assert!(texts.iter().all(|t| t.colour != theme::INK) && page.paper == theme::DARK_PAPER);
         let unknown = Style { panels: vec!["number 9".into()], ..Style::default() };
         assert!(drawing.pages(&unknown).unwrap_err().to_string().contains("number 9"));
+    }
+
+    #[test]
+    fn groups_of_panels_have_names_too() {
+        let style = |words: &str| Style { panels: vec![words.into()], ..Style::default() };
+        let select = |drawing: &Drawing, words: &str| drawing.named(&style(words)).unwrap().names().len();
+        let all = drawings();
+        assert_eq!([select(&all[2], "heading"), select(&all[3], "IMAGES"), select(&all[5], "a title")], [4, 7, 2]);
+        // Of several drawings, those without the panel are whole
+        let image = style("image 2");
+        let mut wanted = Wanted::of(&image);
+        assert_eq!([&all[0], &all[3]].map(|drawing| wanted.style(drawing).panels.len()), [0, 1]);
+        assert!(wanted.check().is_ok());
+        let mut wanted = Wanted::of(&image);
+        wanted.style(&all[1]);
+        assert!(wanted.check().unwrap_err().to_string().contains("image 2"));
     }
 
     #[test]

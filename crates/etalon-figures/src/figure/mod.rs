@@ -23,7 +23,7 @@ pub mod text;
 pub mod theme;
 
 pub use axis::Axis;
-pub use drawing::{Drawing, write_pages};
+pub use drawing::{Drawing, Wanted, write_pages};
 pub use heatmap::{Heatmap, Shading};
 #[cfg(test)]
 pub use page::Item;

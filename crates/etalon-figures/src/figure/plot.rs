@@ -1,7 +1,7 @@
 //! A plot: panels in rows and columns, their frames aligned, with legends that cover no data.
 
 use super::chart::{Chart, Parts};
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Keep};
 use super::frame::Sides;
 use super::heatmap::Heatmap;
 use super::legend::Legend;
@@ -84,10 +84,11 @@ impl Plot {
     }
 
     /// The panels whose title `keep` wants; the title of the y axis stands for that of a panel without one.
-    pub(super) fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
+    pub(super) fn select(&self, groups: &[&str], keep: &mut Keep) -> Option<Self> {
         let name = |panel: &Panel| if panel.title.is_empty() { panel.y.label.clone() } else { panel.title.clone() };
         let rows = self.rows.iter().map(|row| {
-            let panels = row.panels.iter().filter(|panel| keep(&name(panel))).cloned().collect();
+            let mut is_kept = |panel: &&Panel| keep(&[groups, &[row.heading.as_str(), name(panel).as_str()]].concat());
+            let panels = row.panels.iter().filter(&mut is_kept).cloned().collect();
             Row { panels, ..row.clone() }
         });
         let rows: Vec<Row> = rows.filter(|row| !row.panels.is_empty()).collect();

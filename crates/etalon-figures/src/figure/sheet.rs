@@ -1,7 +1,7 @@
 //! Contact sheets: captioned images in a grid, for comparing renders by eye; and tables: columns of text between rules, as in
 //! print.
 
-use super::drawing::Drawing;
+use super::drawing::{Drawing, Keep};
 use super::page::{PIXELS, Page};
 use super::rgb8::Rgb8;
 use super::shapes::{Anchor, Level, Rect, Text};
@@ -42,8 +42,10 @@ pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> 
 
 impl Sheet {
     /// The images whose caption `keep` wants.
-    pub(super) fn select(&self, keep: &mut dyn FnMut(&str) -> bool) -> Option<Self> {
-        let images: Vec<_> = self.images.iter().filter(|(caption, _)| keep(caption)).cloned().collect();
+    pub(super) fn select(&self, groups: &[&str], keep: &mut Keep) -> Option<Self> {
+        let mut is_kept =
+            |(caption, _): &&(String, Rgb8)| keep(&[groups, &[self.title.as_str(), caption.as_str()]].concat());
+        let images: Vec<_> = self.images.iter().filter(&mut is_kept).cloned().collect();
         let columns = self.columns.min(images.len());
         (!images.is_empty()).then_some(Self { title: self.title.clone(), columns, images })
     }
