@@ -19,12 +19,15 @@ pub struct Axis {
     every: Option<f64>,
     at: Vec<f64>,
     names: Vec<String>,
+    /// Ticks have no numbers, which those of a neighbour are.
+    is_silent: bool,
 }
 
 impl Axis {
     /// A linear axis that shows all the data. `label` may carry the markup of [`super::text`].
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None, every: None, at: Vec::new(), names: Vec::new() }
+        let (label, at, names) = (label.into(), Vec::new(), Vec::new());
+        Self { label, scale: Scale::Linear, range: None, every: None, at, names, is_silent: false }
     }
 
     /// A logarithmic axis that shows all positive data.
@@ -84,6 +87,12 @@ impl Axis {
         self
     }
 
+    /// The axis without the numbers of its ticks, if they are those of another one.
+    pub(super) fn without_numbers_of(self, other: &Self) -> Self {
+        let is_silent = self.range.is_some() && self.range == other.range && self.scale == other.scale;
+        Self { is_silent, ..self }
+    }
+
     /// The number of places that have names.
     pub(super) fn places(&self) -> usize {
         self.names.len()
@@ -98,6 +107,10 @@ impl Axis {
             (Scale::Linear, Some(step)) => ticks_every(span.lo(), span.hi(), step),
             (Scale::Linear, None) => linear_ticks(span.lo(), span.hi(), most),
         };
+        if self.is_silent {
+            ticks.major.iter_mut().for_each(|tick| tick.label.clear());
+            ticks.exponent = 0;
+        }
         ticks.major.iter_mut().map(|tick| &mut tick.at).chain(&mut ticks.minor).for_each(|at| *at = span.position(*at));
         ticks
     }

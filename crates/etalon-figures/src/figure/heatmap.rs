@@ -104,6 +104,15 @@ impl Heatmap {
         Drawing::Bar(self.clone(), length)
     }
 
+    /// The ticks of its colour bar: about as many as there is room for, and at least three numbers where round ones can be found.
+    fn ticks(&self, room: usize) -> Ticks {
+        /// More would be too many for the shortest bar.
+        const MOST: usize = 6;
+        let of = |most| self.axis().ticks(&self.span(), most);
+        let enough = (room.max(3)..=MOST).map(of).find(|ticks| ticks.major.len() >= 3);
+        enough.unwrap_or_else(|| of(room.max(3)))
+    }
+
     pub(super) fn lying_bar(&self, length: f64, room: f64) -> Page {
         let length = length.min(room - 2.0 * FACTOR).max(60.0);
         let label = text::wrapped(&self.label, theme::LABEL_SIZE, false, room - 2.0 * EDGE);
@@ -113,7 +122,7 @@ impl Heatmap {
         let mut drawing = Page::new(width, 0.0, PIXELS);
         let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
         drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
-        let ticks = self.axis().ticks(&self.span(), (length / 50.0) as usize);
+        let ticks = self.ticks((length / 50.0) as usize);
         let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
         let room = Sides { bottom, ..Sides::default() };
         let first = label.first().map_or("", String::as_str);
@@ -181,7 +190,7 @@ pub(super) fn bar_beside(drawing: &mut Page, map: &Heatmap, frame: &Rect) -> Sid
     let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
     let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
     drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));
-    let ticks = map.axis().ticks(&map.span(), frame::most_rows(bar.height));
+    let ticks = map.ticks(frame::most_rows(bar.height));
     let right = frame::beside_ticks(&ticks) + frame::title_height(&map.label);
     let room = Sides { right, ..Sides::default() };
     frame::draw_axes(drawing, bar, room, [&Ticks::default(), &ticks], ["", &map.label]);
@@ -285,5 +294,18 @@ mod tests {
             .filter_map(|i| if let Item::Text(t) = i { Some(t.markup.as_str()) } else { None })
             .collect();
         assert_eq!(labels, ["relative error", "−4", "−2", "0", "2", "4"]);
+    }
+
+    #[test]
+    fn the_shortest_bar_has_three_numbers() {
+        for (range, shading) in [
+            ((-6.0, 6.0), Shading::Diverging),
+            ((0.0, 2800.0), Shading::Linear),
+            ((0.23, 1.0), Shading::Linear),
+            ((0.013, 13.0), Shading::Log10),
+        ] {
+            let map = Heatmap::new(1, vec![1.0], shading, "").range(range.0, range.1);
+            assert!(map.ticks(1).major.len() >= 3, "{range:?}");
+        }
     }
 }

@@ -216,10 +216,15 @@ impl Plot {
                 };
                 // Names of places and titles of axes stand once in a row
                 let mut panel = panel.clone();
-                if column > 0 {
-                    panel.y = panel.y.without_names_of(&row.panels[column - 1].y);
+                if let Some(before) = column.checked_sub(1).map(|before| &row.panels[before]) {
+                    panel.y = panel.y.without_names_of(&before.y);
+                    // Maps are larger without the same numbers between them
+                    if panel.heatmap.is_some() && before.heatmap.is_some() {
+                        panel.y = panel.y.without_numbers_of(&before.y);
+                    }
                 }
-                chart(&panel, [width, height], has_own, limit)
+                let is_narrow = limit.is_finite() && row.panels.len() > 1;
+                chart(&panel, [width, height], has_own, limit, is_narrow)
             };
             let mut charts: Vec<Chart> = row.panels.iter().enumerate().map(draw).collect();
             let legends = charts.iter().filter(|chart| chart.legend.is_some()).count();
@@ -322,10 +327,11 @@ impl Plot {
     }
 }
 
-/// A panel drawn. On a page of limited size a colour bar whose label is longer than the frame is high goes below it.
-fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64) -> Chart {
+/// A panel drawn. On a page of limited size a colour bar whose label is longer than the frame is high goes below it, and so do those of maps
+/// beside others, which are larger then.
+fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64, is_narrow: bool) -> Chart {
     let is_long = |map: &&Heatmap| limit.is_finite() && text::width(&map.label, theme::LABEL_SIZE, false) > height;
-    let lying = panel.heatmap.as_ref().filter(|map| has_own.bar && is_long(map));
+    let lying = panel.heatmap.as_ref().filter(|map| has_own.bar && (is_narrow || is_long(map)));
     let has_own = Parts { bar: has_own.bar && lying.is_none(), ..has_own };
     let mut chart = Chart::new(panel, [width, height], has_own, limit);
     if let Some(map) = lying {
