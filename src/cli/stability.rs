@@ -7,6 +7,7 @@ use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
+use etalon_figures::figure::Wanted;
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::stability as view;
@@ -78,7 +79,7 @@ impl Stability {
         let (target, style) = (global.target(), self.style.style()?);
         let name = output::name_of_run("stability", &self.families);
         let stem = target.stem(&name, "", &output::STUDY)?;
-        let errors_stem = target.stem(&name, "-errors", &output::DRAWING)?;
+        let errors_stem = target.stem(&name, "-errors", &output::STUDY)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
         let effort = Workload::FULL;
@@ -94,15 +95,15 @@ impl Stability {
             return Err(Error::Interrupted);
         }
         let mut saving = Saving::default();
-        saving.add(output::write(
-            &stem,
-            &view::worst_cases(&result.rows),
-            &style.clone().with_all_panels(),
-            &output::csv(&result.rows)?,
-        ));
+        let mut wanted = Wanted::of(&style);
+        let worst = view::worst_cases(&result.rows);
+        saving.add(output::write(&stem, &worst, &wanted.style(&worst), &output::csv(&result.rows)?));
         if !self.families.is_empty() && !result.sweeps.is_empty() {
-            saving.add(view::errors(&result.sweeps).write(&errors_stem, &style));
+            let errors = view::errors(&result.sweeps);
+            let table = output::csv(&view::curve_rows(&result.sweeps))?;
+            saving.add(output::write(&errors_stem, &errors, &wanted.style(&errors), &table));
         }
+        saving.add(wanted.check().map(|()| Vec::new()));
         saving.add(self.reports.write(&checks(&result, start.elapsed().as_secs_f64())));
         let (files, saved) = saving.end();
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);

@@ -2,11 +2,16 @@
 //! causes; and the worst case of every family, variant and precision beside what rounding explains of it.
 
 use super::text::{capitalized, power_of_ten};
-use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
+use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, text, theme};
 use etalon_bench::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, Section, Sweep, TEXTBOOK};
+use serde::Serialize;
 
-/// One scale for all panels: from below the rounding of f32 to a relative error of 1. Errors beyond stand at its ends.
+/// One scale for all panels: from below the rounding of f32 to a relative error of 1. Errors beyond stand at its ends, with a grey band behind
+/// them.
 const SCALE: [f64; 2] = [1e-8, 1.0];
+/// The title of an axis of errors, and what its ends are.
+const ERROR: &str = "largest relative error";
+const BEYOND: &str = "at the line or beyond";
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 /// The name of what rounding an input explains.
@@ -21,12 +26,18 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     let grids = sweeps.iter().flat_map(|sweep| (0..sweep.family.sections.len()).map(move |number| (sweep, number)));
     let (shown, others): (Vec<_>, Vec<_>) = grids.partition(|(sweep, number)| errs(sweep, *number));
     let (shown, others) = if shown.is_empty() { (others, Vec::new()) } else { (shown, others) };
-    // All panels have the same legend
     let is_shown = |name: &&str| shown.iter().any(|(sweep, _)| sweep.family.variants.iter().any(|v| v.name == *name));
-    let names: Vec<&str> = [TEXTBOOK, REPORT, STABLE].into_iter().filter(is_shown).collect();
+    let names: Vec<&str> = VARIANTS.into_iter().filter(is_shown).collect();
     let panels: Vec<Panel> = shown.iter().map(|(sweep, number)| panel(sweep, *number, &names)).collect();
-    let rows = panels.chunks(COLUMNS).map(|row| (String::new(), row.to_vec()));
-    let plot = Plot::grid(rows).frame_size(FRAME[0], FRAME[1]).draw();
+    // In few and large panels, curves have their names where they run
+    let plot = match panels.len() {
+        1 | 2 => Plot::new(panels.into_iter().map(Panel::with_names_on_curves).collect::<Vec<_>>()),
+        _ => {
+            let rows = panels.chunks(COLUMNS).map(|row| (String::new(), row.to_vec()));
+            Plot::grid(rows).frame_size(FRAME[0], FRAME[1])
+        }
+    };
+    let plot = plot.draw();
     if others.is_empty() {
         return plot;
     }
@@ -59,41 +70,100 @@ fn heading(sweep: &Sweep, number: usize) -> String {
 }
 
 /// The largest errors of one grid along one of its axes.
-fn panel(sweep: &Sweep, number: usize, names: &[&str]) -> Panel {
-    let Section { x, y, .. } = &sweep.family.sections[number];
-    let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
-    let of = |name: &str| {
-        let variant = sweep.family.variants.iter().position(|variant| variant.name == name)?;
-        Some(move |case: &Case| case.deviations[variant].map_or(0.0, |d| d.relative))
-    };
-    // The axis along which the largest errors are smaller on the whole: it tells more of where they are
-    let height = |axis: usize| -> f64 {
-        let of_variant = |name| of(name).map(|value| largest(sweep, number, axis, &value));
-        names.iter().filter_map(|name| of_variant(name)).flatten().map(f64::log10).sum()
-    };
-    let (axis, Scale { label, from, to }) = if height(1) < height(0) { (1, y) } else { (0, x) };
-    let along = |value: &dyn Fn(&Case) -> f64| -> Vec<Point> {
-        let at = |i| [x, y][axis].at(i, sweep.side);
-        largest(sweep, number, axis, value).into_iter().enumerate().map(|(i, error)| [at(i), error]).collect()
-    };
-    let error = Axis::log("largest relative error").range(SCALE[0] / 2.0, SCALE[1] * 2.0);
+fn panel(sweep: &Sweep, number: usize, names: &[&'static str]) -> Panel {
+    let (Scale { label, from, to }, curves) = curves(sweep, number, names);
+    let within = |(at, error): &(f64, f64)| [*at, error.clamp(SCALE[0], SCALE[1])];
+    let ends = [SCALE[0] / 3.0, SCALE[1] * 3.0];
+    let error = Axis::log(ERROR).range(ends[0], ends[1]);
+    let beyond = |low: f64, high: f64| [[*from, low, high], [*to, low, high]];
     let panel = Panel::new(Axis::log(*label).range(*from, *to), error).title(heading(sweep, number));
-    let panel = panel.line(INPUT_ALONE, theme::EXPLAINED_BY_INPUT, along(&rounding));
-    names.iter().fold(panel, |panel, name| {
-        let dash = if *name == REPORT { theme::DASHED } else { theme::SOLID };
-        let stroke = Stroke { dash, ..Stroke::solid(look(name).0, theme::LINE) };
-        panel.line(*name, stroke, of(name).map(|value| along(&value)).unwrap_or_default())
+    let panel =
+        panel.band(BEYOND, theme::INK, beyond(ends[0], SCALE[0])).band("", theme::INK, beyond(SCALE[1], ends[1]));
+    // All panels have the same legend
+    std::iter::once(&INPUT_ALONE).chain(names).fold(panel, |panel, &name| {
+        let points = curves.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, points)| points);
+        let dash = if name == REPORT { theme::DASHED } else { theme::SOLID };
+        let stroke = if name == INPUT_ALONE {
+            theme::EXPLAINED_BY_INPUT
+        } else {
+            Stroke { dash, ..Stroke::solid(look(name).0, theme::LINE) }
+        };
+        panel.line(formula(name), stroke, points.iter().map(within).collect::<Vec<Point>>())
     })
 }
 
-/// The largest value at each place along an axis of a grid, within the scale.
-fn largest(sweep: &Sweep, number: usize, axis: usize, value: &dyn Fn(&Case) -> f64) -> Vec<f64> {
-    let mut values = vec![SCALE[0]; sweep.side];
-    for (case, place) in cases(sweep, number) {
-        let at = &mut values[place[axis]];
-        *at = at.max(value(case)).min(SCALE[1]);
+/// The largest error at each place along an axis.
+type Curve = (&'static str, Vec<(f64, f64)>);
+
+/// The largest errors of one grid in f32, and what rounding of the input explains of them, along the axis that tells more of where they are.
+fn curves<'a>(sweep: &'a Sweep, number: usize, names: &[&'static str]) -> (&'a Scale, Vec<Curve>) {
+    let Section { x, y, .. } = &sweep.family.sections[number];
+    let error = |name: &str, case: &Case| {
+        let variant = sweep.family.variants.iter().position(|variant| variant.name == name);
+        variant.and_then(|variant| case.deviations[variant]).map_or(0.0, |d| d.relative)
+    };
+    let along = |axis: usize, name: &'static str| -> Curve {
+        let rounding = |case: &Case| case.condition.max(1.0) * ROUNDING;
+        let value = |case: &Case| if name == INPUT_ALONE { rounding(case) } else { error(name, case) };
+        let mut values = vec![0.0f64; sweep.side];
+        for (case, place) in cases(sweep, number) {
+            let at = &mut values[place[axis]];
+            *at = at.max(value(case));
+        }
+        let at = |i| [x, y][axis].at(i, sweep.side);
+        (name, values.into_iter().enumerate().map(|(i, error)| (at(i), error)).collect())
+    };
+    let has = |name: &&&str| sweep.family.variants.iter().any(|variant| variant.name == **name);
+    let of = |axis: usize| names.iter().filter(has).map(move |name| along(axis, name));
+    // Where the largest errors are smaller on the whole
+    let height = |axis: usize| -> f64 {
+        of(axis).flat_map(|(_, points)| points).map(|(_, error)| error.clamp(SCALE[0], SCALE[1]).log10()).sum()
+    };
+    let axis = usize::from(height(1) < height(0));
+    ([x, y][axis], std::iter::once(along(axis, INPUT_ALONE)).chain(of(axis)).collect())
+}
+
+/// An error of a curve. Field names are the CSV columns.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct CurveRow<'a> {
+    family: &'a str,
+    /// The grid of the family.
+    grid: &'a str,
+    /// The quantity along the axis, and its value.
+    input: String,
+    at: f64,
+    /// The variant, or "rounding of the input alone".
+    variant: &'a str,
+    /// The largest relative error in f32 of all inputs of the grid with that value; infinite where a result is not finite.
+    relative: f64,
+}
+
+/// The curves of all grids, without the ends of the figure's scale.
+pub fn curve_rows(sweeps: &[Sweep]) -> Vec<CurveRow<'_>> {
+    let grids = sweeps.iter().flat_map(|sweep| sweep.family.sections.iter().enumerate().map(move |grid| (sweep, grid)));
+    let mut rows = Vec::new();
+    for (sweep, (number, section)) in grids {
+        let (scale, curves) = curves(sweep, number, &VARIANTS);
+        let (family, grid, input) = (sweep.family.name, section.title, text::plain(scale.label));
+        for (variant, points) in curves {
+            let row = |(at, relative)| CurveRow { family, grid, input: input.clone(), at, variant, relative };
+            rows.extend(points.into_iter().map(row));
+        }
     }
-    values
+    rows
+}
+
+/// The variants, in the order of legends of curves.
+const VARIANTS: [&str; 3] = [TEXTBOOK, REPORT, STABLE];
+
+/// What a variant is, where a figure stands alone.
+fn formula(variant: &str) -> String {
+    match variant {
+        STABLE => "stable formula".into(),
+        TEXTBOOK => "textbook formula".into(),
+        REPORT => "formula of the first report".into(),
+        other => other.into(),
+    }
 }
 
 /// Scale of relative errors in each precision; values outside stand at its ends.
@@ -126,7 +196,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let panel = |(precision, title, [least, most]): (Precision, &str, [f64; 2])| {
         let of_precision = || rows.iter().filter(|row| row.precision == precision);
         let ends = [least / 3.0, most * 3.0];
-        let x = Axis::log("largest relative error (grey: at the line or beyond)").range(ends[0], ends[1]);
+        let x = Axis::log(format!("{ERROR} (grey: {BEYOND})")).range(ends[0], ends[1]);
         let panel = Panel::new(x, Axis::named("", names.clone())).title(title);
         let panel = panel.shade(ends[0], least, theme::INK).shade(most, ends[1], theme::INK);
         // Rounding of the input by half a last place may move the result by as many as the condition number
@@ -141,7 +211,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             let worst =
                 |row: &ErrorRow| if row.max_relative.is_nan() { most } else { row.max_relative.clamp(least, most) };
             let places: Vec<Point> = of.map(|row| [worst(row), line(row)]).collect();
-            panel.markers(*variant, look(variant).0, *marker, places)
+            panel.markers(formula(variant), look(variant).0, *marker, places)
         })
     };
     Plot::new(ERRORS.map(panel)).frame_size(380.0, LINE * families.len() as f64).draw()
