@@ -2,13 +2,13 @@
 
 use super::depth::grid;
 use super::text::{LINE, rounded, wrapped};
-use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Shading};
+use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use etalon_bench::albedo::{Row, Table, is_wrong};
 use etalon_core::math::Rgb;
 use etalon_core::raster::Image;
 
-/// Pixels across a sphere's image.
-const PIXELS: usize = 160;
+/// Pixels across a sphere's image, which is reduced where there is less room.
+const PIXELS: usize = 480;
 /// Weights are uneven if one has so many times their mean.
 const UNEVEN: f64 = 10.0;
 /// Spheres beside the map.
@@ -19,30 +19,106 @@ pub fn drawing(table: &Table) -> Drawing {
     let spheres = spheres(table);
     let cells: Vec<(String, &Image)> = spheres.iter().map(|(caption, image)| (caption.clone(), image)).collect();
     // Darker, so that radiance above 1 shows, too.
-    let title = "Spheres in light of radiance 1 from everywhere";
-    Drawing::stacked(vec![map(table), grid(title, SPHERES, -0.5, &cells)], 0.5)
+    let title = match cells.len() {
+        1 => "A sphere in light of radiance 1 from everywhere",
+        _ => "Spheres in light of radiance 1 from everywhere",
+    };
+    let albedos = if table.parameters.len() > 1 { map(table) } else { curve(table) };
+    Drawing::stacked(vec![albedos, grid(title, SPHERES, -0.5, &cells)], 0.5)
+}
+
+/// A BSDF in words: what the light comes from.
+fn surface(family: &str) -> &str {
+    match family {
+        "diffuse" => "a diffuse surface",
+        "mirror" => "a mirror",
+        "refraction" => "a surface that only refracts",
+        "dielectric" => "smooth glass",
+        "smooth-conductor" => "a smooth metal",
+        "beckmann" => "a rough metal (Beckmann)",
+        "ggx" => "a rough metal (GGX)",
+        "ggx-bounded" => "a rough metal (GGX, bounded normals)",
+        "ggx-ndf" => "a rough metal (GGX, all normals)",
+        "beckmann-dielectric" => "rough glass (Beckmann)",
+        "ggx-dielectric" => "rough glass (GGX)",
+        "compensated-beckmann" => "a rough metal with multiple scattering (Beckmann)",
+        "compensated-ggx" => "a rough metal with multiple scattering (GGX)",
+        "coated-diffuse" => "a diffuse surface under a coat",
+        "oren-nayar" => "a rough diffuse surface (Oren–Nayar)",
+        "thin-dielectric" => "a thin pane of glass",
+        "mixture" => "a mixture of diffuse surface and rough metal",
+        "errata-conductor" => "a rough metal of the second report",
+        other => other,
+    }
+}
+
+/// Parameters that have one value, in words.
+fn quantity(names: &[String]) -> String {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    match names[..] {
+        ["alpha"] | ["alpha_x", "alpha_y"] => "roughness /{α}".into(),
+        ["alpha_x"] => "roughness /{α}_{x}".into(),
+        ["alpha_y"] => "roughness /{α}_{y}".into(),
+        ["eta"] => "/{η}".into(),
+        ["k"] => "/{k}".into(),
+        ["sigma_deg"] => "/{σ} in degrees".into(),
+        _ => names.join(" = "),
+    }
+}
+
+/// A number in as few digits as tell it.
+fn short(value: f64) -> String {
+    let text = rounded(value, 3);
+    let has_zeros = text.contains('.') && !text.contains('e');
+    if has_zeros { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Parameters with their value, in one line.
+fn equation(names: &[String], value: f64) -> String {
+    format!("{} = {}", quantity(names), short(value)).replace(' ', "\u{a0}")
+}
+
+/// What the table has: the surface, and the parameters that do not vary.
+fn title(table: &Table) -> String {
+    let does =
+        if table.thetas_deg.iter().any(|theta| *theta > 90.0) { "reflected or transmitted" } else { "reflected" };
+    let one = |name: &str, value: f64| equation(&[name.to_owned()], value);
+    let mut fixed: Vec<String> = table.fixed.iter().map(|(name, value)| one(name, *value)).collect();
+    if let ([value], false) = (&table.parameters[..], table.over.is_empty()) {
+        fixed.insert(0, equation(&table.over, *value));
+    }
+    let fixed = if fixed.is_empty() { String::new() } else { format!(": {}", fixed.join(", ")) };
+    format!("Light {does} by {}{fixed}", surface(&table.family))
+}
+
+fn angle_axis([from, to]: [f64; 2]) -> Axis {
+    Axis::linear("angle of /{ω}o with the normal (degrees)").range(from, to)
+}
+
+/// The albedos of one BSDF over the angle.
+fn curve(table: &Table) -> Drawing {
+    let albedos = table.largest_channels();
+    let points: Vec<Point> = table.thetas_deg.iter().zip(&albedos).map(|(theta, albedo)| [*theta, *albedo]).collect();
+    let end = if table.thetas_deg.iter().any(|theta| *theta > 90.0) { 180.0 } else { 90.0 };
+    let most = albedos.iter().fold(1.0f64, |most, albedo| most.max(*albedo));
+    let panel =
+        Panel::new(angle_axis([0.0, end]).every(end / 6.0), Axis::linear("directional albedo").range(0.0, 1.05 * most));
+    let panel = panel.title(title(table)).horizontal(1.0, "all light");
+    Plot::new([panel.dotted_line("", Stroke::solid(theme::IMPORTANCE_SAMPLING, theme::LINE), points)]).draw()
 }
 
 fn map(table: &Table) -> Drawing {
-    let (columns, rows) = (table.thetas_deg.len(), table.parameters.len());
+    let columns = table.thetas_deg.len();
     // The first row of a heat map is at the top.
     let values: Vec<f64> = table.largest_channels().chunks(columns).rev().flatten().copied().collect();
     let (low, high) = values.iter().fold((1.0f64, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
     let low = if high - low < 1e-3 { high - 1e-3 } else { low };
     let map = Heatmap::new(columns, values, Shading::Linear, "directional albedo").range(low, high.max(1.0));
-    let name = if table.over.is_empty() { "BSDF".to_owned() } else { table.over.join(" = ") };
     // Each cell is drawn around its value.
     let [across, up] = [ends(&table.thetas_deg, false), ends(&table.parameters, table.is_logarithmic)];
+    let name = quantity(&table.over);
     let axis = if table.is_logarithmic { Axis::log(name) } else { Axis::linear(name) };
-    let fixed: Vec<String> = table.fixed.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    let title =
-        format!("{}, {columns} /{{×}} {rows} cells", [std::slice::from_ref(&table.family), &fixed].concat().join(", "));
-    let panel = Panel::new(
-        Axis::linear("angle of /{ω}o with the normal (degrees)").range(across[0], across[1]),
-        axis.range(up[0], up[1]),
-    )
-    .title(title)
-    .heatmap(map);
+    let panel = Panel::new(angle_axis(across), axis.range(up[0], up[1])).title(title(table)).heatmap(map);
     Plot::new([panel]).draw()
 }
 
@@ -65,17 +141,16 @@ fn spheres(table: &Table) -> Vec<(String, Image)> {
         let radiance =
             |r: f64| if r < 1.0 { interpolate(&table.thetas_deg, albedos, r.asin().to_degrees()) } else { 1.0 };
         // A pixel's mean over points in it smooths the edge.
-        const POINTS: usize = 4;
+        const POINTS: usize = 2;
         let at = |i: usize, k: usize| (i as f64 + (k as f64 + 0.5) / POINTS as f64) / PIXELS as f64 * 2.2 - 1.1;
         let pixel = |x: usize, y: usize| {
             let points = (0..POINTS * POINTS).map(|k| radiance(at(x, k % POINTS).hypot(at(y, k / POINTS))));
             Rgb::splat((points.sum::<f64>() / (POINTS * POINTS) as f64) as f32)
         };
         let value = table.parameters[row];
-        let value = if value >= 0.1 { format!("{value:.3}") } else { format!("{value:.1e}") };
         let caption = match table.over.is_empty() {
             true => String::new(),
-            false => format!("{} = {value}", table.over.join(" = ")),
+            false => equation(&table.over, value),
         };
         (caption, Image::from_fn(PIXELS, PIXELS, pixel))
     };
@@ -175,5 +250,42 @@ pub fn found(table: &Table) -> String {
             "{n} VIOLATIONS: more light than arrives, less from a BSDF that conserves energy, weights above the largest, or values that \
              are not finite"
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etalon_bench::validation::families;
+    use etalon_stats::bsdf::Family;
+
+    fn table(parameters: usize) -> Table {
+        let family = families::all().into_iter().find(|family| family.name() == "ggx").unwrap();
+        let request = etalon_bench::albedo::Request {
+            over: Vec::new(),
+            set: Vec::new(),
+            cells: [3, parameters],
+            error: 0.05,
+            samples: None,
+            seed: 1,
+        };
+        etalon_bench::albedo::albedo_table(&family, &|_| None, &request, &|_| {}).unwrap()
+    }
+
+    #[test]
+    fn every_bsdf_has_words() {
+        families::all().iter().for_each(|family| assert_ne!(surface(family.name()), family.name()));
+        assert_eq!([1e-4, 0.0464, 0.5, 1.0].map(short), ["0.0001", "0.0464", "0.5", "1"]);
+    }
+
+    #[test]
+    fn several_roughnesses_are_a_map_and_one_is_a_curve() {
+        let several = drawing(&table(2)).svg();
+        for text in ["Light reflected by a rough metal (GGX): ", "Spheres in light of radiance 1 from everywhere"] {
+            assert!(several.contains(text), "{text}");
+        }
+        assert!(!several.contains("alpha_x") && several.contains("0.0001"));
+        let one = drawing(&table(1)).svg();
+        assert!(one.contains("directional albedo") && one.contains("A sphere in light"), "{one}");
     }
 }
