@@ -198,21 +198,29 @@ impl Sketch<'_> {
                     Mark::Dots { label: of, colour, marker, .. } if of == label => Some((*marker, *colour)),
                     _ => None,
                 };
-                Some((label.clone(), *stroke, marks.iter().find_map(of_label), places.collect::<Vec<Point>>()))
+                let places: Vec<Point> = places.collect();
+                // Of a curve of many points, those that tell where it runs
+                let mut few: Vec<Point> = Vec::new();
+                for place in &places {
+                    if few.last().is_none_or(|last| apart(*last, *place) >= 0.5 * STEP) {
+                        few.push(*place);
+                    }
+                }
+                Some((label.clone(), *stroke, marks.iter().find_map(of_label), places, few))
             }
             _ => None,
         };
         let curves: Vec<_> = marks.iter().filter_map(curve).collect();
         let mut named = Vec::new();
-        for (i, (label, stroke, marker, places)) in curves.iter().enumerate() {
+        for (i, (label, stroke, marker, places, few)) in curves.iter().enumerate() {
             // Indices stand lower than letters
             let high = theme::NOTE_SIZE + 8.0;
             let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
-            let others = || curves.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, curve)| &*curve.3);
+            let others = || curves.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, curve)| &*curve.4);
             let is_own = |place: &Rect| {
                 let distance =
                     |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
-                others().all(|other| distance(other) > 1.5 * distance(places))
+                others().all(|other| distance(other) > 1.5 * distance(few))
             };
             let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
             let mut near = |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);

@@ -126,7 +126,8 @@ fn total_reflection(panel: Panel, critical: f64, end: f64) -> Panel {
 pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
     let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c)).collect();
     panels.push(errors(curves));
-    Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).draw()
+    let panels: Vec<Panel> = panels.into_iter().map(Panel::with_names_on_curves).collect();
+    Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).frame_size(420.0, 320.0).draw()
 }
 
 fn channel(metal: &str, c: &metal::Channel) -> Panel {
@@ -143,21 +144,22 @@ fn channel(metal: &str, c: &metal::Channel) -> Panel {
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
-        .line("/{F}", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
+        .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
         .line("/{R}_{∥} approximate", stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
         .line(
             "/{R}_{⊥} approximate",
             stroke(theme::R_PERPENDICULAR, theme::DOTTED),
             of(|r| r.r_perpendicular_approximate),
         )
-        .line("/{F} approximate", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
+        .line("/{R} approximate", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
         .line("Schlick", stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
         .vertical(c.pseudo_brewster_deg, format!("pseudo-Brewster angle {:.1}°", c.pseudo_brewster_deg))
 }
 
 fn errors(curves: &metal::ConductorCurves) -> Panel {
     let colours = if curves.channels.len() == 1 { &[theme::UNPOLARIZED][..] } else { &theme::CHANNELS };
-    let mut panel = Panel::new(angle_axis(), Axis::linear("error of /{F}")).title("Errors of the approximations");
+    let mut panel =
+        Panel::new(angle_axis(), Axis::linear("error of /{R} unpolarized")).title("Errors of the approximations");
     for (c, &colour) in curves.channels.iter().zip(colours) {
         let of = |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> {
             c.rows.iter().map(|r| [r.theta_deg, f(r) - r.r_unpolarized]).collect()
