@@ -2,7 +2,7 @@
 //! (`median-cut-2`, `-4`, `-16`, `-64` and `median-cut-radiance-64`), and the error of fixed lights in place of a map, over their
 //! number (`median-cut-error`).
 
-use super::error_time::{biased, plan, sphere_curves, sphere_scene, stopped};
+use super::error_time::{biased, plan, sphere_curves, sphere_scene, unless_stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
 use crate::view::converge::{self, guide, with_band};
@@ -74,7 +74,7 @@ fn error_of_lights(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let sampled = sphere_curves(inputs, studies)?;
     let (scene, request) = sphere_scene(inputs);
     let fixed = cuts(&scene, &request, &LIGHTS, &plan(inputs, 1, 3), sampled.truth.as_ref())?;
-    let mut checks = vec![stopped(&fixed)];
+    let mut checks = Vec::new();
     let rmse = |cut: &str, lights: u32| {
         let curve = fixed.curve(&format!("{cut}-{lights}"));
         curve.and_then(|curve| curve.levels.last()).map_or(f64::NAN, |level| level.rmse())
@@ -85,7 +85,7 @@ fn error_of_lights(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         checks.extend(fixed.curve(&format!("{cut}-64")).map(biased));
     }
     let rows = [converge::rows(&fixed), converge::rows(&sampled)].concat();
-    Content::new(lights(&fixed, &sampled), &rows, checks)
+    Content::new(lights(&fixed, &sampled), &rows, unless_stopped(&fixed, checks))
 }
 
 /// Error over the number of lights, and over time: fixed lights, and random light samples.

@@ -1,6 +1,6 @@
 //! Light missing in renders that end at some depth, and the time that this saves: `error-depth`.
 
-use super::error_time::{LIMIT, small};
+use super::error_time::{LIMIT, STOPPED, small};
 use crate::figure::{Axis, Drawing, Panel, Plot, theme};
 use crate::gallery::prelude::*;
 use crate::view::text::duration;
@@ -28,7 +28,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
     Content::new(depths(&scenes), &depth_rows(&scenes), checks)
 }
 
-/// Without any depth, which the time limit may cause, both numbers are NaN.
+/// Skipped without any depth, which the time limit may cause.
 fn checks(scene: &DepthCurve) -> [Check; 2] {
     let name = &scene.scene;
     let ratios = scene.levels.windows(2).map(|pair| pair[1].missing.value / pair[0].missing.value);
@@ -38,6 +38,7 @@ fn checks(scene: &DepthCurve) -> [Check; 2] {
         Check::at_most(format!("missing light over that of the depth before, largest, {name}"), largest, 1.0),
         Check::at_most(format!("time of depth 1 over that of depth 100, {name}"), time, 1.0),
     ]
+    .map(|check| check.unless(scene.levels.is_empty().then_some(STOPPED)))
 }
 
 /// DepthCurve that are measured; the last one stands for all light.

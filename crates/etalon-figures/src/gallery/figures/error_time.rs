@@ -59,7 +59,7 @@ pub fn figures() -> Vec<Maker> {
 
 fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = sphere_curves(inputs, studies)?;
-    let mut checks = vec![stopped(&result), default_against_best(&result)];
+    let mut checks = vec![default_against_best(&result)];
     for curve in &result.curves {
         let name = curve.strategy.as_str();
         if curve.contender.has_fixed_lights() {
@@ -78,7 +78,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    Content::new(sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))
 }
 
 /// The curves of mirror and glass in the box, in images large enough to recognize in print what each strategy renders.
@@ -90,7 +90,7 @@ pub fn cornell_curves(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Conve
 
 fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let result = cornell_curves(inputs, studies)?;
-    let mut checks = vec![stopped(&result), default_against_best(&result)];
+    let mut checks = vec![default_against_best(&result)];
     for curve in &result.curves {
         checks.push(unbiased(curve));
         checks.push(if curve.contender.is_independent() { as_monte_carlo(curve) } else { faster(curve) });
@@ -101,12 +101,16 @@ fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(sheet(&result), &view::rows(&result), checks)
+    Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))
 }
 
-/// Nothing was left out for lack of time.
-pub fn stopped(result: &Convergence) -> Check {
-    Check::equal("strategies stopped by the time limit", 0.0, result.cut.len() as f64)
+/// Why checks are skipped of what [`LIMIT`] has cut short.
+pub const STOPPED: &str = "the time limit stopped it: the machine is busy";
+
+/// The checks of a measurement, skipped if a part of it was left out for lack of time: the load of the machine is no fault.
+pub fn unless_stopped(result: &Convergence, checks: impl IntoIterator<Item = Check>) -> Vec<Check> {
+    let why = (!result.cut.is_empty()).then_some(STOPPED);
+    checks.into_iter().map(|check| check.unless(why)).collect()
 }
 
 /// Largest factor by which the default is less efficient than the best strategy without bias.
@@ -163,8 +167,8 @@ fn choice(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         ("Diffuse spheres in a box", compared(inputs, studies, builtin::cornell_lambert(), IN_BOX)?),
     ];
     let named = |(title, result): &(&str, Rc<Convergence>)| {
-        [stopped(result), default_against_best(result)]
-            .map(|check| Check { name: format!("{title}: {}", check.name), ..check })
+        let checks = unless_stopped(result, [default_against_best(result)]).into_iter();
+        checks.map(|check| Check { name: format!("{title}: {}", check.name), ..check }).collect::<Vec<_>>()
     };
     let checks = scenes.iter().flat_map(named).collect();
     Content::new(view::costs(&scenes), &view::cost_rows(&scenes), checks)
@@ -181,4 +185,23 @@ fn compared(
     let plan = plan(inputs, inputs.effort.of(32, 16), 4);
     let strategies = strategies.split_whitespace().map(str::parse).collect::<Result<Vec<_>>>()?;
     studies.get(scene.name.clone(), || measure(&scene, &request, &Contender::of(&strategies), &plan, None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_time_limit_stops_is_skipped_and_does_not_fail() {
+        let (scene, request) = builtin::cornell_lambert();
+        let (scene, request) = of_size((scene, request), [8, 6]);
+        let measured = |budget: f64| {
+            let plan = Plan { budget, max_spp: Some(2), replicates: Some(2), seed: 1, keep: None };
+            let strategies = ["light", "bsdf"].map(|name| name.parse::<Strategy>().unwrap());
+            let result = measure(&scene, &request, &Contender::of(&strategies), &plan, None).unwrap();
+            unless_stopped(&result, [Check::at_most("error", f64::NAN, 1.0)])
+        };
+        assert!(measured(60.0)[0].failed());
+        assert_eq!(measured(1e-9)[0].skipped, STOPPED);
+    }
 }
