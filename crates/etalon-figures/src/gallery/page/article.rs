@@ -110,9 +110,14 @@ impl Shown<'_> {
 
     /// The image, which leads to its file.
     fn picture(&self, number: usize) -> String {
-        let Some(EmbeddedImage { source, width, height, chart, .. }) = &self.image else { return String::new() };
+        let Some(EmbeddedImage { source, width, height, chart, map, .. }) = &self.image else { return String::new() };
         let Figure { id, title, shows, .. } = self.figure;
-        let kind = if *chart { "chart" } else { "picture" };
+        let mut kind = if *chart { "chart" } else { "picture" }.to_owned();
+        for (name, _) in
+            [("map", *map), ("broad", *chart && !map && *width > WIDEST_OF_TWO)].iter().filter(|(_, is)| *is)
+        {
+            kind += &format!(" {name}");
+        }
         let (id, title, alternative) = (escape(id), escape(title), escape(&format!("{title} ({id}). {shows}")));
         let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
         format!(
@@ -166,6 +171,9 @@ impl Shown<'_> {
         format!("{again}{direct}<p class=\"fine\">Made in {time}.</p>\n")
     }
 }
+
+/// The widest chart whose type can be read in half of the page.
+const WIDEST_OF_TWO: u32 = 800;
 
 /// A command and the flags of the run.
 pub fn join(command: &str, options: &str) -> String {

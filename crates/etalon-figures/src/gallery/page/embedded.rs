@@ -29,6 +29,8 @@ pub struct EmbeddedImage {
     pub height: u32,
     /// Whether it is a chart: it has text, stays sharp at any size, and follows a dark page.
     pub chart: bool,
+    /// Whether one image takes most of the chart, which may be reduced then.
+    pub map: bool,
     /// A small one, as a `data:` address, and whether a dark page exchanges its black and white.
     pub thumbnail: String,
     pub inverts: bool,
@@ -52,13 +54,14 @@ impl EmbeddedImage {
                 tag.and_then(|(tag, _)| size(tag)).ok_or_else(|| Error::input(&path, "no drawing with a size"))?;
             let (svg, largest) = with_small_images(&svg, &path)?;
             let source = vector_address(&with_dark_colours(&svg));
-            let inverts = largest.is_none();
-            let thumbnail = small(largest.map_or_else(|| whole(&full), |image| middle(&image)))?;
-            return Ok(Self { source, width, height, chart: true, thumbnail, inverts });
+            let (inverts, area) = (largest.is_none(), f64::from(width) * f64::from(height));
+            let map = largest.as_ref().is_some_and(|(of_image, _)| f64::from(*of_image) > 0.5 * area);
+            let thumbnail = small(largest.map_or_else(|| whole(&full), |(_, image)| middle(&image)))?;
+            return Ok(Self { source, width, height, chart: true, map, thumbnail, inverts });
         }
         let thumbnail = small(middle(&full))?;
         let (source, [width, height]) = picture(&png, full, WIDEST, &png_path)?;
-        Ok(Self { source, width, height, chart: false, thumbnail, inverts: false })
+        Ok(Self { source, width, height, chart: false, map: false, thumbnail, inverts: false })
     }
 }
 
@@ -95,8 +98,8 @@ fn picture(png: &[u8], mut full: DynamicImage, widest: u32, path: &Path) -> Resu
     Ok((if jpeg.len() < png.len() { address("jpeg", &jpeg) } else { address("png", png) }, size))
 }
 
-/// A drawing whose large images are reduced, and that of its images which takes the largest part of it.
-fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<DynamicImage>)> {
+/// A drawing whose large images are reduced, and that of its images which takes the largest part of it, with its area.
+fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<(u32, DynamicImage)>)> {
     let mut largest: Option<(u32, DynamicImage)> = None;
     let mut parts = svg.split(PNG);
     let mut small = parts.next().unwrap_or_default().to_owned();
@@ -112,7 +115,7 @@ fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<DynamicIm
         let area = width.saturating_mul(height);
         largest = largest.filter(|(largest, _)| *largest >= area).or(Some((area, image)));
     }
-    Ok((small, largest.map(|(_, image)| image)))
+    Ok((small, largest))
 }
 
 fn decoded(png: &[u8], path: &Path) -> Result<DynamicImage> {

@@ -203,6 +203,8 @@ dialog.onkeydown = (event) => {
   if (!action || event.ctrlKey || event.metaKey || event.altKey || event.target.matches('select, input')) return;
   event.preventDefault();
   action();
+  // No button stays marked while keys go through the figures
+  if (dialog.open) stage.focus();
 };
 // The magnifier shows what is under the pointer four times as large: of two figures, both.
 const magnify = () => {
@@ -278,6 +280,15 @@ all('.figure').filter(linkOf).forEach((figure) => {
   const start = button('Compare', () => open(figure, beside));
   start.className = 'start';
   one('figure', figure).append(start);
+});
+
+// A long text opens by a click, and a chart that moves sideways says whether there is more of it.
+all('.text').forEach((text) => { text.onclick = () => { if (!String(getSelection())) text.classList.toggle('whole'); }; });
+const edges = new ResizeObserver((entries) => entries.forEach(({ target }) => more(target)));
+const more = (chart) => chart.classList.toggle('more', chart.scrollWidth - chart.clientWidth - chart.scrollLeft > 2);
+all('figure.chart').forEach((chart) => {
+  chart.onscroll = () => more(chart);
+  edges.observe(chart);
 });
 
 // Copying: the command, without a trailing line break.
