@@ -88,10 +88,11 @@ pub fn drawing(validation: &Validation) -> Drawing {
                 tests.iter().find(is_of)
             };
             let told: Vec<&Tested> = causes.iter().filter_map(of).collect();
-            let shown = told.iter().copied().chain(tests).find(is_shown).map(validation_cells::pictured);
+            // The headline is of the test whose counts are shown
+            let shown = told.iter().copied().chain(tests).find(is_shown);
             let all = checks(validation).unwrap_or_else(|| p_values(validation));
-            let why = validation_cells::reasons(validation, told.first().copied());
-            let rows = why.into_iter().chain(shown).chain([all]);
+            let why = validation_cells::reasons(validation, shown.or(told.first().copied()));
+            let rows = why.into_iter().chain(shown.map(validation_cells::pictured)).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)
         }
     }
