@@ -77,7 +77,7 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark, is_map));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend of what is not named where it runs, where it covers nothing
-        let named = if panel.names_curves { sketch.name_curves(&panel.marks) } else { Vec::new() };
+        let named = if panel.names_curves { sketch.name_curves(&panel.marks, has_own.leads) } else { Vec::new() };
         let legend =
             Legend::new(&panel.marks).and_then(|legend| legend.without(&named)).map(|legend| legend.within(limit));
         let legend = legend.filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
@@ -90,6 +90,8 @@ impl Chart {
 pub(super) struct Parts {
     pub legend: bool,
     pub bar: bool,
+    /// Whether lines lead to names of curves that have no room beside them.
+    pub leads: bool,
 }
 
 pub(super) struct Sketch<'a> {
@@ -190,7 +192,7 @@ impl Sketch<'_> {
 
     /// Writes the names of curves, each with a sample of its line, beside them wherever its own curve is the nearest one, else further off
     /// with a line to the curve; returns the names that have a place.
-    fn name_curves(&mut self, marks: &[Mark]) -> Vec<String> {
+    fn name_curves(&mut self, marks: &[Mark], leads: bool) -> Vec<String> {
         let curve = |mark: &Mark| match mark {
             Mark::Line { label, stroke, points } if !label.is_empty() => {
                 let places = points.windows(2).flat_map(|ends| self.between(ends));
@@ -246,7 +248,9 @@ impl Sketch<'_> {
                 let free = far.into_iter().filter(is_free);
                 free.min_by(|a, b| length(a).total_cmp(&length(b)))
             };
-            let Some((place, end)) = beside.map(|place| (place, None)).or_else(|| led().map(|(p, end)| (p, Some(end))))
+            let Some((place, end)) = beside
+                .map(|place| (place, None))
+                .or_else(|| if leads { led().map(|(p, end)| (p, Some(end))) } else { None })
             else {
                 continue;
             };

@@ -1,7 +1,7 @@
 //! Heat maps: a grid of values as colours; their scales of equal steps to the eye, one from dark to light, one with a neutral
 //! middle; the bar that shows which colour stands for which value, beside one map, or below several of the same scale.
 
-use super::axis::{Axis, Span, Ticks};
+use super::axis::{Axis, Span, Tick, Ticks};
 use super::drawing::Drawing;
 use super::frame::{self, Sides};
 use super::page::{PIXELS, Page};
@@ -105,24 +105,32 @@ impl Heatmap {
     }
 
     /// The ticks of its colour bar: about as many as there is room for, and at least three numbers where round ones can be found.
-    fn ticks(&self, room: usize) -> Ticks {
+    fn ticks(&self, room: usize, fits: impl Fn(&Ticks) -> bool) -> Ticks {
         /// More would be too many for the shortest bar.
         const MOST: usize = 6;
         let of = |most| self.axis().ticks(&self.span(), most);
-        let enough = (room.max(3)..=MOST).map(of).find(|ticks| ticks.major.len() >= 3);
-        enough.unwrap_or_else(|| of(room.max(3)))
+        let enough = (room.max(3)..=MOST).map(of).find(|ticks| ticks.major.len() >= 3 && fits(ticks));
+        enough.unwrap_or_else(|| of(room.max(2)))
     }
 
     pub(super) fn lying_bar(&self, length: f64, room: f64) -> Page {
-        let length = length.min(room - 2.0 * FACTOR).max(60.0);
+        // Numbers do not touch
+        let fits = |ticks: &Ticks, length: f64| {
+            let width = |tick: &Tick| text::width(&tick.label, theme::TICK_SIZE, false);
+            let gap = |pair: &[Tick]| (pair[1].at - pair[0].at) * length - 0.5 * (width(&pair[0]) + width(&pair[1]));
+            ticks.major.windows(2).all(|pair| gap(pair) >= 4.0)
+        };
+        let ticks_of = |length: f64| self.ticks((length / 50.0) as usize, |ticks| fits(ticks, length));
+        let beside = if ticks_of(length).exponent == 0 { EDGE } else { FACTOR };
+        let length = length.min(room - 2.0 * beside).max(60.0);
+        let ticks = ticks_of(length);
         let label = text::wrapped(&self.label, theme::LABEL_SIZE, false, room - 2.0 * EDGE);
         let widest = label.iter().map(|line| text::width(line, theme::LABEL_SIZE, false)).fold(0.0, f64::max);
-        let width = (length + 2.0 * FACTOR).max(widest + 2.0 * EDGE).ceil();
+        let width = (length + 2.0 * beside).max(widest + 2.0 * EDGE).ceil();
         let bar = Rect::new(0.5 * (width - length), EDGE, length, WIDTH);
         let mut drawing = Page::new(width, 0.0, PIXELS);
         let colour = |x: usize, _| self.colour((x as f64 + 0.5) / STEPS as f64);
         drawing.image(bar, Rgb8::from_fn(STEPS, 8, colour));
-        let ticks = self.ticks((length / 50.0) as usize);
         let bottom = frame::below_ticks(&ticks) + frame::title_height(&self.label);
         let room = Sides { bottom, ..Sides::default() };
         let first = label.first().map_or("", String::as_str);
@@ -190,7 +198,7 @@ pub(super) fn bar_beside(drawing: &mut Page, map: &Heatmap, frame: &Rect) -> Sid
     let bar = Rect::new(frame.right() + GAP, frame.y, WIDTH, frame.height);
     let colour = |_, y: usize| map.colour(1.0 - (y as f64 + 0.5) / STEPS as f64);
     drawing.image(bar, Rgb8::from_fn(8, STEPS, colour));
-    let ticks = map.ticks(frame::most_rows(bar.height));
+    let ticks = map.ticks(frame::most_rows(bar.height), |_| true);
     let right = frame::beside_ticks(&ticks) + frame::title_height(&map.label);
     let room = Sides { right, ..Sides::default() };
     frame::draw_axes(drawing, bar, room, [&Ticks::default(), &ticks], ["", &map.label]);
@@ -305,7 +313,7 @@ mod tests {
             ((0.013, 13.0), Shading::Log10),
         ] {
             let map = Heatmap::new(1, vec![1.0], shading, "").range(range.0, range.1);
-            assert!(map.ticks(1).major.len() >= 3, "{range:?}");
+            assert!(map.ticks(1, |_| true).major.len() >= 3, "{range:?}");
         }
     }
 }

@@ -98,7 +98,7 @@ impl Plot {
     /// The page for a room: as it was made, or in limited room with as many panels in a row as keep their frames large.
     pub(super) fn laid(&self, room: Room) -> Page {
         if room.width.is_infinite() {
-            return self.page(&self.rows, self.frame, f64::INFINITY);
+            return self.page(&self.rows, self.frame, f64::INFINITY, true);
         }
         let most = if self.has_headings() { self.columns() } else { self.panels().count() };
         // As many as fit with frames large enough; on a page of fixed height, with the largest frames
@@ -109,22 +109,25 @@ impl Plot {
             () => 1.0 / columns as f64,
         };
         let candidate = |columns: usize| {
-            let (page, frame) = self.fitted(columns, room);
-            (score(columns, &page, frame), page)
+            let (page, frame, limit) = self.fitted(columns, room);
+            (score(columns, &page, frame), columns, frame, limit)
         };
-        let best = (1..=most.max(1)).map(candidate).max_by(|(a, _), (b, _)| a.total_cmp(b));
-        best.map_or_else(|| Page::new(0.0, 0.0, PIXELS), |(_, page)| page)
+        let best = (1..=most.max(1)).map(candidate).max_by(|(a, ..), (b, ..)| a.total_cmp(b));
+        let whole = |(_, columns, frame, limit)| self.page(&self.arranged(columns), frame, limit, true);
+        best.map_or_else(|| Page::new(0.0, 0.0, PIXELS), whole)
     }
 
-    /// The page with at most this many panels in a row, in frames as wide as the room allows and no higher; and their size.
-    fn fitted(&self, columns: usize, room: Room) -> (Page, [f64; 2]) {
+    /// The page with at most this many panels in a row, in frames as wide as the room allows and no higher, without lines to names of curves,
+    /// which take long to find and may only make its legends smaller; the size of the frames, and the limit of titles.
+    fn fitted(&self, columns: usize, room: Room) -> (Page, [f64; 2], f64) {
         let rows = self.arranged(columns);
         let columns = rows.iter().map(|row| row.panels.len()).max().unwrap_or(1).max(1) as f64;
         let cell = (room.width - 2.0 * EDGE - BETWEEN * (columns - 1.0)) / columns;
         let share = room.height / rows.len() as f64;
         let smallest = self.smallest(room);
         let mut frame = [cell, self.height_of(cell, share)];
-        let mut page = self.page(&rows, frame, cell.max(SMALLEST[0]));
+        let limit = cell.max(SMALLEST[0]);
+        let mut page = self.page(&rows, frame, limit, false);
         // What stands around the frames hardly depends on their size
         for _ in 0..8 {
             let [wide, high] = [page.width - room.width, page.height - room.height];
@@ -136,9 +139,9 @@ impl Plot {
             // Images keep their shape
             let width = if self.is_map() { width.min(height * self.frame[0] / self.frame[1]) } else { width };
             frame = [width.max(smallest[0]), height.max(smallest[1])];
-            page = self.page(&rows, frame, cell.max(SMALLEST[0]));
+            page = self.page(&rows, frame, limit, false);
         }
-        (page, frame)
+        (page, frame, limit)
     }
 
     /// The smallest frame: of several on a slide, of which some may go to another one, not much smaller than it was made.
@@ -197,7 +200,7 @@ impl Plot {
     }
 
     /// A page of rows with frames of one size; titles and legends are broken within the width `limit`.
-    fn page(&self, rows: &[Row], [width, height]: [f64; 2], limit: f64) -> Page {
+    fn page(&self, rows: &[Row], [width, height]: [f64; 2], limit: f64, leads: bool) -> Page {
         let (legend, bar) = (self.shared_legend(), self.shared_bar());
         // The last of the panels with the same legend shows it
         let legends: Vec<Option<Legend>> =
@@ -213,6 +216,7 @@ impl Plot {
                 let has_own = Parts {
                     legend: legend.is_none() && is_last(before + column),
                     bar: bar.is_none() && !panel.heatmap.as_ref().is_some_and(is_shared),
+                    leads,
                 };
                 // Names of places and titles of axes stand once in a row
                 let mut panel = panel.clone();

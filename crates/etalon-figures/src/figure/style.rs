@@ -19,10 +19,14 @@ impl Medium {
     /// All media, with their names and what they are.
     pub const ALL: [(&str, &str, Self); 3] = [
         ("screen", "As large as its content, for screens and web pages", Self::Screen),
-        ("slide", "16:9, type of at least 3 % of the height; what does not fit goes to further slides", Self::Slide),
+        (
+            "slide",
+            "16:9, type of at least 3 % of the height (indices 2.3 %); what does not fit goes to further slides",
+            Self::Slide,
+        ),
         (
             "column",
-            "84 mm wide, type of at least 7 pt, for a column of a paper; what is too high goes to further files",
+            "84 mm wide, type of at least 7 pt (indices 5.5 pt), for a column of a paper; what is too high goes to further files",
             Self::Column,
         ),
     ];
