@@ -140,8 +140,8 @@ fn panels_are_chosen_or_refused_by_every_command_that_has_the_option() {
         let ran = run(command, &["--panels", "nonsense"]);
         assert!(ran.code == 2 && ran.stderr.contains("--panels"), "{command}: {} {}", ran.code, ran.stderr);
         if !panel.is_empty() {
-            let ran = run(command, &["--panels", panel]);
-            assert!(ran.code == 0, "{command}: {} {}", ran.code, ran.stderr);
+            let ran = run(command, &["--quiet", "--panels", panel]);
+            assert!(ran.code != 2 && ran.stderr.is_empty(), "{command}: {} {}", ran.code, ran.stderr);
         }
     }
     let ran = run("validate --planted warp/cosine-hemisphere/*", &["--panels", "counts"]);

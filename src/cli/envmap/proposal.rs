@@ -8,6 +8,7 @@ use clap::Args;
 use etalon_bench::proposal::{self, Along, Cost};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
+use etalon_figures::figure::Wanted;
 use etalon_figures::output;
 use etalon_figures::view::proposal as view;
 use etalon_figures::view::text::{LINE, p_is, rounded, wrapped};
@@ -48,12 +49,14 @@ impl Proposal {
         };
         let (target, style) = (global.target(), self.style.style()?);
         let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "", &output::STUDY)?;
-        let mut files = output::write(&stem, &view::drawing(&result), &style, &output::csv(&result.bins)?)?;
+        let (mut wanted, drawing) = (Wanted::of(&style), view::drawing(&result));
+        let mut files = output::write(&stem, &drawing, &wanted.style(&drawing), &output::csv(&result.bins)?)?;
         // A map that is dark above the horizon has no irradiance to estimate
         let costs = proposal::costs(&source.map, CHECKED, global.seed);
         if let Some(costs) = &costs {
             let stem = target.stem(&format!("{}-proposal", self.map.short_name()), "-cost", &output::STUDY)?;
-            files.extend(output::write(&stem, &view::costs(costs), &style, &output::csv(&costs.costs)?)?);
+            let drawing = view::costs(costs);
+            files.extend(output::write(&stem, &drawing, &wanted.style(&drawing), &output::csv(&costs.costs)?)?);
         }
         let costs = costs.map_or(Vec::new(), |costs| costs.costs);
         bar.finish_and_clear();
@@ -65,6 +68,7 @@ impl Proposal {
                 + &line("Gaussian random numbers:", &result.gaussian)
                 + &samples(&costs)
         });
+        wanted.check()?;
         Ok(Verdict::Good)
     }
 }
