@@ -9,7 +9,7 @@ fn a_run_writes_its_files_and_its_worst_case_replays() {
     for file in value["files"].as_array().unwrap() {
         assert!(dir.path().join(file.as_str().unwrap()).metadata().unwrap().len() > 100, "{file}");
     }
-    assert_eq!(value["files"].as_array().unwrap().len(), 4 + 3);
+    assert_eq!(value["files"].as_array().unwrap().len(), 4 + 4);
     let bounds = value["bounds"].as_array().unwrap();
     assert!(bounds.len() == 4 && bounds.iter().all(|bound| bound["holds"] == true), "{bounds:?}");
     let csv = std::fs::read_to_string(dir.path().join("out/stability-fresnel+half-cosine.csv")).unwrap();

@@ -636,7 +636,7 @@ fn lobes(counts: &Counts, cells: &[Row], beyond: &[Row]) -> Plot {
         .title("Samples by kind")
         .markers("expected", theme::EXPECTED, Marker::Open, at(1))
         .dots("observed", theme::REJECTED, at(0));
-    // Dots that nearly meet are told apart by their numbers
+    // Dots that nearly meet are distinguished by their numbers
     let differs =
         |(_, (_, [observed, expected])): &(usize, &(String, [f64; 2]))| residual(*observed, *expected).abs() > NOTABLE;
     let panel = all.iter().enumerate().filter(differs).fold(panel, |panel, (row, (_, [observed, expected]))| {
