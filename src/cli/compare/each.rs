@@ -148,7 +148,7 @@ impl Compare {
     /// Compares one image; of it, only what the sheet shows is kept.
     fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
-            let measured = measure(path, &a.image, reference, &b.image)?;
+            let measured = measure(path, &a, reference, b)?;
             let is_rejected = !self.is_within(&measured);
             let (thumbnail, is_clipped) = (Thumbnail::new(&a.image, &b.image), a.is_clipped);
             Ok(Done { thumbnail, is_rejected, is_clipped, notes: a.notes, measured })

@@ -166,10 +166,10 @@ fn read(path: &Path) -> Result<Input> {
 }
 
 /// The metrics of two images of files.
-fn measure(a_path: &Path, a: &Image, b_path: &Path, b: &Image) -> Result<Measured> {
-    let size = |image: &Image| [image.width(), image.height()];
+fn measure(a_path: &Path, a: &Input, b_path: &Path, b: &Input) -> Result<Measured> {
+    let size = |of: &Input| [of.image.width(), of.image.height()];
     let ([w, h], [b_w, b_h]) = (size(a), size(b));
-    let measured = Measured::of(a, b).map_err(|_| {
+    let measured = Measured::of(&a.image, &b.image, [a.is_clipped, b.is_clipped]).map_err(|_| {
         let message = format!("{b_w}x{b_h} pixels, but {} has {w}x{h}", a_path.display());
         let hint = if [w, h] == [b_h, b_w] {
             "only images of the same size can be compared; is one turned, or are rows and columns swapped?"

@@ -24,7 +24,7 @@ impl Compare {
         let bar = console.busy("compare");
         let (a, b) = (read(a_path)?, read(b_path)?);
         a.notes.iter().chain(&b.notes).for_each(|note| console.warn(note));
-        let measured = measure(a_path, &a.image, b_path, &b.image)?;
+        let measured = measure(a_path, &a, b_path, &b)?;
         interrupt::check()?;
         bar.finish_and_clear();
         let mut saving = Saving::default();

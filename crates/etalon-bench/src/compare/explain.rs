@@ -1,6 +1,6 @@
 //! What would explain the difference of two images: a turn, another order of channels, an exposure, a transfer function, a shift, a clamp.
 //!
-//! An edit explains a difference if undoing it leaves nothing but noise. Noise is distinguished from differences by products of
+//! A mistake explains a difference if undoing it leaves nothing but noise. Noise is distinguished from differences by products of
 //! the residual's means over blocks of pixels two blocks apart: their expectation is 0 for noise, whatever its distribution, also if a
 //! filter correlates neighbouring pixels, and positive for a difference that goes on over several pixels. Differences of
 //! neighbouring pixels give the variance of these products.
@@ -10,41 +10,51 @@ use etalon_core::raster::{Image, linear_from_srgb, srgb_from_linear};
 use etalon_stats::Extremes;
 use serde::Serialize;
 use std::cmp::Ordering;
+use std::iter::StepBy;
+use std::ops::Range;
 use std::rc::Rc;
 
-/// A change of image `a`, or two, after which its difference from `b` is noise, next to nothing, or much less.
+/// A mistake that image `a` may have, or two: undone, its difference from `b` is noise, next to nothing, or much less.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explanation {
+    /// What is wrong with `a`.
+    pub mistake: String,
     /// What to do to `a`.
     pub change: String,
-    /// Mean squared error after it, by that before.
+    /// Mean squared error after it, by that before; NaN where width and height were exchanged before.
     pub mse_left: f64,
     /// Whether what is left cannot be told from noise.
     pub leaves_noise: bool,
     /// Whether what is left is more than noise and rounding make.
     pub in_part: bool,
+    /// Whether the mistake says what undoes it.
+    #[serde(skip)]
+    is_obvious: bool,
 }
 
 impl Explanation {
-    /// The change, after "in part: " where it leaves more than noise.
+    /// The mistake, after "in part: " where undoing it leaves more than noise.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        format!("{}{}", if self.in_part { "in part: " } else { "" }, self.mistake)
+    }
+
+    /// The same, with what undoes it in brackets where that is not obvious.
     #[must_use]
     pub fn told(&self) -> String {
-        format!("{}{}", if self.in_part { "in part: " } else { "" }, self.change)
+        let cure = if self.is_obvious { String::new() } else { format!(" ({})", self.change) };
+        self.headline() + &cure
     }
-}
-
-/// A change without its reason: "undo the sRGB curve in A".
-#[must_use]
-pub fn without_reason(change: &str) -> &str {
-    change.split_once(": ").map_or(change, |(change, _)| change)
 }
 
 /// Standard errors beyond which a difference is more than noise, and within which a residual is noise.
 const BEYOND: f64 = 6.0;
 const WITHIN: f64 = 4.0;
+/// Standard errors by which a change with more freedom must leave less than a plain one.
+const CLEARLY: f64 = 2.0;
 /// A residual of this share of the difference need not be noise: it is what rounding to 8 bits and clamped noise leave.
 const NEARLY_NOTHING: f64 = 0.005;
-/// A residual of this share is explained in part.
+/// A residual of this share explains in part, if it is at most this share of the mean squared error, too.
 const LITTLE: f64 = 0.1;
 /// A residual that may be larger than this share (its error counted twice) explains nothing: the images are too noisy, or
 /// they differ otherwise as well.
@@ -57,11 +67,86 @@ const FARTHEST: usize = 8;
 const ROWS: usize = 100;
 /// As many equal largest values are a clamp.
 const CLAMPED: usize = 4;
+/// The largest value that integers store.
+const WHITE: f32 = 1.0;
+/// Pixels that tell most wrong changes from right ones.
+const SAMPLE: usize = 40_000;
+/// Exponents are named 2.2 within this share: fits to noisy images are about as precise.
+const NEAR: f64 = 0.01;
 
-/// The change of `a`, among a few that people make by mistake, after which it differs from `b` by noise alone, or two of them if one does not
-/// do; nothing if there is none, or if noise is all that they differ by. Images of one size.
+/// Changes of `a` that undo a mistake.
+struct Change<'a> {
+    mistake: String,
+    cure: String,
+    is_obvious: bool,
+    /// A pixel of the changed image: images may be large, and most changes are told to be wrong by a part of it.
+    pixel: Box<dyn Fn(usize, usize) -> Rgb + 'a>,
+    /// What becomes of a value.
+    value: Value,
+}
+
+type Value = Rc<dyn Fn(Rgb) -> Rgb>;
+
+impl Change<'_> {
+    fn image(&self, b: &Image) -> Image {
+        Image::from_fn(b.width(), b.height(), &self.pixel)
+    }
+
+    fn explains(&self, mse_left: f64, [leaves_noise, in_part]: [bool; 2]) -> Explanation {
+        let (mistake, change, is_obvious) = (self.mistake.clone(), self.cure.clone(), self.is_obvious);
+        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious }
+    }
+}
+
+/// What a change leaves.
+struct Found {
+    left: f64,
+    error: f64,
+    explanation: Explanation,
+}
+
+/// The values above which nothing is known of the changed A and of B.
+#[derive(Clone, Copy)]
+enum Clip {
+    Nowhere,
+    /// A is clipped at this value, B is not.
+    OfA(f32),
+    /// Both are stored as integers.
+    OfBoth,
+}
+
+impl Clip {
+    /// The largest values that are known of both, in the changed image.
+    fn after(self, value: &dyn Fn(Rgb) -> Rgb) -> Rgb {
+        match self {
+            Self::Nowhere => Rgb::INFINITY,
+            Self::OfA(top) => value(Rgb::splat(top)),
+            Self::OfBoth => value(Rgb::splat(WHITE)).min(Rgb::splat(WHITE)),
+        }
+    }
+}
+
+fn clipped(p: Rgb, limit: Rgb) -> Rgb {
+    if p.is_finite() { p.min(limit) } else { p }
+}
+
+/// Two images, and what is known of their difference before any change.
+struct Pair<'a> {
+    b: &'a Image,
+    grid: &'a Grids,
+    stored: [bool; 2],
+    before: Vec<Structure>,
+    /// The number of the grid by which the difference is most significant, and its sample.
+    main: usize,
+    sampled: f64,
+    mse: f64,
+}
+
+/// The mistake, among a few that people make, after whose undoing `a` differs from `b` by noise alone, or two of them if one does not
+/// do; nothing if there is none, or if noise is all that they differ by. Images of one size; `stored` says which are stored as integers, of an sRGB
+/// curve: these are clipped at 1.
 #[must_use]
-pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
+pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Option<Explanation> {
     let grid = Grids::new(b);
     let before = grid.structure(a, b);
     let significance = |of: &Structure| of.energy / of.error;
@@ -69,170 +154,329 @@ pub fn explain(a: &Image, b: &Image) -> Option<Explanation> {
     let is_noise_alone = significance(&before[main]).partial_cmp(&BEYOND) != Some(Ordering::Greater);
     if is_noise_alone {
         // The same noise elsewhere?
-        let same = rearranged(a).into_iter().find(|(_, image, _)| a != b && image() == *b);
-        return same.map(|(change, ..)| Explanation { change, mse_left: 0.0, leaves_noise: true, in_part: false });
+        let is_b = |change: &Change| {
+            b.pixels().iter().enumerate().all(|(i, p)| (change.pixel)(i % b.width(), i / b.width()) == *p)
+        };
+        let same = rearranged(a, b).into_iter().find(|change| a != b && is_b(change));
+        return same.map(|change| change.explains(0.0, [true, false]));
     }
-    let left_of_main = |a: &Image, b: &Image| grid.0[main].structure(&residual(a, b), b.width());
-    let try_one = |change: String, a: &Image, b: &Image| {
-        let after = left_of_main(a, b);
-        let is_small = after.energy + 2.0 * after.error <= MOST_LEFT * before[main].energy;
-        let after = is_small.then(|| grid.structure(a, b))?;
-        let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
-        let is_within =
-            |share: f64| after.iter().zip(&before).all(|(of, was)| is_noise(of) || of.energy <= share * was.energy);
-        let [in_part, leaves_noise] = [!is_within(NEARLY_NOTHING), after.iter().all(is_noise)];
-        // What two changes leave is compared by all of the residual
-        let left: f64 = after.iter().map(|of| of.energy).sum();
-        is_within(LITTLE).then(|| (left, Explanation { change, mse_left: mse(a, b), leaves_noise, in_part }))
-    };
-    let is_open = |found: &Option<Found>| found.as_ref().is_none_or(|(_, found)| found.in_part);
-    // Factors of the channels, where what is found does not do
-    let or_by_channel = |found: Option<Found>, first: &str, a: &Image| {
-        if !is_open(&found) {
-            return found;
-        }
-        let factors: Option<Vec<f32>> = (0..3).map(|c| grid.factor(a, b, &[c], None)).collect();
-        let by_channel = factors.and_then(|factors| {
-            let [red, green, blue] = [0, 1, 2].map(|c| factors[c]);
-            let change = format!("{first}multiply R, G, B of A by {red:.4}, {green:.4}, {blue:.4}");
-            try_one(change, &a.map(|p| p * Rgb::new(red, green, blue)), b)
-        });
-        least(found.into_iter().chain(by_channel))
-    };
+    let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY, 1.0);
+    let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
+    let clip = if stored == [true; 2] { Clip::OfBoth } else { Clip::Nowhere };
+    let is_open = |found: &Option<Found>| found.as_ref().is_none_or(|found| found.explanation.in_part);
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
-    let singles = candidates(a, b, &grid, None);
-    let mut found = least(singles.iter().filter_map(|(change, image, _)| try_one(change.clone(), &image(), b)));
-    let leaves_noise = |found: &Option<Found>| found.as_ref().is_some_and(|(_, found)| found.leaves_noise);
+    let singles = changes(a, b, &grid, clip);
+    let mut found = pair.best(&singles, clip, |change| change);
+    found = or_clearly_better(found, pair.best(&powers(&pair, a, clip), clip, |change| change));
+    let leaves_noise = |found: &Option<Found>| found.as_ref().is_some_and(|found| found.explanation.leaves_noise);
     if !leaves_noise(&found)
         && let Some(top) = clamp_level(a, b)
     {
-        let clamp = |level: f32| clamped(b, level);
-        let alone = try_one(format!("clamp B at {top}: no value of A is larger"), a, &clamp(top));
-        let one = |(change, image, undo): Candidate<'_>| {
-            let change = format!("{change}, and clamp B: no value of A is larger than {top}");
-            try_one(change, &image(), &clamp(undo(top)))
+        let clip = Clip::OfA(top);
+        let clipped = Change {
+            mistake: format!("A is clipped at {top}"),
+            cure: format!("clamp B at {top}: no value of A is larger"),
+            is_obvious: true,
+            pixel: Box::new(|x, y| a.get(x, y)),
+            value: Rc::new(|v| v),
         };
-        let with = alone.or_else(|| least(candidates(a, b, &grid, Some(top)).into_iter().filter_map(one)));
+        let too = |of: Explanation| Explanation {
+            mistake: format!("{}, and clipped at {top}", of.mistake),
+            change: format!("{}, and clamp B: no value of A is larger than {top}", of.change),
+            ..of
+        };
+        let alone = pair.try_one(&clipped, clip);
+        let with = alone.or_else(|| {
+            let plain = pair.best(&changes(a, b, &grid, clip), clip, too);
+            or_clearly_better(plain, pair.best(&powers(&pair, a, clip), clip, too))
+        });
         found = least(found.into_iter().chain(with));
     }
-    found = or_by_channel(found, "", a);
+    // Factors of the channels, where what is found does not do
+    if is_open(&found) {
+        found = or_clearly_better(found, pair.best(by_channel(a, b, &grid, clip).as_slice(), clip, |change| change));
+    }
     if is_open(&found) {
         // A wrong exposure hides that all else is right
-        let with_factor = |image: Image| {
-            let factor = grid.factor(&image, b, &[0, 1, 2], None).unwrap_or(1.0);
-            left_of_main(&image.map(|p| p * factor), b).energy
-        };
-        let mut firsts: Vec<(f64, &Candidate)> = singles.iter().map(|first| (with_factor(first.1()), first)).collect();
+        let with_factor = |change: &Change| grid.0[main].energy_with_factor(b, &change.pixel);
+        let mut firsts: Vec<(f64, &Change)> = singles.iter().map(|first| (with_factor(first), first)).collect();
         firsts.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        let second = |(_, (change, image, _)): &(f64, &Candidate)| {
-            let image = image();
-            let first = format!("{}, then ", without_reason(change));
-            let all = candidates(&image, b, &grid, None);
-            let all = all.into_iter().filter_map(|(change, of, _)| try_one(format!("{first}{change}"), &of(), b));
-            or_by_channel(least(all), &first, &image)
+        let second = |(_, first): &(f64, &Change)| {
+            let image = first.image(b);
+            let both = |second: Explanation| Explanation {
+                mistake: if first.mistake == second.mistake {
+                    first.mistake.replace("once more", "twice more")
+                } else {
+                    format!("{}, and {}", first.mistake, second.mistake)
+                },
+                change: format!("{}, then {}", without_reason(&first.cure), second.change),
+                is_obvious: first.is_obvious && second.is_obvious,
+                ..second
+            };
+            let found = pair.best(&changes(&image, b, &grid, clip), clip, both);
+            let found = or_clearly_better(found, pair.best(&powers(&pair, &image, clip), clip, both));
+            if is_open(&found) {
+                let factors = by_channel(&image, b, &grid, clip);
+                return or_clearly_better(found, pair.best(factors.as_slice(), clip, both));
+            }
+            found
         };
-        let pair = least(firsts.iter().take(FIRST).filter_map(second));
+        let two = least(firsts.iter().take(FIRST).filter_map(second));
         // Two changes have more freedom: they must explain all, and leave much less than one
-        let most = found.as_ref().map_or(f64::INFINITY, |(left, _)| MOST_LEFT * left);
-        found = pair.filter(|(left, pair)| !pair.in_part && *left <= most).or(found);
+        let most = found.as_ref().map_or(f64::INFINITY, |found| MOST_LEFT * found.left);
+        found = two.filter(|two| !two.explanation.in_part && two.left <= most).or(found);
     }
-    let (_, found) = found?;
-    Some(Explanation { mse_left: found.mse_left / mse(a, b), ..found })
+    found.map(|found| found.explanation)
 }
 
-type Found = (f64, Explanation);
+/// The turn or transposition of `a` after which it is as wide and high as `b`, and differs by noise or by next to nothing; `a` is as
+/// wide as `b` is high, and as high as that is wide.
+#[must_use]
+pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
+    let grid = Grids::new(b);
+    let turns = rearranged(a, b);
+    let left: Vec<Vec<Structure>> = turns.iter().map(|turn| grid.structure(&turn.image(b), b)).collect();
+    let energy = |i: usize| left[i].iter().map(|of| of.energy).sum::<f64>();
+    let best = (0..turns.len()).min_by(|&i, &j| energy(i).total_cmp(&energy(j)))?;
+    let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
+    let leaves_noise = left[best].iter().all(is_noise);
+    // The others show how far a wrong turn is off
+    let is_told = (0..turns.len()).filter(|i| *i != best).all(|other| {
+        let pairs = || left[best].iter().zip(&left[other]);
+        pairs().all(|(of, was)| is_noise(of) || of.energy <= NEARLY_NOTHING * was.energy)
+            && pairs().any(|(_, was)| was.energy > BEYOND * was.error)
+    });
+    is_told.then(|| turns[best].explains(f64::NAN, [leaves_noise, false]))
+}
+
+impl Pair<'_> {
+    /// What a change leaves, if it explains the difference, or most of it.
+    fn try_one(&self, change: &Change, clip: Clip) -> Option<Found> {
+        let limit = clip.after(&*change.value);
+        let main = &self.grid.0[self.main];
+        // What makes a part of the image worse is no cure
+        if main.sampled_energy(self.b, &change.pixel, limit, 1.0) > self.sampled {
+            return None;
+        }
+        let [a, b] = [change.image(self.b), self.b.clone()].map(|image| image.map(|p| clipped(p, limit)));
+        let after = main.structure(&residual(&a, &b), b.width());
+        if after.energy + 2.0 * after.error > MOST_LEFT * self.before[self.main].energy {
+            return None;
+        }
+        let after = self.grid.structure(&a, &b);
+        let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
+        let is_within = |share: f64| {
+            after.iter().zip(&self.before).all(|(of, was)| is_noise(of) || of.energy <= share * was.energy)
+        };
+        let [in_part, leaves_noise] = [!is_within(NEARLY_NOTHING), after.iter().all(is_noise)];
+        let mse_left = mse(&a, &b) / self.mse;
+        // What is told of it in numbers must be so, too
+        let most = if in_part { LITTLE } else { 1.0 };
+        (is_within(LITTLE) && mse_left <= most).then(|| Found {
+            left: after.iter().map(|of| of.energy).sum(),
+            error: after.iter().map(|of| of.error).sum(),
+            explanation: change.explains(mse_left, [leaves_noise, in_part]),
+        })
+    }
+
+    fn best(&self, changes: &[Change], clip: Clip, told: impl Fn(Explanation) -> Explanation) -> Option<Found> {
+        let found = least(changes.iter().filter_map(|change| self.try_one(change, clip)))?;
+        Some(Found { explanation: told(found.explanation), ..found })
+    }
+}
 
 fn least(found: impl Iterator<Item = Found>) -> Option<Found> {
-    found.min_by(|a, b| a.0.total_cmp(&b.0))
+    found.min_by(|a, b| a.left.total_cmp(&b.left))
+}
+
+/// The second, which has more freedom, only where it leaves clearly less.
+fn or_clearly_better(plain: Option<Found>, free: Option<Found>) -> Option<Found> {
+    let is_clear = |free: &Found| plain.as_ref().is_none_or(|plain| free.left + CLEARLY * free.error < plain.left);
+    if free.as_ref().is_some_and(is_clear) { free } else { plain }
+}
+
+/// A change without its reason: "clamp B at 1".
+fn without_reason(change: &str) -> &str {
+    change.split_once(": ").map_or(change, |(change, _)| change)
 }
 
 fn residual(a: &Image, b: &Image) -> Vec<Rgb> {
     a.pixels().iter().zip(b.pixels()).map(|(p, q)| *p - *q).collect()
 }
 
+/// The mean over the pixels that are finite in both.
 fn mse(a: &Image, b: &Image) -> f64 {
     let errors = a.pixels().iter().zip(b.pixels()).map(|(p, q)| (*p - *q).as_dvec3().length_squared());
-    errors.filter(|e| e.is_finite()).sum()
+    let (sum, count) = errors.filter(|e| e.is_finite()).fold((0.0, 0_usize), |(sum, n), e| (sum + e, n + 1));
+    sum / count as f64
 }
 
-/// A change in words, what makes the changed image (one at a time: images may be large), and what it does to a value.
-type Candidate<'a> = (String, Box<dyn Fn() -> Image + 'a>, Box<dyn Fn(f32) -> f32 + 'a>);
+/// A number with three digits that count.
+fn three_digits(value: f64) -> String {
+    let decimals = (2.0 - value.abs().log10().floor()).within(0.0, 6.0);
+    format!("{value:.0$}", decimals as usize)
+}
 
-/// Turns of A, and its channels in another order.
-fn rearranged(a: &Image) -> Vec<Candidate<'_>> {
-    let (right, down) = (a.width() - 1, a.height() - 1);
-    let mut list: Vec<Candidate> = Vec::new();
-    let mut moved = |change: &str, at: fn([usize; 2], [usize; 2]) -> [usize; 2]| {
-        let image = move || {
-            Image::from_fn(a.width(), a.height(), |x, y| {
-                let [x, y] = at([x, y], [right, down]);
-                a.get(x, y)
-            })
-        };
-        list.push((change.into(), Box::new(image), Box::new(|v| v)));
+/// Turns of A, and its channels in another order; turns that make A as large as B.
+fn rearranged<'a>(a: &'a Image, b: &Image) -> Vec<Change<'a>> {
+    let last = [a.width() - 1, a.height() - 1];
+    let is_like_b = (a.width(), a.height()) == (b.width(), b.height());
+    let mut list: Vec<Change> = Vec::new();
+    let mut add = |mistake: &str, cure: &str, pixel: Box<dyn Fn(usize, usize) -> Rgb + 'a>| {
+        let value = Rc::new(|v| v);
+        list.push(Change { mistake: mistake.into(), cure: cure.into(), is_obvious: true, pixel, value });
     };
-    moved("flip A left to right", |[x, y], [right, _]| [right - x, y]);
-    moved("flip A upside down", |[x, y], [_, down]| [x, down - y]);
-    moved("rotate A by 180°", |[x, y], [right, down]| [right - x, down - y]);
-    if right == down {
-        moved("transpose A: swap its rows and columns", |[x, y], _| [y, x]);
-        moved("rotate A by 90° clockwise", |[x, y], [right, _]| [y, right - x]);
-        moved("rotate A by 90° counterclockwise", |[x, y], [right, _]| [right - y, x]);
-        moved("transpose A and rotate it by 180°", |[x, y], [right, _]| [right - y, right - x]);
+    let mut moved = |mistake: &str, cure: &str, at: fn([usize; 2], [usize; 2]) -> [usize; 2]| {
+        let pixel = move |x: usize, y: usize| {
+            let [x, y] = at([x, y], last);
+            a.get(x, y)
+        };
+        add(mistake, cure, Box::new(pixel));
+    };
+    if is_like_b {
+        moved("A is mirrored left to right", "flip A left to right", |[x, y], [right, _]| [right - x, y]);
+        moved("A is upside down", "flip A upside down", |[x, y], [_, down]| [x, down - y]);
+        moved("A is turned by 180°", "rotate A by 180°", |[x, y], [right, down]| [right - x, down - y]);
     }
-    for (change, order) in [
-        ("swap red and blue of A", [2, 1, 0]),
-        ("swap red and green of A", [1, 0, 2]),
-        ("swap green and blue of A", [0, 2, 1]),
-        ("rotate the channels of A: its R, G, B are G, B, R of B", [2, 0, 1]),
-        ("rotate the channels of A: its R, G, B are B, R, G of B", [1, 2, 0]),
+    if (a.width(), a.height()) == (b.height(), b.width()) {
+        moved("rows and columns of A are exchanged", "transpose A: swap its rows and columns", |[x, y], _| [y, x]);
+        moved("A is turned by 90° counterclockwise", "rotate A by 90° clockwise", |[x, y], [_, down]| [y, down - x]);
+        moved("A is turned by 90° clockwise", "rotate A by 90° counterclockwise", |[x, y], [right, _]| {
+            [right - y, x]
+        });
+        moved(
+            "rows and columns of A are exchanged, and it is turned by 180°",
+            "transpose A and rotate it by 180°",
+            |[x, y], [right, down]| [right - y, down - x],
+        );
+    }
+    if !is_like_b {
+        return list;
+    }
+    for (mistake, cure, order) in [
+        ("red and blue of A are exchanged", "swap red and blue of A", [2, 1, 0]),
+        ("red and green of A are exchanged", "swap red and green of A", [1, 0, 2]),
+        ("green and blue of A are exchanged", "swap green and blue of A", [0, 2, 1]),
+        ("R, G, B of A are G, B, R of B", "rotate the channels of A: its R, G, B are G, B, R of B", [2, 0, 1]),
+        ("R, G, B of A are B, R, G of B", "rotate the channels of A: its R, G, B are B, R, G of B", [1, 2, 0]),
     ] {
-        let image = move || a.map(|p| Rgb::from_array(order.map(|c| p[c])));
-        list.push((change.into(), Box::new(image), Box::new(|v| v)));
+        let pixel = move |x: usize, y: usize| {
+            let p = a.get(x, y);
+            Rgb::from_array(order.map(|c| p[c]))
+        };
+        add(mistake, cure, Box::new(pixel));
     }
     list
 }
 
-/// All single changes; of a B that will be clamped to what they make of `top`, if there is one.
-fn candidates<'a>(a: &'a Image, b: &Image, grid: &Grids, top: Option<f32>) -> Vec<Candidate<'a>> {
-    let mut list = rearranged(a);
+/// A change of every value by itself.
+fn by_value<'a>(
+    a: &'a Image,
+    mistake: String,
+    cure: String,
+    is_obvious: bool,
+    f: impl Fn(Rgb) -> Rgb + 'static,
+) -> Change<'a> {
+    let value: Value = Rc::new(f);
+    let of_pixel = value.clone();
+    Change { mistake, cure, is_obvious, pixel: Box::new(move |x, y| of_pixel(a.get(x, y))), value }
+}
+
+/// All plain changes, of one number at most, which is fitted to what is not clipped.
+fn changes<'a>(a: &'a Image, b: &Image, grid: &Grids, clip: Clip) -> Vec<Change<'a>> {
+    let mut list = rearranged(a, b);
     if let Some([dx, dy]) = shift(a, b, grid) {
         let (width, height) = (a.width(), a.height());
         let from = |at: usize, by: isize, length: usize| at.checked_add_signed(by).filter(|at| *at < length);
-        let image = move || {
-            Image::from_fn(width, height, |x, y| match (from(x, dx, width), from(y, dy, height)) {
-                (Some(x), Some(y)) => a.get(x, y),
-                _ => Rgb::NAN,
-            })
+        let pixel = move |x, y| match (from(x, dx, width), from(y, dy, height)) {
+            (Some(x), Some(y)) => a.get(x, y),
+            _ => Rgb::NAN,
         };
-        let change = format!("shift A by {} pixels in x and {} in y", -dx, -dy);
-        list.push((change, Box::new(image), Box::new(|v| v)));
+        let towards = |by: isize, [less, more]: [&str; 2]| {
+            let pixels = if by.abs() == 1 { "pixel" } else { "pixels" };
+            (by != 0).then(|| format!("{} {pixels} {}", by.abs(), if by < 0 { less } else { more }))
+        };
+        let ways = [towards(dx, ["to the left", "to the right"]), towards(dy, ["up", "down"])];
+        let ways: Vec<String> = ways.into_iter().flatten().collect();
+        list.push(Change {
+            mistake: format!("A is shifted by {}", ways.join(" and ")),
+            cure: format!("shift A by {} pixels in x and {} in y", -dx, -dy),
+            is_obvious: true,
+            pixel: Box::new(pixel),
+            value: Rc::new(|v| v),
+        });
     }
-    let mut by_value = |change: String, f: Box<dyn Fn(f32) -> f32>| {
-        let f = Rc::new(f);
-        let of_image = f.clone();
-        let image = move || a.map(|p| Rgb::from_array(p.to_array().map(|v| of_image(v))));
-        list.push((change, Box::new(image), Box::new(move |v| f(v))));
-    };
-    for (change, f) in [
-        ("undo the sRGB curve in A: its values are encoded, those of B linear", linear_from_srgb as fn(f32) -> f32),
-        ("apply the sRGB curve to A: it is undone once more than in B", srgb_from_linear),
-        ("undo a gamma of 2.2 in A: its values are encoded, those of B linear", |v| v.max(0.0).powf(2.2)),
-        ("apply a gamma of 2.2 to A: it is undone once more than in B", |v| v.max(0.0).powf(1.0 / 2.2)),
+    for (mistake, cure, f) in [
+        ("A is encoded by sRGB once more than B", "undo the sRGB curve in A", linear_from_srgb as fn(f32) -> f32),
+        ("A is decoded by sRGB once more than B", "apply the sRGB curve to A", srgb_from_linear),
     ] {
-        by_value(change.into(), Box::new(f));
+        list.push(by_value(a, mistake.into(), cure.into(), false, move |p| Rgb::from_array(p.to_array().map(f))));
     }
     if let Some(top) = clamp_level(b, a) {
-        by_value(
-            format!("clamp A at {top}: no value of B is larger"),
-            Box::new(move |v| if v > top { top } else { v }),
-        );
+        let (mistake, cure) = (format!("B is clipped at {top}"), format!("clamp A at {top}: no value of B is larger"));
+        list.push(by_value(a, mistake, cure, true, move |p| clipped(p, Rgb::splat(top))));
     }
-    if let Some(factor) = grid.factor(a, b, &[0, 1, 2], top) {
-        by_value(format!("multiply A by {factor:.4}"), Box::new(move |v| v * factor));
+    if let Some([factor, ..]) = grid.factors(a, b, true, clip) {
+        let mistake = format!("A is {} times as bright as B", three_digits(1.0 / f64::from(factor)));
+        list.push(by_value(a, mistake, format!("multiply A by {factor:.4}"), false, move |p| p * factor));
     }
     if let Some(constant) = grid.constant(a, b) {
-        by_value(format!("add {constant:.4} to A"), Box::new(move |v| v + constant));
+        let than = if constant < 0.0 { "larger" } else { "smaller" };
+        let mistake = format!("A is {than} than B by {} everywhere", three_digits(f64::from(constant.abs())));
+        list.push(by_value(a, mistake, format!("add {constant:.4} to A"), false, move |p| p + constant));
+    }
+    list
+}
+
+/// A factor for each channel.
+fn by_channel<'a>(a: &'a Image, b: &Image, grid: &Grids, clip: Clip) -> Option<Change<'a>> {
+    let factors @ [red, green, blue] = grid.factors(a, b, false, clip)?;
+    let times = factors.map(|factor| three_digits(1.0 / f64::from(factor))).join(", ");
+    let mistake = format!("R, G, B of A are {times} times as bright as those of B");
+    let cure = format!("multiply R, G, B of A by {red:.4}, {green:.4}, {blue:.4}");
+    Some(by_value(a, mistake, cure, false, move |p| p * Rgb::from_array(factors)))
+}
+
+/// Powers whose exponents are fitted: of the values, of those that integers store, and in place of the sRGB curve by which these are read.
+fn powers<'a>(pair: &Pair, a: &'a Image, clip: Clip) -> Vec<Change<'a>> {
+    let is_stored = pair.stored[0];
+    let linear: fn(f32) -> f32 = |v| v.max(0.0);
+    let stored: fn(f32) -> f32 = |v| srgb_from_linear(v.max(0.0));
+    let same: fn(f32) -> f32 = |v| v;
+    let mut list = Vec::new();
+    let mut add = |from: fn(f32) -> f32, to: fn(f32) -> f32, words: fn(&str, &str) -> [String; 2]| {
+        let raised =
+            move |exponent: f64| move |p: Rgb| Rgb::from_array(p.to_array().map(|v| to(from(v).powf(exponent as f32))));
+        let Some(fitted) = pair.grid.exponent(pair, a, from, clip, &|exponent, p| raised(exponent)(p)) else { return };
+        let named = [2.2, 1.0 / 2.2].into_iter().find(|known: &f64| (fitted / known).ln().abs() < NEAR);
+        let exponent = named.unwrap_or(fitted);
+        let text = |exponent: f64| match exponent {
+            e if e == 2.2 => "2.2".to_owned(),
+            e if e == 1.0 / 2.2 => "1/2.2".to_owned(),
+            e => three_digits(e),
+        };
+        let [mistake, cure] = words(&text(1.0 / exponent), &text(exponent));
+        list.push(by_value(a, mistake, cure, false, raised(exponent)));
+    };
+    add(linear, same, |of_b, of_a| {
+        let mistake = match of_a {
+            "2.2" => "A is encoded by a gamma of 2.2 once more than B".into(),
+            "1/2.2" => "A is decoded by a gamma of 2.2 once more than B".into(),
+            _ => format!("A is B to the power of {of_b}"),
+        };
+        [mistake, format!("raise A to the power of {of_a}")]
+    });
+    if is_stored {
+        add(stored, same, |_, of_a| {
+            let mistake = format!("A is stored with a gamma of {of_a}, not with the sRGB curve");
+            [mistake, format!("decode A by a gamma of {of_a}")]
+        });
+    }
+    if pair.stored == [true; 2] {
+        add(stored, linear_from_srgb, |of_b, of_a| {
+            let mistake = format!("the stored values of A are those of B to the power of {of_b}");
+            [mistake, format!("raise those of A to the power of {of_a}")]
+        });
     }
     list
 }
@@ -263,15 +507,12 @@ fn root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
 
 /// Steps that leave a millionth of an interval's width, and less.
 const HALVINGS: usize = 40;
-/// Logarithm of the largest factor.
+/// Logarithms of the largest factor and of the largest exponent.
 const LARGEST_LOG: f64 = 12.0;
-/// Fits of a factor to an image that is clamped by what the last fit says.
-const CLAMPED_FITS: usize = 8;
-
-/// An image with no value above `top`.
-fn clamped(image: &Image, top: f32) -> Image {
-    image.map(|p| if p.is_finite() { p.min(Rgb::splat(top)) } else { p })
-}
+const LARGEST_EXPONENT: f64 = 2.0;
+/// Fits to images that are clipped by what the last fit says, and to powers of noisy pixels; and the change after which no other is needed.
+const FITS: usize = 8;
+const SETTLED: f64 = 1e-5;
 
 /// The pixels by which [`shift`] moves, the one with the least error of the grey values; none if that is 0.
 fn shift(a: &Image, b: &Image, grid: &Grids) -> Option<[isize; 2]> {
@@ -354,30 +595,90 @@ impl Grids {
             .collect()
     }
 
-    /// The factor of A by which as many blocks are darker as brighter; if B is clamped, so it is by the factor of that value.
-    fn factor(&self, a: &Image, b: &Image, channels: &[usize], top: Option<f32>) -> Option<f32> {
-        let of_a = self.largest().means(a);
-        let mut factor = 1.0_f32;
-        for _ in 0..if top.is_some() { CLAMPED_FITS } else { 1 } {
-            let of_b = self.largest().means(&top.map_or(b.clone(), |top| clamped(b, top * factor)));
-            let log = root([-LARGEST_LOG, LARGEST_LOG], |log| {
-                self.largest().balance(&of_a, &of_b, channels, |a| a * log.exp())
-            })?;
-            factor = log.exp() as f32;
+    /// The factors of A's channels, or the one of all `together`, by which as many blocks are darker as brighter, of what is not
+    /// clipped by them.
+    fn factors(&self, a: &Image, b: &Image, together: bool, clip: Clip) -> Option<[f32; 3]> {
+        let grid = self.largest();
+        let mut factors = [1.0_f32; 3];
+        for _ in 0..FITS {
+            let by = Rgb::from_array(factors);
+            let limit = clip.after(&|p| p * by);
+            let [of_a, of_b] = [grid.means(a, limit / by), grid.means(b, limit)];
+            let fit = |channels: &[usize]| {
+                let log = root([-LARGEST_LOG, LARGEST_LOG], |log| {
+                    grid.balance(&of_a, &of_b, channels, |a| a * log.exp(), |_| 1.0)
+                });
+                log.map(|log| log.exp() as f32)
+            };
+            let last = factors;
+            factors = if together { [fit(&[0, 1, 2])?; 3] } else { [fit(&[0])?, fit(&[1])?, fit(&[2])?] };
+            let is_settled = factors.iter().zip(last).all(|(new, old)| f64::from(new / old - 1.0).abs() < SETTLED);
+            if is_settled || matches!(clip, Clip::Nowhere) {
+                break;
+            }
         }
-        Some(factor)
+        Some(factors)
     }
 
     /// The same of a constant that is added.
     fn constant(&self, a: &Image, b: &Image) -> Option<f32> {
-        let [of_a, of_b] = [a, b].map(|image| self.largest().means(image));
+        let [of_a, of_b] = [a, b].map(|image| self.largest().means(image, Rgb::INFINITY));
         let most = of_a
             .iter()
             .chain(&of_b)
             .flatten()
             .fold(0.0_f64, |most, v| if v.is_finite() { most.at_least(v.abs()) } else { most });
-        root([-most, most], |constant| self.largest().balance(&of_a, &of_b, &[0, 1, 2], |a| a + constant))
+        root([-most, most], |constant| self.largest().balance(&of_a, &of_b, &[0, 1, 2], |a| a + constant, |_| 1.0))
             .map(|c| c as f32)
+    }
+
+    /// The same of an exponent: `raised` is a pixel of A whose values, by `base`, are raised to it.
+    fn exponent(
+        &self,
+        pair: &Pair,
+        a: &Image,
+        base: fn(f32) -> f32,
+        clip: Clip,
+        raised: &dyn Fn(f64, Rgb) -> Rgb,
+    ) -> Option<f64> {
+        let grid = self.largest();
+        let b = pair.b;
+        let log_of = |v: f64| f64::from(base(v as f32)).at_least(f64::from(f32::MIN_POSITIVE)).ln();
+        // Means of blocks stand for their pixels first
+        let [of_a, of_b] = [a, b].map(|image| grid.means(image, Rgb::INFINITY));
+        let of_mean = |exponent: f64, v: f64| f64::from(raised(exponent, Rgb::splat(v as f32)).x);
+        let log = root([-LARGEST_EXPONENT, LARGEST_EXPONENT], |log| {
+            grid.balance(&of_a, &of_b, &[0, 1, 2], |v| of_mean(log.exp(), v), log_of)
+        })?;
+        let main = &self.0[pair.main];
+        let pixel = |log: f64| move |x: usize, y: usize| raised(log.exp(), a.get(x, y));
+        let limit = |log: f64| clip.after(&|p| raised(log.exp(), p));
+        if main.sampled_energy(b, &pixel(log), limit(log), 1.0) > pair.sampled {
+            return None;
+        }
+        // The mean of powers is not the power of the mean: the last steps are by pixels, along secants
+        let weights = grid.sampled_means(b, &|x, y| a.get(x, y), Rgb::INFINITY);
+        let balance = |log: f64| {
+            let of_power = grid.sampled_means(b, &pixel(log), limit(log));
+            let of_b = grid.sampled_means(b, &|x, y| b.get(x, y), limit(log));
+            let terms = of_power.iter().flatten().zip(of_b.iter().flatten()).zip(weights.iter().flatten());
+            let terms = terms.map(|((a, b), of_a)| grid.relative(*a, *b) * log_of(*of_a));
+            terms.filter(|term| term.is_finite()).sum::<f64>()
+        };
+        let (mut old, mut new) = (log, log + 0.01);
+        let mut at_old = balance(old);
+        for _ in 0..FITS {
+            let at_new = balance(new);
+            let step = at_new * (new - old) / (at_new - at_old);
+            if !step.is_finite() || step.abs() > LARGEST_EXPONENT {
+                return None;
+            }
+            (old, at_old, new) = (new, at_new, new - step);
+            if step.abs() < SETTLED {
+                break;
+            }
+        }
+        Some(new.exp())
     }
 
     fn largest(&self) -> &Grid {
@@ -412,11 +713,12 @@ impl Grid {
         grid
     }
 
-    /// The means of the blocks; NaN without a finite pixel.
-    fn means(&self, image: &Image) -> Vec<[f64; 3]> {
+    /// The means of the blocks, of values that are clipped at a limit; NaN without a finite pixel.
+    fn means(&self, image: &Image, limit: Rgb) -> Vec<[f64; 3]> {
         let mut sums = vec![([0.0; 3], 0.0); self.levels.len()];
         for (i, p) in image.pixels().iter().enumerate() {
             if let Some(block) = self.block(i).filter(|_| p.is_finite()) {
+                let p = p.min(limit);
                 (0..3).for_each(|c| sums[block].0[c] += f64::from(p[c]));
                 sums[block].1 += 1.0;
             }
@@ -424,14 +726,85 @@ impl Grid {
         sums.into_iter().map(|(sum, n)| sum.map(|v| v / n)).collect()
     }
 
+    /// The rows of blocks of which the sample consists.
+    fn sampled_rows(&self, b: &Image) -> StepBy<Range<usize>> {
+        (0..self.rows).step_by(b.pixels().len().div_ceil(SAMPLE).max(1))
+    }
+
+    /// The means of the blocks in a few rows of blocks, of pixels of an image as large as `b`.
+    fn sampled_means(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb, limit: Rgb) -> Vec<[f64; 3]> {
+        let of_block = |row: usize, column: usize| {
+            let (mut sum, mut count) = (glam::DVec3::ZERO, 0.0);
+            for y in row * self.side..((row + 1) * self.side).min(b.height()) {
+                for x in column * self.side..((column + 1) * self.side).min(b.width()) {
+                    let p = pixel(x, y);
+                    if p.is_finite() {
+                        sum += p.min(limit).as_dvec3();
+                        count += 1.0;
+                    }
+                }
+            }
+            (sum / count).to_array()
+        };
+        self.sampled_rows(b).flat_map(|row| (0..self.columns).map(move |column| of_block(row, column))).collect()
+    }
+
+    /// The energy of [`structure`](Self::structure) in the sample.
+    fn sampled_energy(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb, limit: Rgb, factor: f64) -> f64 {
+        let of_a = self.sampled_means(b, pixel, limit);
+        let of_b = self.sampled_means(b, &|x, y| b.get(x, y), limit);
+        self.energy_of_means(b, &of_a, &of_b, factor)
+    }
+
+    /// The same after the best factor.
+    fn energy_with_factor(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb) -> f64 {
+        let of_a = self.sampled_means(b, pixel, Rgb::INFINITY);
+        let of_b = self.sampled_means(b, &|x, y| b.get(x, y), Rgb::INFINITY);
+        let log =
+            root([-LARGEST_LOG, LARGEST_LOG], |log| self.balance(&of_a, &of_b, &[0, 1, 2], |a| a * log.exp(), |_| 1.0));
+        self.energy_of_means(b, &of_a, &of_b, log.map_or(1.0, f64::exp))
+    }
+
+    fn energy_of_means(&self, b: &Image, of_a: &[[f64; 3]], of_b: &[[f64; 3]], factor: f64) -> f64 {
+        let (mut energy, mut count) = (0.0, 0.0);
+        for (i, row) in self.sampled_rows(b).enumerate() {
+            let relative = |column: usize, c: usize| {
+                let at = i * self.columns + column;
+                let difference = factor * of_a[at][c] - of_b[at][c];
+                (difference / self.levels[row * self.columns + column]).within(-LARGEST, LARGEST)
+            };
+            for column in 0..self.columns.saturating_sub(2) {
+                for c in 0..3 {
+                    let product = relative(column, c) * relative(column + 2, c);
+                    if product.is_finite() {
+                        energy += product;
+                        count += 1.0;
+                    }
+                }
+            }
+        }
+        energy / count
+    }
+
     /// The sum over the blocks of the difference of B and changed A by their sum, which treats both alike and in which no block,
-    /// however bright, has more weight than others.
-    fn balance(&self, of_a: &[[f64; 3]], of_b: &[[f64; 3]], channels: &[usize], change: impl Fn(f64) -> f64) -> f64 {
-        let relative = |a: f64, b: f64| (b - a) / (a.abs() + b.abs() + 2.0 * self.floor);
+    /// however bright, has more weight than others, but for the `weight` that its value in A has.
+    fn balance(
+        &self,
+        of_a: &[[f64; 3]],
+        of_b: &[[f64; 3]],
+        channels: &[usize],
+        change: impl Fn(f64) -> f64,
+        weight: impl Fn(f64) -> f64,
+    ) -> f64 {
         let blocks = of_a.iter().zip(of_b);
-        let values =
-            blocks.flat_map(|(a, b)| channels.iter().map(move |&c| [a[c], b[c]])).map(|[a, b]| relative(change(a), b));
+        let values = blocks
+            .flat_map(|(a, b)| channels.iter().map(move |&c| [a[c], b[c]]))
+            .map(|[a, b]| self.relative(change(a), b) * weight(a));
         values.filter(|v| v.is_finite()).sum()
+    }
+
+    fn relative(&self, a: f64, b: f64) -> f64 {
+        (b - a) / (a.abs() + b.abs() + 2.0 * self.floor)
     }
 
     fn block(&self, pixel: usize) -> Option<usize> {
@@ -490,6 +863,8 @@ mod tests {
     use etalon_core::scene::{Request, builtin};
     use etalon_render::{Settings, Silent, render};
 
+    const FLOATS: [bool; 2] = [false; 2];
+
     type Edit = (&'static str, fn(&Image) -> Image);
 
     fn values(image: &Image, f: impl Fn(f32) -> f32) -> Image {
@@ -515,9 +890,7 @@ mod tests {
         ("multiply A by", |a| a.map(|p| 1.1 * p)),
         ("multiply R, G, B", |a| a.map(|p| p * Rgb::new(1.2, 1.0, 0.9))),
         ("undo the sRGB", |a| values(a, srgb_from_linear)),
-        ("undo the sRGB curve in A: its values are encoded, those of B linear, and clamp B", |a| {
-            values(a, |v| srgb_from_linear(v.min(1.0)))
-        }),
+        ("undo the sRGB curve in A, and clamp B", |a| values(a, |v| srgb_from_linear(v.min(1.0)))),
         ("apply the sRGB", |a| values(a, linear_from_srgb)),
         ("clamp B at 1", |a| values(a, |v| v.min(1.0))),
         ("add -0.0", |a| a.map(|p| p + Rgb::splat(0.05))),
@@ -535,7 +908,7 @@ mod tests {
                 let turned = moved(a, |x, y| [a.width() - 1 - x, a.height() - 1 - y]);
                 values(&turned, |v| v.max(0.0).powf(1.0 / 2.2))
             }),
-            "gamma of 2.2",
+            "power of 2.2",
         ),
         (("undo the sRGB", |a| encoded(&a.map(|p| 2.0 * p))), "multiply A by"),
         (
@@ -573,7 +946,7 @@ mod tests {
             let a = image(1, 64);
             for b in [image(2, 64), image(3, 256)] {
                 for (expected, edit) in EDITS {
-                    let found = explain(&edit(&a), &b);
+                    let found = explain(&edit(&a), &b, FLOATS);
                     let is_named = found.as_ref().is_some_and(|found| found.change.contains(expected));
                     assert!(
                         is_named && found.as_ref().unwrap().leaves_noise,
@@ -582,7 +955,7 @@ mod tests {
                     );
                 }
                 for ((expected, edit), also) in PAIRS {
-                    let found = explain(&edit(&a), &b);
+                    let found = explain(&edit(&a), &b, FLOATS);
                     let is_named = found.as_ref().is_some_and(|found| {
                         found.change.contains(expected) && found.change.contains(also) && !found.in_part
                     });
@@ -594,12 +967,12 @@ mod tests {
                         let [u, v] = place(x, y);
                         a.get(x, y) * bias(u, v)
                     });
-                    assert_eq!(explain(&biased, &b), None, "{}, bias {i}", scene.name);
+                    assert_eq!(explain(&biased, &b, FLOATS), None, "{}, bias {i}", scene.name);
                 }
-                assert_eq!(explain(&a, &b), None, "{}: noise", scene.name);
-                assert_eq!(explain(&image(4, 4), &b), None, "{}: more noise", scene.name);
+                assert_eq!(explain(&a, &b, FLOATS), None, "{}: noise", scene.name);
+                assert_eq!(explain(&image(4, 4), &b, FLOATS), None, "{}: more noise", scene.name);
             }
-            assert_eq!(explain(&a, &a), None);
+            assert_eq!(explain(&a, &a, FLOATS), None);
         }
     }
 
@@ -609,15 +982,15 @@ mod tests {
             let (x, y) = (x as f32, y as f32);
             Rgb::new(0.1 + 0.03 * x, 0.2 + 0.02 * y, 0.9 - 0.001 * x * y)
         });
-        let found = explain(&image, &image.map(|p| 1.21 * p)).unwrap();
+        let found = explain(&image, &image.map(|p| 1.21 * p), FLOATS).unwrap();
         assert!(found.change == "multiply A by 1.2100" && found.mse_left < 1e-6 && found.leaves_noise, "{found:?}");
         // A square image may be transposed; one that is black or has no numbers is not explained
         let square = Image::from_fn(20, 20, |x, y| image.get(x, y % 16));
         let transposed = Image::from_fn(20, 20, |x, y| square.get(y, x));
-        assert!(explain(&transposed, &square).unwrap().change.starts_with("transpose A"));
+        assert!(explain(&transposed, &square, FLOATS).unwrap().change.starts_with("transpose A"));
         for nothing in [Image::new(24, 16), image.map(|_| Rgb::NAN)] {
-            assert_eq!((explain(&image, &nothing), explain(&nothing, &image)), (None, None));
+            assert_eq!((explain(&image, &nothing, FLOATS), explain(&nothing, &image, FLOATS)), (None, None));
         }
-        assert_eq!(explain(&Image::new(1, 1), &Image::new(1, 1).map(|_| Rgb::ONE)), None);
+        assert_eq!(explain(&Image::new(1, 1), &Image::new(1, 1).map(|_| Rgb::ONE), FLOATS), None);
     }
 }

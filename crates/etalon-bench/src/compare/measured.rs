@@ -23,16 +23,18 @@ pub struct Measured {
 const LARGEST: usize = 1 << 22;
 
 impl Measured {
+    /// `stored` says which of the images are stored as integers, clipped at 1 and read by the sRGB curve.
+    ///
     /// # Errors
     /// [`Error::Parameter`](etalon_core::error::Error::Parameter) for images of different sizes.
-    pub fn of(a: &Image, b: &Image) -> Result<Self> {
+    pub fn of(a: &Image, b: &Image, stored: [bool; 2]) -> Result<Self> {
         let numbers = compare(a, b)?;
         let is_small = a.pixels().len() <= LARGEST;
         let unknown = DisplayMetrics { hdr_flip: None, psnr: f64::NAN, ssim: None };
         Ok(Self {
             numbers,
             shown: if is_small { compare_shown(a, b) } else { unknown },
-            explanation: is_small.then(|| explain(a, b)).flatten(),
+            explanation: is_small.then(|| explain(a, b, stored)).flatten(),
             identical: numbers.non_finite == 0 && numbers.max_abs == 0.0,
         })
     }
@@ -102,16 +104,17 @@ mod tests {
 
     #[test]
     fn limits_hold_up_to_their_value_and_fail_where_nothing_is_known() {
+        const FLOATS: [bool; 2] = [false; 2];
         let grey = |v: f32| Image::from_fn(16, 12, |_, _| Rgb::splat(v));
-        let measured = Measured::of(&grey(0.75), &grey(0.5)).unwrap();
+        let measured = Measured::of(&grey(0.75), &grey(0.5), FLOATS).unwrap();
         let limit = |name: &str, most: f64| Limit { metric: Metric::named(name).unwrap(), most }.holds(&measured);
         assert!(limit("mse", 0.0625) && !limit("mse", 0.0624) && limit("max_abs", 0.25) && !limit("flip", 1e-3));
-        let black = Measured::of(&grey(0.75), &grey(0.0)).unwrap();
+        let black = Measured::of(&grey(0.75), &grey(0.0), FLOATS).unwrap();
         assert!(!Limit { metric: Metric::named("hdr_flip").unwrap(), most: 1.0 }.holds(&black), "FLIP is not defined");
         let holed = Image::from_fn(16, 12, |x, y| Rgb::splat(if x + y == 0 { f32::NAN } else { 0.5 }));
-        let holed = Measured::of(&holed, &grey(0.5)).unwrap();
+        let holed = Measured::of(&holed, &grey(0.5), FLOATS).unwrap();
         assert!(!Limit { metric: Metric::named("mse").unwrap(), most: 1.0 }.holds(&holed), "a pixel is left out");
-        assert!(!measured.identical && Measured::of(&grey(0.5), &grey(0.5)).unwrap().identical);
+        assert!(!measured.identical && Measured::of(&grey(0.5), &grey(0.5), FLOATS).unwrap().identical);
         assert!(Metric::named("fllip").is_none() && METRICS.iter().all(|m| Metric::named(m.name).is_some()));
     }
 }

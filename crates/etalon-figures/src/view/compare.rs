@@ -7,7 +7,6 @@ use crate::figure::{
 };
 use etalon_bench::compare::{
     Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
-    without_reason,
 };
 use etalon_bench::table::Table;
 use etalon_core::math::Rgb;
@@ -143,10 +142,10 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     Drawing::stacked(vec![contact_sheet(&title, columns, &cells), bar], 0.5)
 }
 
-/// The change that explains a difference, without its reason: "Undo the sRGB curve in A".
-pub fn headline(Explanation { change, in_part, .. }: &Explanation) -> String {
-    let change = capitalized(without_reason(change));
-    if *in_part { change + " (in part)" } else { change }
+/// What explains a difference, without numbers of what is left: "A is upside down".
+pub fn headline(explanation: &Explanation) -> String {
+    let mistake = capitalized(&explanation.mistake);
+    if explanation.in_part { mistake + " (in part)" } else { mistake }
 }
 
 /// What explains a difference, in words.
@@ -154,11 +153,12 @@ pub fn explained(explanation: &Explanation) -> String {
     let Explanation { mse_left, leaves_noise, in_part, .. } = explanation;
     let noise = if *leaves_noise && *mse_left > 0.0 { "noise, " } else { "" };
     let more = if *in_part { ", more than noise" } else { "" };
-    format!(
-        "{}: this leaves {noise}{} % of the mean squared error{more}",
-        explanation.told(),
-        rounded(100.0 * mse_left, 2)
-    )
+    let left = if mse_left.is_nan() {
+        if *leaves_noise { "noise".into() } else { "next to nothing".into() }
+    } else {
+        format!("{noise}{} % of the mean squared error{more}", rounded(100.0 * mse_left, 2))
+    };
+    format!("{}: undone, this leaves {left}", explanation.told())
 }
 
 fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {

@@ -74,7 +74,7 @@ fn outcome(found: Compared, protocol: &Protocol) -> Outcome {
     Outcome {
         p: worst.map(|(.., p)| p),
         detectable: found.uniform_bias,
-        mistake: found.explanation.map(|explanation| explanation.change.into()),
+        mistake: found.explanation.map(|explanation| explanation.mistake.into()),
         diagnosis: told.filter(|_| worst.is_some_and(|(.., p)| p < protocol.level)),
         inconclusive_reason: is_open.then(|| "too noisy to tell".to_owned()),
         ..Outcome::open(2 * REPLICATES * (SIZE[0] * SIZE[1]) as u64)
