@@ -1,6 +1,6 @@
 //! `etalon compare --each IMAGE… --reference B`: many images against one.
 
-use super::{Compare, Input, left_out, measure, read};
+use super::{Compare, Input, OtherSize, left_out, measure, read, why};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
@@ -8,7 +8,7 @@ use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_core::raster::{Comparison, DisplayMetrics};
+use etalon_core::raster::{Comparison, DisplayMetrics, Image};
 use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::compare::{self as view, Shown, Thumbnail};
@@ -16,6 +16,8 @@ use etalon_figures::view::text::{LINE, counted, rounded, wrapped};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,14 +25,78 @@ use std::time::Instant;
 struct Entry {
     file: String,
     result: std::result::Result<Done, Error>,
+    /// A file before it with the same pixels.
+    same_as: Option<String>,
 }
 
 struct Done {
-    measured: Measured,
+    measured: std::result::Result<Measured, OtherSize>,
+    size: [usize; 2],
     thumbnail: Thumbnail,
+    /// By which images with the same pixels are known.
+    hash: u64,
     notes: Vec<String>,
     is_clipped: bool,
-    is_rejected: bool,
+    /// The limits that it exceeds, and what else rejects it.
+    exceeded: Vec<Exceeded>,
+}
+
+/// Why an image is rejected.
+#[derive(Clone, Copy)]
+enum Exceeded {
+    Limit(Limit),
+    NotFinite,
+    Size,
+}
+
+impl Exceeded {
+    /// In files.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Limit(limit) => limit.metric.name,
+            Self::NotFinite => "finite",
+            Self::Size => "size",
+        }
+    }
+
+    /// In words.
+    fn text(self) -> String {
+        match self {
+            Self::Limit(limit) => format!("{} above {}", limit.metric.title, limit.most),
+            Self::NotFinite => "pixels that are not finite".into(),
+            Self::Size => "another size".into(),
+        }
+    }
+}
+
+impl Entry {
+    fn measured(&self) -> Option<&Measured> {
+        self.result.as_ref().ok()?.measured.as_ref().ok()
+    }
+
+    fn exceeded(&self) -> &[Exceeded] {
+        self.result.as_ref().map_or(&[], |done| &done.exceeded)
+    }
+
+    fn is_rejected(&self) -> bool {
+        !self.exceeded().is_empty()
+    }
+
+    /// Why it has no metrics.
+    fn problem(&self) -> Option<String> {
+        match &self.result {
+            Err(error) => Some(error.to_string()),
+            Ok(Done { measured: Err(OtherSize { message, .. }), .. }) => Some(message.clone()),
+            Ok(_) => None,
+        }
+    }
+
+    fn explanation(&self) -> Option<&Explanation> {
+        match &self.result.as_ref().ok()?.measured {
+            Ok(measured) => measured.explanation.as_ref(),
+            Err(other) => other.explanation.as_ref(),
+        }
+    }
 }
 
 /// The JSON object.
@@ -48,7 +114,12 @@ struct Record<'a> {
     file: &'a str,
     #[serde(flatten)]
     measured: Option<&'a Measured>,
+    /// The turn of an image of another size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanation: Option<&'a Explanation>,
+    same_as: Option<&'a str>,
     rejected: Option<bool>,
+    limits: Vec<&'static str>,
     error: Option<String>,
 }
 
@@ -70,7 +141,11 @@ struct Row {
     non_finite: Option<usize>,
     identical: Option<bool>,
     explanation: Option<String>,
+    mse_left: Option<f64>,
+    beyond_noise: Option<bool>,
+    same_as: Option<String>,
     rejected: Option<bool>,
+    limits: Option<String>,
     error: Option<String>,
 }
 
@@ -100,23 +175,37 @@ impl Compare {
         if entries.is_empty() {
             return Err(Error::Interrupted);
         }
+        // Without any image there is nothing to write
+        if entries.iter().all(|entry| entry.result.is_err())
+            && let Some(error) = entries.iter_mut().find_map(|entry| take_error(entry))
+        {
+            return Err(error);
+        }
+        name_twins(&mut entries);
         if let Some(metric) = self.sort {
             sort(&mut entries, metric);
         }
         let compared = || entries.iter().filter_map(|entry| entry.result.as_ref().ok());
         compared().flat_map(|done| &done.notes).for_each(|note| console.warn(note));
-        let others = compared().filter(|done| done.is_clipped != b.is_clipped).count();
-        if others > 0 {
+        let is_other = |entry: &&Entry| entry.result.as_ref().is_ok_and(|done| done.is_clipped != b.is_clipped);
+        let others: Vec<&str> = entries.iter().filter(is_other).map(|entry| entry.file.as_str()).collect();
+        if !others.is_empty() {
             let (those, the_reference) =
                 if b.is_clipped { ("linear light", "integer values") } else { ("integer values", "linear light") };
+            let more = match others.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
             console.warn(&format!(
-                "{others} of {} have {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
-                counted(entries.len(), "image"),
+                "of {} of {those}, {}{more}, what is clipped at 1 differs, as {} has {the_reference}: use a reference of the same kind",
+                counted(others.len(), "image"),
+                others[..others.len().min(NAMED)].join(", "),
                 reference.display()
             ));
         }
         let mut saving = Saving::default();
-        let cells: Vec<Shown> = entries.iter().map(shown).collect();
+        let size = [b.image.width(), b.image.height()];
+        let cells: Vec<Shown> = entries.iter().map(|entry| shown(entry, size)).collect();
         let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
         let rows: Vec<Row> = entries.iter().map(row).collect();
         saving.add(output::write(&stem, &sheet, &style, &output::csv(&rows)?));
@@ -131,15 +220,20 @@ impl Compare {
         saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
         let count = |is: fn(&Entry) -> bool| entries.iter().filter(|entry| is(entry)).count();
-        let rejected = count(|entry| entry.result.as_ref().is_ok_and(|done| done.is_rejected));
-        let unreadable = count(|entry| entry.result.is_err());
+        let rejected = count(Entry::is_rejected);
+        let unreadable = count(|entry| entry.problem().is_some() && !entry.is_rejected());
         let images = entries.iter().map(record).collect();
         let interrupted = missing > 0;
         let output = Output { reference: reference.display().to_string(), images, rejected, unreadable, interrupted };
         console.saved(&output, &target.written(files), || self.text(&entries, [rejected, unreadable]));
         saved?;
         // What could not be compared is told after the results of all others
-        match entries.into_iter().find_map(|entry| entry.result.err()) {
+        let failed = |entry: Entry| match entry.result {
+            Err(error) => Some(error),
+            Ok(Done { measured: Err(other), exceeded, .. }) if exceeded.is_empty() => Some(other.error(reference)),
+            Ok(_) => None,
+        };
+        match entries.into_iter().find_map(failed) {
             Some(error) => Err(error),
             None => Ok(Verdict::of(rejected == 0, interrupted)),
         }
@@ -149,12 +243,24 @@ impl Compare {
     fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
             let measured = measure(path, &a, reference, b)?;
-            let is_rejected = !self.is_within(&measured);
-            let (thumbnail, is_clipped) = (Thumbnail::new(&a.image, &b.image), a.is_clipped);
-            Ok(Done { thumbnail, is_rejected, is_clipped, notes: a.notes, measured })
+            let (exceeded, thumbnail) = match &measured {
+                Ok(measured) => (self.exceeded(measured), Thumbnail::new(&a.image, &b.image)),
+                Err(_) if self.at_most.is_empty() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
+                Err(_) => (vec![Exceeded::Size], Thumbnail::of_another_size(&a.image, &b.image)),
+            };
+            let size = [a.image.width(), a.image.height()];
+            Ok(Done {
+                measured,
+                size,
+                thumbnail,
+                hash: hash(&a.image),
+                notes: a.notes,
+                is_clipped: a.is_clipped,
+                exceeded,
+            })
         });
         bar.inc(1);
-        Entry { file: path.display().to_string(), result }
+        Entry { file: path.display().to_string(), result, same_as: None }
     }
 
     fn checks_of(&self, entry: &Entry, reference: &Path) -> Vec<Check> {
@@ -163,22 +269,25 @@ impl Compare {
             let (name, details) = (name.into(), String::new());
             vec![Check { group: group.clone(), name, verdict: Some(verdict), message, details, seconds: None }]
         };
-        match &entry.result {
-            Err(error) => plain("file", etalon_stats::Verdict::Inconclusive, error.to_string()),
-            Ok(done) if self.at_most.is_empty() => {
-                plain("file", etalon_stats::Verdict::Accept, remark(&done.measured).unwrap_or_default())
+        match (entry.measured(), entry.problem()) {
+            (Some(measured), _) if !self.at_most.is_empty() => self.checks(&group, measured),
+            (Some(_), _) => plain("file", etalon_stats::Verdict::Accept, remark(entry).unwrap_or_default()),
+            (None, problem) => {
+                let turned = entry.explanation().map(view::explained);
+                let message: Vec<String> = problem.into_iter().chain(turned).collect();
+                let rejected = entry.is_rejected();
+                let verdict =
+                    if rejected { etalon_stats::Verdict::Reject } else { etalon_stats::Verdict::Inconclusive };
+                plain(if rejected { "size" } else { "file" }, verdict, message.join("; "))
             }
-            Ok(done) => self.checks(&group, &done.measured),
         }
     }
 
     fn text(&self, entries: &[Entry], [rejected, unreadable]: [usize; 2]) -> String {
-        let number = |entry: &Entry, metric: &Metric| match &entry.result {
-            Ok(done) => match metric.of(&done.measured) {
-                value if value.is_nan() => "-".into(),
-                value => rounded(value, 3),
-            },
-            Err(_) => String::new(),
+        let number = |entry: &Entry, metric: &Metric| match entry.measured().map(|measured| metric.of(measured)) {
+            Some(value) if value.is_nan() => "-".into(),
+            Some(value) => rounded(value, 3),
+            None => String::new(),
         };
         let mut table = Table::of(entries).words("image", |entry| &entry.file);
         // The usual ones, and those that were asked for
@@ -188,14 +297,13 @@ impl Compare {
         };
         let shown = METRICS.iter().enumerate().filter(|(i, metric)| *i < USUAL || is_asked(metric));
         for (_, metric) in shown {
-            table = table.numbers(metric.title, |entry| number(entry, metric));
+            let heading = metric.heading();
+            table = table.numbers(&heading, |entry| number(entry, metric));
         }
-        let about = |entry: &Entry| match &entry.result {
-            Ok(done) => {
-                let rejected = done.is_rejected.then(|| self.exceeded(&done.measured));
-                rejected.into_iter().chain(remark(&done.measured)).collect()
-            }
-            Err(error) => vec![error.to_string()],
+        let about = |entry: &Entry| -> Vec<String> {
+            let texts: Vec<String> = entry.exceeded().iter().map(|exceeded| exceeded.text()).collect();
+            let rejected = entry.is_rejected().then(|| format!("rejected: {}", texts.join(", ")));
+            rejected.into_iter().chain(remark(entry)).collect()
         };
         let mut text = String::new();
         if !self.at_most.is_empty() {
@@ -208,16 +316,39 @@ impl Compare {
     }
 
     /// The limits that an image exceeds.
-    fn exceeded(&self, measured: &Measured) -> String {
+    fn exceeded(&self, measured: &Measured) -> Vec<Exceeded> {
         // A metric that is not defined is above every limit
         let is_above = |limit: &&Limit| {
             let value = limit.metric.of(measured);
             value.is_nan() || value > limit.most
         };
-        let above = self.at_most.iter().filter(is_above);
-        let above = above.map(|limit| format!("{} above {}", limit.metric.title, limit.most));
-        let holes = (measured.numbers.non_finite > 0).then(|| "pixels that are not finite".to_owned());
-        format!("rejected: {}", above.chain(holes).collect::<Vec<_>>().join(", "))
+        let above = self.at_most.iter().filter(is_above).map(|limit| Exceeded::Limit(*limit));
+        let has_holes = measured.numbers.non_finite > 0 && !self.at_most.is_empty();
+        above.chain(has_holes.then_some(Exceeded::NotFinite)).collect()
+    }
+}
+
+/// The error of an image that could not be read.
+fn take_error(entry: &mut Entry) -> Option<Error> {
+    let interrupted = Err(Error::Interrupted);
+    if entry.result.is_err() { std::mem::replace(&mut entry.result, interrupted).err() } else { None }
+}
+
+/// Of the bits of all pixels.
+fn hash(image: &Image) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (image.width(), image.height()).hash(&mut hasher);
+    image.pixels().iter().for_each(|p| p.to_array().map(f32::to_bits).hash(&mut hasher));
+    hasher.finish()
+}
+
+/// Says of each image which one before it has the same pixels.
+fn name_twins(entries: &mut [Entry]) {
+    let mut first: HashMap<u64, String> = HashMap::new();
+    for entry in entries {
+        let Ok(done) = &entry.result else { continue };
+        entry.same_as = first.get(&done.hash).cloned();
+        first.entry(done.hash).or_insert_with(|| entry.file.clone());
     }
 }
 
@@ -231,15 +362,18 @@ fn is_preview(image: &Path, all: &[PathBuf]) -> bool {
 
 const FLOATS: [&str; 3] = ["exr", "pfm", "hdr"];
 
+/// So many files are named in a warning.
+const NAMED: usize = 3;
+
 /// The first so many metrics are in every table.
 const USUAL: usize = 5;
 
 /// The best first; what could not be compared, or has no such metric, at the end.
 fn sort(entries: &mut [Entry], metric: &Metric) {
     let key = |entry: &Entry| {
-        let value = entry.result.as_ref().map_or(f64::NAN, |done| metric.of(&done.measured));
+        let value = entry.measured().map_or(f64::NAN, |measured| metric.of(measured));
         let worse = if metric.is_similarity { -value } else { value };
-        (entry.result.is_err(), worse.is_nan(), worse)
+        (entry.measured().is_none(), worse.is_nan(), worse)
     };
     entries.sort_by(|a, b| {
         let ((a_err, a_nan, a), (b_err, b_nan, b)) = (key(a), key(b));
@@ -248,57 +382,89 @@ fn sort(entries: &mut [Entry], metric: &Metric) {
 }
 
 /// What is to be said of an image beside its metrics.
-fn remark(measured: &Measured) -> Option<String> {
-    let Measured { explanation, identical, .. } = measured;
-    let same = identical.then(|| "the same values as the reference".to_owned());
-    let parts = [same, explanation.as_ref().map(view::explained), left_out(measured)];
+fn remark(entry: &Entry) -> Option<String> {
+    let twin = entry.same_as.as_ref().map(|twin| format!("same pixels as {twin}"));
+    let parts = match entry.measured() {
+        Some(measured) => {
+            let same = measured.identical.then(|| "the same values as the reference".to_owned());
+            [same, why(measured), left_out(measured), twin]
+        }
+        None => [entry.problem(), entry.explanation().map(view::explained), twin, None],
+    };
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
-fn shown(entry: &Entry) -> Shown<'_> {
+fn shown(entry: &Entry, [width, height]: [usize; 2]) -> Shown<'_> {
     let name = short_name(entry.file.as_ref());
-    match &entry.result {
-        Err(_) => Shown { caption: format!("{name}: not compared"), thumbnail: None, is_rejected: false },
-        Ok(Done { measured, thumbnail, is_rejected, .. }) => {
-            let metric = |name: &str| Metric::named(name).map_or(f64::NAN, |metric| metric.of(measured));
-            let parts = [("FLIP", "flip"), ("relative MSE", "rel_mse"), ("SSIM", "ssim"), ("PSNR", "psnr")];
-            let numbers =
-                parts.map(|(title, name)| (title, metric(name))).into_iter().filter(|(_, value)| value.is_finite());
-            let numbers: Vec<String> = numbers.map(|(title, v)| format!("{title}\u{a0}{}", rounded(v, 3))).collect();
-            let change = match &measured.explanation {
-                Some(explanation) => format!("; {}", view::headline(explanation)),
-                None if measured.identical => "; the same values as the reference".into(),
-                None => String::new(),
-            };
-            let rejected = if *is_rejected { ", rejected" } else { "" };
-            let caption = format!("{name}{rejected}: {}{change}", numbers.join(", "));
-            Shown { caption, thumbnail: Some(thumbnail), is_rejected: *is_rejected }
+    let Ok(done) = &entry.result else {
+        let caption = format!("{name}: not compared");
+        return Shown { caption, thumbnail: None, is_rejected: false, is_explained: false };
+    };
+    let mut parts = Vec::new();
+    match &done.measured {
+        Ok(measured) => {
+            let metrics = ["flip", "rel_mse", "ssim", "psnr"].into_iter().filter_map(Metric::named);
+            let numbers = metrics.map(|metric| (metric, metric.of(measured))).filter(|(_, value)| value.is_finite());
+            parts.push(numbers.map(|(metric, value)| view::of_metric(metric, value)).collect::<Vec<_>>().join(", "));
+            let holes = measured.numbers.non_finite;
+            parts.extend((holes > 0).then(|| format!("{} NaN or infinite", counted(holes, "pixel"))));
+            parts.extend(measured.identical.then(|| "the same values as the reference".to_owned()));
         }
+        Err(_) => {
+            let [w, h] = done.size;
+            parts.push(format!("{w}x{h}, not {width}x{height}"));
+        }
+    }
+    parts.extend(entry.explanation().map(view::headline));
+    let above = entry.exceeded().iter().filter(|exceeded| matches!(exceeded, Exceeded::Limit(_)));
+    let above: Vec<String> = above.map(|exceeded| exceeded.text()).collect();
+    let rejected = match above.join(", ") {
+        _ if !entry.is_rejected() => String::new(),
+        above if above.is_empty() => ", rejected".into(),
+        above => format!(", rejected ({above})"),
+    };
+    Shown {
+        caption: format!("{name}{rejected}: {}", parts.join("; ")),
+        thumbnail: Some(&done.thumbnail),
+        is_rejected: entry.is_rejected(),
+        is_explained: entry.explanation().is_some_and(|explanation| !explanation.in_part),
     }
 }
 
 fn record(entry: &Entry) -> Record<'_> {
-    let done = entry.result.as_ref().ok();
+    let measured = entry.measured();
     Record {
         file: &entry.file,
-        measured: done.map(|done| &done.measured),
-        rejected: done.map(|done| done.is_rejected),
-        error: entry.result.as_ref().err().map(ToString::to_string),
+        measured,
+        explanation: entry.explanation().filter(|_| measured.is_none()),
+        same_as: entry.same_as.as_deref(),
+        rejected: entry
+            .result
+            .is_ok()
+            .then(|| entry.is_rejected())
+            .filter(|_| measured.is_some() || entry.is_rejected()),
+        limits: entry.exceeded().iter().map(|exceeded| exceeded.name()).collect(),
+        error: entry.problem(),
     }
 }
 
 fn row(entry: &Entry) -> Row {
-    let file = entry.file.clone();
-    let Done { measured, is_rejected, .. } = match &entry.result {
-        Ok(done) => done,
-        Err(error) => return Row { file, error: Some(error.to_string()), ..Row::default() },
+    let Record { rejected, limits, error, .. } = record(entry);
+    let common = Row {
+        file: entry.file.clone(),
+        explanation: entry.explanation().map(Explanation::told),
+        mse_left: entry.explanation().map(|explanation| explanation.mse_left).filter(|left| !left.is_nan()),
+        same_as: entry.same_as.clone(),
+        rejected,
+        limits: rejected.map(|_| limits.join(";")),
+        error,
+        ..Row::default()
     };
-    let Measured { numbers, shown, explanation, identical } = measured;
+    let Some(Measured { numbers, shown, beyond_noise, identical, .. }) = entry.measured() else { return common };
     let DisplayMetrics { hdr_flip, psnr, ssim } = *shown;
     let Comparison { mse, rel_mse, rmse, mape, smape, max_abs, mean_a, mean_b, non_finite, .. } = *numbers;
     Row {
-        file,
         mse: Some(mse),
         rel_mse: Some(rel_mse),
         hdr_flip,
@@ -312,8 +478,7 @@ fn row(entry: &Entry) -> Row {
         mean_of_reference: Some(mean_b),
         non_finite: Some(non_finite),
         identical: Some(*identical),
-        explanation: explanation.as_ref().map(Explanation::told),
-        rejected: Some(*is_rejected),
-        error: None,
+        beyond_noise: *beyond_noise,
+        ..common
     }
 }

@@ -9,7 +9,7 @@ use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use crate::cli::style::StyleArgs;
 use crate::cli::values::{fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::compare::{Limit, METRICS, Measured, Metric};
+use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned};
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Image, ReadOptions};
 use etalon_figures::view::checks::Check;
@@ -25,10 +25,10 @@ use std::path::{Path, PathBuf};
                         them; HDR-FLIP, PSNR and SSIM of the images as shown. B is the reference. Cube maps are compared as they are stored.\n\n\
                         Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
                         With --each: a row for each image, as text and as IMAGES-vs-REF.csv, and IMAGES-vs-REF.{png,svg,pdf}: every image beside its \
-                        difference, all on one scale, with the place that differs most; rejected ones in a red frame. IMAGES is how their names \
-                        begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be compared does not stop \
+                        difference, all on one scale, with a green frame where the difference stands out of the noise; rejected ones in an orange frame. IMAGES is how their names \
+                        begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be read, or without limits one of another size, does not stop \
                         the others; the exit code is 2 then.\n\n\
-                        With --at-most: exit code 1 if a metric of an image is larger, or a pixel is not finite.\n\nWith --against: Welch's t-tests of the image mean, of \
+                        With --at-most: exit code 1 if a metric of an image is larger, a pixel is not finite, or (with --each) its size is another.\n\nWith --against: Welch's t-tests of the image mean, of \
                         low-frequency modes and of tiles, at one level. The bias is that of the channel that differs most (`etalon converge`: of the mean of all \
                         channels), in percent of the mean of B, that of a tile in percent of the tile's own. Exit code 1: different; 0: no difference found, and a bias of \
                         --detect would have been found with 90 % probability; 3: cannot tell, with the numbers of images that would find it. The book has the formulas and the \
@@ -115,11 +115,13 @@ impl Compare {
                 if limit.holds(measured) { etalon_stats::Verdict::Accept } else { etalon_stats::Verdict::Reject };
             let found = rounded(limit.metric.of(measured), 4).replace("NaN", "not defined");
             let (title, most) = (limit.metric.title, limit.most);
-            let said = match left_out(measured) {
-                Some(pixels) => format!("{pixels}, which keeps no limit; {title} of the others is {found}"),
-                None => format!("{title} is {found}, at most {most} allowed"),
+            let said = match measured.numbers.non_finite {
+                0 => format!("{title} is {found}, at most {most} allowed"),
+                count => {
+                    format!("{}, which no limit allows; {title} of the others is {found}", view::not_finite(count))
+                }
             };
-            let why = measured.explanation.as_ref().map_or(String::new(), |why| format!("; {}", explained(why)));
+            let why = why(measured).map_or(String::new(), |why| format!("; {why}"));
             Check {
                 group: group.to_owned(),
                 name: limit.metric.name.into(),
@@ -136,6 +138,12 @@ impl Compare {
     fn is_within(&self, measured: &Measured) -> bool {
         self.at_most.iter().all(|limit| limit.holds(measured))
     }
+}
+
+/// What explains the difference, or that nothing does.
+fn why(measured: &Measured) -> Option<String> {
+    let unknown = || (measured.beyond_noise == Some(true)).then(|| "no usual mistake explains it".to_owned());
+    measured.explanation.as_ref().map(explained).or_else(unknown)
 }
 
 /// What is said of pixels that are not finite, if there are any.
@@ -165,24 +173,38 @@ fn read(path: &Path) -> Result<Input> {
     Ok(Input { image, notes, is_clipped })
 }
 
+/// What is said of two images of different sizes.
+struct OtherSize {
+    message: String,
+    /// A turn that makes the sizes equal, and the difference noise.
+    explanation: Option<Explanation>,
+}
+
+impl OtherSize {
+    fn error(&self, b_path: &Path) -> Error {
+        let hint = match &self.explanation {
+            Some(turn) => format!("only images of the same size can be compared; {}", explained(turn)),
+            None => "only images of the same size can be compared".into(),
+        };
+        Error::input(b_path, self.message.clone()).with_hint(hint)
+    }
+}
+
 /// The metrics of two images of files.
-fn measure(a_path: &Path, a: &Input, b_path: &Path, b: &Input) -> Result<Measured> {
+fn measure(a_path: &Path, a: &Input, b_path: &Path, b: &Input) -> Result<std::result::Result<Measured, OtherSize>> {
     let size = |of: &Input| [of.image.width(), of.image.height()];
     let ([w, h], [b_w, b_h]) = (size(a), size(b));
-    let measured = Measured::of(&a.image, &b.image, [a.is_clipped, b.is_clipped]).map_err(|_| {
+    if [w, h] != [b_w, b_h] {
+        let explanation = ([w, h] == [b_h, b_w]).then(|| explain_turned(&a.image, &b.image)).flatten();
         let message = format!("{b_w}x{b_h} pixels, but {} has {w}x{h}", a_path.display());
-        let hint = if [w, h] == [b_h, b_w] {
-            "only images of the same size can be compared; is one turned, or are rows and columns swapped?"
-        } else {
-            "only images of the same size can be compared"
-        };
-        Error::input(b_path, message).with_hint(hint)
-    })?;
+        return Ok(Err(OtherSize { message, explanation }));
+    }
+    let measured = Measured::of(&a.image, &b.image, [a.is_clipped, b.is_clipped])?;
     if measured.numbers.pixels == 0 {
         let message = format!("no pixel is finite both here and in {}: nothing to compare", b_path.display());
         return Err(Error::input(a_path, message).with_hint("`etalon envmap info` counts values by kind"));
     }
-    Ok(measured)
+    Ok(Ok(measured))
 }
 
 fn metric(name: &str) -> std::result::Result<&'static Metric, String> {

@@ -1,6 +1,6 @@
 //! `etalon compare A B`: how far two images are apart.
 
-use super::{Compare, left_out, measure, read};
+use super::{Compare, left_out, measure, read, why};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use etalon_bench::compare::Measured;
@@ -24,7 +24,7 @@ impl Compare {
         let bar = console.busy("compare");
         let (a, b) = (read(a_path)?, read(b_path)?);
         a.notes.iter().chain(&b.notes).for_each(|note| console.warn(note));
-        let measured = measure(a_path, &a, b_path, &b)?;
+        let measured = measure(a_path, &a, b_path, &b)?.map_err(|other| other.error(b_path))?;
         interrupt::check()?;
         bar.finish_and_clear();
         let mut saving = Saving::default();
@@ -62,7 +62,7 @@ impl Compare {
 fn in_words(measured: &Measured) -> Option<String> {
     match measured.identical {
         true => Some("A and B are the same values".into()),
-        false => measured.explanation.as_ref().map(view::explained),
+        false => why(measured),
     }
 }
 

@@ -142,15 +142,33 @@ struct Pair<'a> {
     mse: f64,
 }
 
+/// What two images differ by.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// Noise, or nothing.
+    Noise,
+    Mistake(Explanation),
+    Unknown,
+}
+
+impl Reason {
+    /// The mistake.
+    #[must_use]
+    pub fn explanation(self) -> Option<Explanation> {
+        if let Self::Mistake(explanation) = self { Some(explanation) } else { None }
+    }
+}
+
 /// The mistake, among a few that people make, after whose undoing `a` differs from `b` by noise alone, or two of them if one does not
-/// do; nothing if there is none, or if noise is all that they differ by. Images of one size; `stored` says which are stored as integers, of an sRGB
+/// do. Images of one size; `stored` says which are stored as integers, of an sRGB
 /// curve: these are clipped at 1.
 #[must_use]
-pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Option<Explanation> {
+pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let grid = Grids::new(b);
     let before = grid.structure(a, b);
     let significance = |of: &Structure| of.energy / of.error;
-    let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])))?;
+    let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])));
+    let Some(main) = main else { return Reason::Noise };
     let is_noise_alone = significance(&before[main]).partial_cmp(&BEYOND) != Some(Ordering::Greater);
     if is_noise_alone {
         // The same noise elsewhere?
@@ -158,7 +176,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Option<Explanation> {
             b.pixels().iter().enumerate().all(|(i, p)| (change.pixel)(i % b.width(), i / b.width()) == *p)
         };
         let same = rearranged(a, b).into_iter().find(|change| a != b && is_b(change));
-        return same.map(|change| change.explains(0.0, [true, false]));
+        return same.map_or(Reason::Noise, |change| Reason::Mistake(change.explains(0.0, [true, false])));
     }
     let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY, 1.0);
     let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
@@ -226,7 +244,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Option<Explanation> {
         let most = found.as_ref().map_or(f64::INFINITY, |found| MOST_LEFT * found.left);
         found = two.filter(|two| !two.explanation.in_part && two.left <= most).or(found);
     }
-    found.map(|found| found.explanation)
+    found.map_or(Reason::Unknown, |found| Reason::Mistake(found.explanation))
 }
 
 /// The turn or transposition of `a` after which it is as wide and high as `b`, and differs by noise or by next to nothing; `a` is as
@@ -448,14 +466,13 @@ fn powers<'a>(pair: &Pair, a: &'a Image, clip: Clip) -> Vec<Change<'a>> {
         let raised =
             move |exponent: f64| move |p: Rgb| Rgb::from_array(p.to_array().map(|v| to(from(v).powf(exponent as f32))));
         let Some(fitted) = pair.grid.exponent(pair, a, from, clip, &|exponent, p| raised(exponent)(p)) else { return };
-        let named = [2.2, 1.0 / 2.2].into_iter().find(|known: &f64| (fitted / known).ln().abs() < NEAR);
-        let exponent = named.unwrap_or(fitted);
-        let text = |exponent: f64| match exponent {
-            e if e == 2.2 => "2.2".to_owned(),
-            e if e == 1.0 / 2.2 => "1/2.2".to_owned(),
-            e => three_digits(e),
-        };
-        let [mistake, cure] = words(&text(1.0 / exponent), &text(exponent));
+        let known = [(2.2, ["1/2.2", "2.2"]), (1.0 / 2.2, ["2.2", "1/2.2"])];
+        let known = known.into_iter().find(|(known, _)| (fitted / known).ln().abs() < NEAR);
+        let (exponent, text) = known.map_or_else(
+            || (fitted, [1.0 / fitted, fitted].map(three_digits)),
+            |(exponent, text)| (exponent, text.map(str::to_owned)),
+        );
+        let [mistake, cure] = words(&text[0], &text[1]);
         list.push(by_value(a, mistake, cure, false, raised(exponent)));
     };
     add(linear, same, |of_b, of_a| {
@@ -946,7 +963,7 @@ mod tests {
             let a = image(1, 64);
             for b in [image(2, 64), image(3, 256)] {
                 for (expected, edit) in EDITS {
-                    let found = explain(&edit(&a), &b, FLOATS);
+                    let found = explain(&edit(&a), &b, FLOATS).explanation();
                     let is_named = found.as_ref().is_some_and(|found| found.change.contains(expected));
                     assert!(
                         is_named && found.as_ref().unwrap().leaves_noise,
@@ -955,7 +972,7 @@ mod tests {
                     );
                 }
                 for ((expected, edit), also) in PAIRS {
-                    let found = explain(&edit(&a), &b, FLOATS);
+                    let found = explain(&edit(&a), &b, FLOATS).explanation();
                     let is_named = found.as_ref().is_some_and(|found| {
                         found.change.contains(expected) && found.change.contains(also) && !found.in_part
                     });
@@ -967,12 +984,12 @@ mod tests {
                         let [u, v] = place(x, y);
                         a.get(x, y) * bias(u, v)
                     });
-                    assert_eq!(explain(&biased, &b, FLOATS), None, "{}, bias {i}", scene.name);
+                    assert_eq!(explain(&biased, &b, FLOATS).explanation(), None, "{}, bias {i}", scene.name);
                 }
-                assert_eq!(explain(&a, &b, FLOATS), None, "{}: noise", scene.name);
-                assert_eq!(explain(&image(4, 4), &b, FLOATS), None, "{}: more noise", scene.name);
+                assert_eq!(explain(&a, &b, FLOATS).explanation(), None, "{}: noise", scene.name);
+                assert_eq!(explain(&image(4, 4), &b, FLOATS).explanation(), None, "{}: more noise", scene.name);
             }
-            assert_eq!(explain(&a, &a, FLOATS), None);
+            assert_eq!(explain(&a, &a, FLOATS).explanation(), None);
         }
     }
 
@@ -982,15 +999,18 @@ mod tests {
             let (x, y) = (x as f32, y as f32);
             Rgb::new(0.1 + 0.03 * x, 0.2 + 0.02 * y, 0.9 - 0.001 * x * y)
         });
-        let found = explain(&image, &image.map(|p| 1.21 * p), FLOATS).unwrap();
+        let found = explain(&image, &image.map(|p| 1.21 * p), FLOATS).explanation().unwrap();
         assert!(found.change == "multiply A by 1.2100" && found.mse_left < 1e-6 && found.leaves_noise, "{found:?}");
         // A square image may be transposed; one that is black or has no numbers is not explained
         let square = Image::from_fn(20, 20, |x, y| image.get(x, y % 16));
         let transposed = Image::from_fn(20, 20, |x, y| square.get(y, x));
-        assert!(explain(&transposed, &square, FLOATS).unwrap().change.starts_with("transpose A"));
+        assert!(explain(&transposed, &square, FLOATS).explanation().unwrap().change.starts_with("transpose A"));
         for nothing in [Image::new(24, 16), image.map(|_| Rgb::NAN)] {
-            assert_eq!((explain(&image, &nothing, FLOATS), explain(&nothing, &image, FLOATS)), (None, None));
+            assert_eq!(
+                (explain(&image, &nothing, FLOATS).explanation(), explain(&nothing, &image, FLOATS).explanation()),
+                (None, None)
+            );
         }
-        assert_eq!(explain(&Image::new(1, 1), &Image::new(1, 1).map(|_| Rgb::ONE), FLOATS), None);
+        assert_eq!(explain(&Image::new(1, 1), &Image::new(1, 1).map(|_| Rgb::ONE), FLOATS).explanation(), None);
     }
 }

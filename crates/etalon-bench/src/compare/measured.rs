@@ -1,6 +1,6 @@
 //! An image against a reference in numbers: metrics, and what would explain the difference; limits of metrics.
 
-use super::explain::{Explanation, explain};
+use super::explain::{Explanation, Reason, explain};
 use etalon_core::error::Result;
 use etalon_core::raster::{Comparison, DisplayMetrics, Image, compare, compare_shown};
 use serde::Serialize;
@@ -14,6 +14,8 @@ pub struct Measured {
     #[serde(flatten)]
     pub shown: DisplayMetrics,
     pub explanation: Option<Explanation>,
+    /// Whether A and B differ by more than noise; unknown for images of more than 4 million pixels.
+    pub beyond_noise: Option<bool>,
     /// Whether A and B have the same values.
     pub identical: bool,
 }
@@ -31,10 +33,12 @@ impl Measured {
         let numbers = compare(a, b)?;
         let is_small = a.pixels().len() <= LARGEST;
         let unknown = DisplayMetrics { hdr_flip: None, psnr: f64::NAN, ssim: None };
+        let reason = is_small.then(|| explain(a, b, stored));
         Ok(Self {
             numbers,
             shown: if is_small { compare_shown(a, b) } else { unknown },
-            explanation: is_small.then(|| explain(a, b, stored)).flatten(),
+            beyond_noise: reason.as_ref().map(|reason| *reason != Reason::Noise),
+            explanation: reason.and_then(Reason::explanation),
             identical: numbers.non_finite == 0 && numbers.max_abs == 0.0,
         })
     }
@@ -44,8 +48,10 @@ impl Measured {
 #[derive(Debug)]
 pub struct Metric {
     pub name: &'static str,
-    /// What it is called in headings.
+    /// What it is called in texts.
     pub title: &'static str,
+    /// Its unit, if it has one.
+    pub unit: &'static str,
     /// Whether it grows as images become alike.
     pub is_similarity: bool,
     of: fn(&Measured) -> f64,
@@ -53,13 +59,19 @@ pub struct Metric {
 
 impl Metric {
     const fn error(name: &'static str, title: &'static str, of: fn(&Measured) -> f64) -> Self {
-        Self { name, title, is_similarity: false, of }
+        Self { name, title, unit: "", is_similarity: false, of }
     }
 
     /// By its name; `hdr_flip` is `flip`, too.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         METRICS.iter().find(|metric| metric.name == name || name == "hdr_flip" && metric.name == "flip")
+    }
+
+    /// What it is called above a column: "PSNR (dB)".
+    #[must_use]
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.title.into() } else { format!("{} ({})", self.title, self.unit) }
     }
 
     /// Its value; NaN where it is not defined.
@@ -75,7 +87,7 @@ pub const METRICS: [Metric; 9] = [
     Metric::error("rel_mse", "relative MSE", |m| m.numbers.rel_mse),
     Metric::error("flip", "FLIP", |m| m.shown.hdr_flip.unwrap_or(f64::NAN)),
     Metric { is_similarity: true, ..Metric::error("ssim", "SSIM", |m| m.shown.ssim.unwrap_or(f64::NAN)) },
-    Metric { is_similarity: true, ..Metric::error("psnr", "PSNR (dB)", |m| m.shown.psnr) },
+    Metric { is_similarity: true, unit: "dB", ..Metric::error("psnr", "PSNR", |m| m.shown.psnr) },
     Metric::error("rmse", "RMSE", |m| m.numbers.rmse),
     Metric::error("mape", "MAPE", |m| m.numbers.mape),
     Metric::error("smape", "SMAPE", |m| m.numbers.smape),

@@ -15,7 +15,7 @@ mod noise;
 mod side;
 
 pub use self::bias::Bias;
-pub use self::explain::{Explanation, explain_turned};
+pub use self::explain::{Explanation, Reason, explain_turned};
 pub use self::functionals::{Family, Functional};
 pub use self::measured::{Limit, METRICS, Measured, Metric};
 pub use self::side::{Noise, PRECISION, Side};
@@ -221,7 +221,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     };
     // XYZ has no channels to swap and no values to encode
     let is_different = answer == Answer::Different && channels[0] == "R";
-    let explanation = is_different.then(|| explain::explain(&means[0], &means[1], [false; 2])).flatten();
+    let explanation = is_different.then(|| explain::explain(&means[0], &means[1], [false; 2]).explanation()).flatten();
     Ok(Compared {
         plan,
         answer,

@@ -85,6 +85,8 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 pub const MARKER_SHADE: Colour = Colour::rgb(16, 16, 24);
 /// The rim of a marker on black, whose own colour may be nearly black.
 pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
+/// The frame of the place where images differ most, on maps of blue and red.
+pub const DIFFERS: Colour = GREEN;
 /// The frame of what an inset shows, among markers with white rims.
 pub const INSET: Colour = Colour::rgb(255, 140, 0);
 /// Borders of regions, and the rims of markers: over images, and not quite the white of paper, so that they stay in the dark.

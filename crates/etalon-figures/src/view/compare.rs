@@ -1,12 +1,13 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
-use super::converge::{framed, regions, round};
+use super::converge::{Region, all_regions, framed, round};
 use super::text::{LINE, capitalized, clauses, counted, finding, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use etalon_bench::compare::{
-    Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Needed, Related, Tested,
+    Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Metric, Needed, Related,
+    Tested,
 };
 use etalon_bench::table::Table;
 use etalon_core::math::Rgb;
@@ -33,8 +34,8 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
         (format!("{letter}: {}, mean\u{a0}{}", names[k], rounded(mean, 4)), shown)
     };
     let cells = [cell("A", 0, measured.numbers.mean_a), cell("B", 1, measured.numbers.mean_b)];
-    let metrics = METRICS[..5].iter().map(|metric| (metric.title, metric.of(measured))).filter(|(_, v)| v.is_finite());
-    let metrics: Vec<String> = metrics.map(|(title, v)| format!("{title}\u{a0}{}", rounded(v, 3))).collect();
+    let metrics = METRICS[..5].iter().map(|metric| (metric, metric.of(measured))).filter(|(_, v)| v.is_finite());
+    let metrics: Vec<String> = metrics.map(|(metric, v)| of_metric(metric, v)).collect();
     let panel = difference_panel(a, b, relative).title(format!("A − B: {}", metrics.join(", ")));
     let plot = Plot::new([panel]).frame_size(width * longer, height * longer).draw();
     let title = if measured.identical {
@@ -43,6 +44,12 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
         measured.explanation.as_ref().map_or(String::new(), headline)
     };
     Drawing::stacked(vec![contact_sheet(&title, 2, &cells), plot], 0.5)
+}
+
+/// A metric and its value: "PSNR 17.5 dB".
+pub fn of_metric(metric: &Metric, value: f64) -> String {
+    let unit = if metric.unit.is_empty() { String::new() } else { format!("\u{a0}{}", metric.unit) };
+    format!("{}\u{a0}{}{unit}", metric.title, rounded(value, 3))
 }
 
 /// The share of an image's width that the frame of a rejected one has.
@@ -60,6 +67,7 @@ fn reduction(image: &Image, longest: usize) -> usize {
 /// What a sheet of many images shows of one: itself, and its relative difference from the reference, of the channel that differs most.
 pub struct Thumbnail {
     image: Image,
+    /// Nothing if the image has another size.
     difference: Vec<f64>,
 }
 
@@ -74,14 +82,52 @@ impl Thumbnail {
         };
         Self { difference: image.pixels().iter().zip(b.pixels()).map(relative).collect(), image }
     }
+
+    /// Of an image whose size differs from the reference's: as large as fits in the place of one that has it.
+    #[must_use]
+    pub fn of_another_size(a: &Image, b: &Image) -> Self {
+        let room = reduction(b, THUMBNAIL);
+        let [width, height] = [b.width(), b.height()].map(|side| (side / room).max(1));
+        let factor = a.width().div_ceil(width).max(a.height().div_ceil(height));
+        Self { image: a.reduced(factor), difference: Vec::new() }
+    }
 }
 
 /// An image on a sheet of many.
 pub struct Shown<'a> {
     pub caption: String,
-    /// `None` if it could not be compared.
+    /// `None` if it could not be read.
     pub thumbnail: Option<&'a Thumbnail>,
     pub is_rejected: bool,
+    /// Whether a mistake of the whole image explains the difference: no place of it stands out.
+    pub is_explained: bool,
+}
+
+/// Standard errors by which the mean difference of a place stands out.
+const STANDS_OUT: f64 = 6.0;
+
+/// The place whose mean difference is largest by the noise there, which neighbouring pixels show; of noise alone, and of equal images, none.
+fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
+    let of = |region: Region| {
+        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+        for y in region.y..region.y + region.side {
+            // Differences relative to the reference: of a few bright dots none counts more than a pixel that is missing
+            let row = difference[y * width + region.x..][..region.side].iter().map(|d| d.clamp(-1.0, 1.0));
+            let row: Vec<f64> = row.filter(|d| d.is_finite()).collect();
+            sum += row.iter().sum::<f64>();
+            squares += row.windows(2).map(|pair| 0.5 * (pair[0] - pair[1]).powi(2)).sum::<f64>();
+            count += row.len() as f64;
+        }
+        (sum / count, (squares / count).sqrt(), count)
+    };
+    let all: Vec<_> = all_regions(size).map(|region| (of(region), region)).collect();
+    let mut noise: Vec<f64> = all.iter().map(|((_, noise, _), _)| *noise).filter(|noise| noise.is_finite()).collect();
+    noise.sort_unstable_by(f64::total_cmp);
+    // A place without noise is as noisy as others
+    let typical = noise.get(noise.len() / 2).copied()?;
+    let score = |(mean, noise, count): (f64, f64, f64)| mean.abs() * count.sqrt() / noise.max(typical);
+    let scored = all.into_iter().map(|(of, region)| (score(of), region)).filter(|(score, _)| *score > STANDS_OUT);
+    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, region)| region)
 }
 
 /// An image whose edge has the colour of what is rejected: it is as large as all others.
@@ -95,7 +141,7 @@ fn bordered(image: &Rgb8) -> Rgb8 {
     })
 }
 
-/// The reference, and every image beside its difference from it, all on one scale, with the place of the largest error framed.
+/// The reference, and every image beside its difference from it, all on one scale, with a frame where the difference stands out.
 /// Images that are missing are grey, rejected ones have a frame.
 pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     let tone = ToneMap::Srgb { stops: auto_exposure(reference) };
@@ -103,8 +149,8 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     let small = reference.reduced(reduction(reference, THUMBNAIL));
     let (width, height) = (small.width(), small.height());
     // An image that is far off does not hide the differences of all others, nor of the only other
-    let mut limits: Vec<f64> =
-        images.iter().filter_map(|shown| Some(robust_limit(&shown.thumbnail?.difference))).collect();
+    let compared = || images.iter().filter_map(|shown| shown.thumbnail).filter(|of| !of.difference.is_empty());
+    let mut limits: Vec<f64> = compared().map(|thumbnail| robust_limit(&thumbnail.difference)).collect();
     limits.retain(|limit| *limit > 0.0);
     limits.sort_unstable_by(f64::total_cmp);
     let limit = round(limits.get(limits.len().saturating_sub(1) / 2).copied().unwrap_or(1.0));
@@ -119,27 +165,44 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
         })
     };
     let nothing = || map(vec![f64::NAN; width * height]).image();
-    let cell = |Shown { caption, thumbnail, is_rejected }: &Shown| {
-        let Some(Thumbnail { image, difference }) = thumbnail else {
-            return (caption.clone(), beside(&nothing(), &nothing()));
+    // An image of another size, in the middle of the place of one that has it
+    let placed = |image: &Image| {
+        let (image, grey) = (shown(image), nothing());
+        let [left, top] = [width - image.width(), height - image.height()].map(|rest| rest / 2);
+        Rgb8::from_fn(width, height, |x, y| match (x.checked_sub(left), y.checked_sub(top)) {
+            (Some(i), Some(j)) if i < image.width() && j < image.height() => image.pixel(i, j),
+            _ => grey.pixel(x, y),
+        })
+    };
+    let place = |shown: &Shown| {
+        let difference = &shown.thumbnail?.difference;
+        if shown.is_explained || difference.is_empty() { None } else { worst([width, height], difference) }
+    };
+    let cell = |of: &Shown| {
+        let both = match of.thumbnail {
+            None => beside(&nothing(), &nothing()),
+            Some(Thumbnail { image, difference }) if difference.is_empty() => beside(&placed(image), &nothing()),
+            Some(Thumbnail { image, difference }) => {
+                let worst: Vec<Region> = place(of).into_iter().collect();
+                let pair = [shown(image), map(difference.clone()).image()];
+                let [left, right] = pair.map(|image| framed(&image, &worst, 1, theme::DIFFERS));
+                beside(&left, &right)
+            }
         };
-        let squares: Vec<f64> = difference.iter().map(|d| d.abs().min(limit).powi(2)).collect();
-        // Where nothing differs, no place does most
-        let worst = if squares.iter().any(|d| *d > 0.0) {
-            regions([width, height], &[squares, vec![0.0; width * height]], 1)
-        } else {
-            Vec::new()
-        };
-        let pair = [shown(image), map(difference.clone()).image()].map(|image| framed(&image, &worst, 1));
-        let both = beside(&pair[0], &pair[1]);
-        (caption.clone(), if *is_rejected { bordered(&both) } else { both })
+        (of.caption.clone(), if of.is_rejected { bordered(&both) } else { both })
     };
     let first = (format!("reference: {name}"), beside(&shown(&small), &nothing()));
     let cells: Vec<(String, Rgb8)> = std::iter::once(first).chain(images.iter().map(cell)).collect();
     let columns = ((cells.len() as f64 / 2.0).sqrt().ceil() as usize).clamp(1, 6);
     let title = format!("{} against {name}", counted(images.len(), "image"));
     let bar = map(Vec::new()).bar(420.0);
-    Drawing::stacked(vec![contact_sheet(&title, columns, &cells), bar], 0.5)
+    let frames = [
+        images.iter().any(|of| of.is_rejected).then_some("orange frame: rejected"),
+        images.iter().any(|of| place(of).is_some()).then_some("green frame: the place that differs most by its noise"),
+    ];
+    let legend = frames.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    let lines = if legend.is_empty() { Vec::new() } else { vec![capitalized(&legend)] };
+    Drawing::stacked(vec![contact_sheet("", columns, &cells), bar], 0.5).headed(title, lines)
 }
 
 /// What explains a difference, without numbers of what is left: "A is upside down".
@@ -303,10 +366,13 @@ fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
         values[y * columns + x] = tile.worst.map_or(f64::NAN, |worst| worst.difference.z());
     }
     let largest = values.iter().filter(|z| z.is_finite()).fold(5.0_f64, |m, z| m.max(z.abs())).min(10.0);
-    // The last tiles of a row or column may reach beyond the image.
-    let (width, height) = (columns * compared.tile_side, rows * compared.tile_side);
+    // The last tiles of a row or column may reach beyond the image: of large images every so many pixels are drawn.
+    let step = width.max(height).div_ceil(LONGEST_SIDE);
+    let places = |length: usize| (0..length).step_by(step).map(|at| at / compared.tile_side);
+    let values = places(height).flat_map(|y| places(width).map(move |x| y * columns + x)).map(|tile| values[tile]);
+    let (values, across) = (values.collect(), width.div_ceil(step));
     let label = "A − B in standard errors, worst channel";
-    let map = Heatmap::new(columns, values, Shading::Diverging, label).range(-largest, largest);
+    let map = Heatmap::new(across, values, Shading::Diverging, label).range(-largest, largest);
     pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
 }
 
@@ -330,10 +396,16 @@ fn p_values(compared: &Compared) -> Panel {
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }
     }
+    let label = if foot <= LEAST {
+        "/{p}-value, not corrected (those below 10^{−12} stand there)"
+    } else {
+        "/{p}-value, not corrected"
+    };
     let foot = 10f64.powf(foot.log10().floor() - 0.5);
     let panel = Panel::new(
         Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
-        Axis::log("/{p}-value, not corrected (least: 10^{−12})").range(foot, 1.0),
+        // Points at 1 keep off the frame
+        Axis::log(label).range(foot, 2.0),
     )
     .title("/{p}-values of all tests")
     .line(
@@ -396,6 +468,11 @@ pub fn most(compared: &Compared, family: &FamilyResult) -> Option<String> {
 /// What is said of pixels that are not compared.
 pub fn left_out(pixels: usize) -> String {
     format!("left out: {} with NaN or infinite values", counted(pixels, "pixel"))
+}
+
+/// The same in few words: "1 pixel is NaN or infinite".
+pub fn not_finite(pixels: usize) -> String {
+    format!("{} {} NaN or infinite", counted(pixels, "pixel"), if pixels == 1 { "is" } else { "are" })
 }
 
 /// The verdict in words.

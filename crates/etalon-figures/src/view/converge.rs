@@ -2,7 +2,7 @@
 //! time: of every contender the regions where contenders differ most, enlarged, above their errors.
 
 use super::text::{duration, rounded};
-use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
+use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
@@ -537,7 +537,7 @@ pub fn images(result: &Convergence, most: usize) -> Drawing {
     } else {
         "reference, and the regions shown; grey is not compared"
     };
-    let mut cells = vec![(caption.to_owned(), framed(&toned, &regions, (WIDTH / truth.width()).max(1)))];
+    let mut cells = vec![(caption.to_owned(), framed(&toned, &regions, (WIDTH / truth.width()).max(1), theme::MARKER))];
     for ((curve, level, image), errors) in levels.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
@@ -575,9 +575,9 @@ fn spread<'a>(
 /// A square region of an image: its left upper corner and its side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
-    x: usize,
-    y: usize,
-    side: usize,
+    pub x: usize,
+    pub y: usize,
+    pub side: usize,
 }
 
 impl Region {
@@ -587,11 +587,21 @@ impl Region {
     }
 }
 
+/// The side of the regions of an image.
+fn side_of([width, height]: [usize; 2]) -> usize {
+    ((width.min(height) as f64 * SHARE).ceil() as usize).clamp(1, LARGEST)
+}
+
+/// Overlapping regions that cover an image.
+pub fn all_regions([width, height]: [usize; 2]) -> impl Iterator<Item = Region> {
+    let side = side_of([width, height]);
+    let starts = move |length: usize| (0..=length - side).step_by((side / 4).max(1));
+    starts(height).flat_map(move |y| starts(width).map(move |x| Region { x, y, side }))
+}
+
 /// So many regions, without overlap, in which the mean absolute errors of the contenders vary most.
 pub fn regions([width, height]: [usize; 2], errors: &[Vec<f64>], count: usize) -> Vec<Region> {
-    let side = ((width.min(height) as f64 * SHARE).ceil() as usize).clamp(1, LARGEST);
-    let step = (side / 4).max(1);
-    let starts = |length: usize| (0..=length - side).step_by(step);
+    let side = side_of([width, height]);
     let spread = |region: Region| {
         let of = |errors: &Vec<f64>| {
             let rows = (region.y..region.y + side).flat_map(|y| &errors[y * width + region.x..][..side]);
@@ -600,10 +610,7 @@ pub fn regions([width, height]: [usize; 2], errors: &[Vec<f64>], count: usize) -
         let sums: Vec<f64> = errors.iter().map(of).collect();
         sums.iter().copied().fold(0.0, f64::max) - sums.iter().copied().fold(f64::INFINITY, f64::min)
     };
-    let mut all: Vec<(f64, Region)> = starts(height)
-        .flat_map(|y| starts(width).map(move |x| Region { x, y, side }))
-        .map(|region| (spread(region), region))
-        .collect();
+    let mut all: Vec<(f64, Region)> = all_regions([width, height]).map(|region| (spread(region), region)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut chosen: Vec<Region> = Vec::new();
     for (_, region) in all {
@@ -632,8 +639,8 @@ fn cropped(images: [&Rgb8; 2], regions: &[Region]) -> Rgb8 {
 }
 
 /// The whole image, every pixel enlarged to a square of `zoom` pixels a side, with frames around the regions.
-pub fn framed(image: &Rgb8, regions: &[Region], zoom: usize) -> Rgb8 {
-    let frame = [theme::MARKER.r, theme::MARKER.g, theme::MARKER.b];
+pub fn framed(image: &Rgb8, regions: &[Region], zoom: usize, colour: Colour) -> Rgb8 {
+    let frame = [colour.r, colour.g, colour.b];
     Rgb8::from_fn(image.width() * zoom, image.height() * zoom, |x, y| {
         let on_frame = |region: &Region| {
             let [left, top, side] = [region.x, region.y, region.side].map(|at| at * zoom);
