@@ -284,6 +284,7 @@ impl Row {
             Some(Answer::NoDifferenceFound) => "no difference found",
             Some(Answer::CannotTell) => "cannot tell",
             Some(Answer::NotIndependent) => "not independent",
+            Some(Answer::NotFinite) => "not finite",
         };
         Self {
             scene: setup.scene.name.clone(),

@@ -160,7 +160,7 @@ impl Found {
     /// Two renderers.
     pub fn of_comparison(name: &str, compared: Compared, seconds: f64) -> Self {
         let verdict = match compared.answer {
-            Answer::Different => Verdict::Reject,
+            Answer::Different | Answer::NotFinite => Verdict::Reject,
             Answer::NoDifferenceFound => Verdict::Accept,
             Answer::CannotTell | Answer::NotIndependent => Verdict::Inconclusive,
         };

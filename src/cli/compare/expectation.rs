@@ -3,7 +3,7 @@
 use super::Compare;
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
-use etalon_bench::compare::{Answer, Compared, Explanation, FamilyResult, Needed, Plan, Side, compare};
+use etalon_bench::compare::{Answer, Compared, Explanation, FamilyResult, Needed, NotFinite, Plan, Side, compare};
 use etalon_core::error::{Error, Result};
 use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::{Check, Checks};
@@ -30,6 +30,8 @@ struct Output {
     images_a: usize,
     images_b: usize,
     non_finite: usize,
+    /// The first image with such a pixel.
+    not_finite: Option<NotFinite>,
     tile_side: usize,
     /// What would find a bias of `detect`, if this does not.
     needed: Option<Needed>,
@@ -106,7 +108,9 @@ impl Compare {
         console.saved(&shown, &target.written(files), || text(&compared));
         saved?;
         Ok(match compared.answer {
-            Answer::Different => Verdict::Rejected,
+            // Whatever else is said, NaN is a wrong result
+            _ if compared.not_finite.is_some() => Verdict::Rejected,
+            Answer::Different | Answer::NotFinite => Verdict::Rejected,
             Answer::NoDifferenceFound => Verdict::Good,
             Answer::CannotTell | Answer::NotIndependent => Verdict::Inconclusive,
         })
@@ -141,6 +145,7 @@ fn result(compared: &Compared) -> Output {
         images_a: compared.images[0],
         images_b: compared.images[1],
         non_finite: compared.non_finite,
+        not_finite: compared.not_finite.clone(),
         tile_side: compared.tile_side,
         needed: compared.needed,
         noise_of_exact: compared.noise_of_exact,
@@ -156,8 +161,16 @@ fn checks(compared: &Compared, sides: &str, seconds: f64) -> Checks {
     let name = match compared.answer {
         Answer::CannotTell => Some("power"),
         Answer::NotIndependent => Some("independence"),
-        Answer::Different | Answer::NoDifferenceFound => None,
+        Answer::Different | Answer::NoDifferenceFound | Answer::NotFinite => None,
     };
+    checks.extend(compared.not_finite.as_ref().map(|place| Check {
+        group: sides.to_owned(),
+        name: "finite".into(),
+        verdict: Some(etalon_stats::Verdict::Reject),
+        message: view::where_not_finite(place),
+        details: String::new(),
+        seconds: None,
+    }));
     checks.extend(name.map(|name| Check {
         group: sides.to_owned(),
         name: name.into(),

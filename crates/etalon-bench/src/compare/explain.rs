@@ -30,9 +30,16 @@ pub struct Explanation {
     /// Whether the mistake says what undoes it.
     #[serde(skip)]
     is_obvious: bool,
+    /// Whether an exponent was fitted.
+    #[serde(skip)]
+    is_power: bool,
 }
 
 impl Explanation {
+    fn of_power(self) -> Self {
+        Self { is_power: true, ..self }
+    }
+
     /// The mistake, after "in part: " where undoing it leaves more than noise.
     #[must_use]
     pub fn headline(&self) -> String {
@@ -94,7 +101,7 @@ impl Change<'_> {
 
     fn explains(&self, mse_left: f64, [leaves_noise, in_part]: [bool; 2]) -> Explanation {
         let (mistake, change, is_obvious) = (self.mistake.clone(), self.cure.clone(), self.is_obvious);
-        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious }
+        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious, is_power: false }
     }
 }
 
@@ -181,11 +188,16 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY, 1.0);
     let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
     let clip = if stored == [true; 2] { Clip::OfBoth } else { Clip::Nowhere };
-    let is_open = |found: &Option<Found>| found.as_ref().is_none_or(|found| found.explanation.in_part);
+    let is_open = |found: &Option<Found>| {
+        found.as_ref().is_none_or(|Found { explanation, .. }| {
+            // A curve that is nearly a power is not one
+            explanation.in_part || explanation.is_power && !explanation.leaves_noise
+        })
+    };
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let singles = changes(a, b, &grid, clip);
     let mut found = pair.best(&singles, clip, |change| change);
-    found = or_clearly_better(found, pair.best(&powers(&pair, a, clip), clip, |change| change));
+    found = or_clearly_better(found, pair.best(&powers(&pair, a, clip), clip, Explanation::of_power));
     let leaves_noise = |found: &Option<Found>| found.as_ref().is_some_and(|found| found.explanation.leaves_noise);
     if !leaves_noise(&found)
         && let Some(top) = clamp_level(a, b)

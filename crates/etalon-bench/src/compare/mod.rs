@@ -18,13 +18,14 @@ pub use self::bias::Bias;
 pub use self::explain::{Explanation, Reason, explain_turned};
 pub use self::functionals::{Family, Functional};
 pub use self::measured::{Limit, METRICS, Measured, Metric};
-pub use self::side::{Noise, PRECISION, Side};
+pub use self::side::{Noise, NotFinite, PRECISION, Side};
 pub use bias::Needed;
 pub use noise::Related;
 
 use self::functionals::{Blocks, Layout, Observed};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
+use etalon_core::math::Rgb;
 use etalon_core::raster::Image;
 use etalon_stats::Extremes;
 use etalon_stats::estimate::{Difference, is_dominated};
@@ -54,6 +55,8 @@ pub enum Answer {
     CannotTell,
     /// Nothing can be said: the images of a side are no replicates.
     NotIndependent,
+    /// A pixel is NaN or infinite, which is a wrong result; no difference is found in the others.
+    NotFinite,
 }
 
 /// One functional in one channel.
@@ -124,6 +127,8 @@ pub struct Compared {
     pub constant_tiles: [usize; 2],
     /// Pixels left out because they are not finite in an image.
     pub non_finite: usize,
+    /// The first image with such a pixel, which rejects it as `converge` rejects a run: a program that writes NaN is wrong.
+    pub not_finite: Option<NotFinite>,
     /// Mean images of both sides.
     pub means: [Image; 2],
     /// What would explain their difference, if the sides are different.
@@ -146,6 +151,7 @@ const OF_PREMISES: f64 = 0.1;
 pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let mut sides = [a, b];
     check(&sides)?;
+    let not_finite = side::not_finite(&sides);
     let channels = side::in_common_colours(&mut sides);
     let valid = side::finite(&sides);
     let layout = Layout::new(sides[0].size(), &valid);
@@ -160,7 +166,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         .map(|[k, l]| observe([&sides[k], &sides[l]], &layout, plan.level))
         .into_iter()
         .collect::<Result<_>>()?;
-    let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, side));
+    let constant_tiles = [0, 1].map(|side| constant_tiles(&sides, &observed, &layout, &valid, side));
     observed.iter_mut().for_each(|side| widen(side, &layout));
     let blocks = Blocks::new(sides[0].size(), &valid);
     let related = sides.each_ref().map(|side| noise::related(&side.images, &blocks, OF_PREMISES * plan.level));
@@ -207,8 +213,9 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     };
     let [tile_bias, own_tile_bias] = [false, true].map(of_tile);
     let answer = match uniform_bias {
+        _ if different && related.iter().all(Option::is_none) => Answer::Different,
+        _ if not_finite.is_some() => Answer::NotFinite,
         _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
-        _ if different => Answer::Different,
         Some(bias) if bias <= plan.detect && !noise_hides_difference => Answer::NoDifferenceFound,
         _ => Answer::CannotTell,
     };
@@ -240,6 +247,7 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
         noise_hides_difference,
         needed,
         constant_tiles,
+        not_finite,
         non_finite: valid.iter().filter(|v| !**v).count(),
         means,
     })
@@ -359,11 +367,30 @@ fn observe([side, other]: [&Side; 2], layout: &Layout, level: f64) -> Result<Vec
     Ok(observed)
 }
 
-/// How many tiles of a side are equal in all replicates, and not black, though they vary on the other side.
-fn constant_tiles(sides: &[Side; 2], observed: &[Vec<[Observed; 3]>], layout: &Layout, side: usize) -> usize {
-    let varies = |side: usize, i: usize| observed[side][i].iter().any(|channel| channel.mean.variance > 0.0);
-    let is_black = |i: usize| observed[side][i].iter().all(|channel| channel.mean.value == 0.0);
-    let is_constant = |i: &usize| !varies(side, *i) && varies(1 - side, *i) && !is_black(*i);
+/// How many tiles of a side have the same bits in all replicates, and are not black, though they vary on the other side.
+fn constant_tiles(
+    sides: &[Side; 2],
+    observed: &[Vec<[Observed; 3]>],
+    layout: &Layout,
+    valid: &[bool],
+    side: usize,
+) -> usize {
+    let width = sides[0].size()[0];
+    let is_constant = |i: &usize| {
+        let Functional::Tile([x, y, w, h]) = layout.functional(*i) else { return false };
+        let pixels = || (y..y + h).flat_map(|y| (x..x + w).map(move |x| y * width + x)).filter(|i| valid[*i]);
+        let bits = |image: &Image, i: usize| image.pixels()[i].to_array().map(f32::to_bits);
+        let varies = |side: &Side| {
+            let [first, others @ ..] = side.images.as_slice() else { return false };
+            others.iter().any(|other| pixels().any(|i| bits(first, i) != bits(other, i)))
+        };
+        // One image has no bits that vary, but errors
+        let has_noise = |side: usize| observed[side][*i].iter().any(|channel| channel.mean.variance > 0.0);
+        let other = &sides[1 - side];
+        let other_varies = if other.noise == Noise::Replicates { varies(other) } else { has_noise(1 - side) };
+        let is_black = pixels().all(|i| sides[side].images[0].pixels()[i] == Rgb::ZERO);
+        other_varies && !is_black && !varies(&sides[side])
+    };
     let tiles = layout.of(Family::Tiles).filter(is_constant);
     if sides[side].noise == Noise::Replicates { tiles.count() } else { 0 }
 }

@@ -5,6 +5,7 @@ use etalon_core::math::Rgb;
 use etalon_core::raster::{ExrFile, Image, ReadOptions, read_with_notes};
 use etalon_render::film::ERRORS_OF_SUMS;
 use etalon_stats::Extremes;
+use serde::Serialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -219,6 +220,43 @@ pub(super) fn in_common_colours(sides: &mut [Side; 2]) -> [&'static str; 3] {
     ["X", "Y", "Z"]
 }
 
+/// An image with pixels that are NaN or infinite.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NotFinite {
+    /// Its file, or its number and side.
+    pub image: String,
+    /// The first such pixel, counted from 0.
+    pub column: usize,
+    pub row: usize,
+    /// All of its own.
+    pub pixels: usize,
+    /// Images with such pixels, of both sides.
+    pub images: usize,
+}
+
+/// The first image with pixels that are not finite.
+pub(super) fn not_finite(sides: &[Side; 2]) -> Option<NotFinite> {
+    let width = sides[0].size()[0];
+    let of = |[side, i]: [usize; 2]| {
+        let pixels = sides[side].images[i].pixels();
+        let first = pixels.iter().position(|p| !p.is_finite())?;
+        let count = pixels.iter().filter(|p| !p.is_finite()).count();
+        let (image, column, row) = (name(sides, [side, i]), first % width, first / width);
+        Some(NotFinite { image, column, row, pixels: count, images: 1 })
+    };
+    let mut all = (0..2).flat_map(|side| (0..sides[side].images.len()).map(move |i| [side, i])).filter_map(of);
+    let first = all.next()?;
+    Some(NotFinite { images: 1 + all.count(), ..first })
+}
+
+/// What an image is called: its file, or its number.
+fn name(sides: &[Side; 2], [side, i]: [usize; 2]) -> String {
+    match sides[side].files.get(i) {
+        Some(path) => path.display().to_string(),
+        None => format!("image {} of {}", i + 1, ["A", "B"][side]),
+    }
+}
+
 /// Which pixels are finite in all images, errors included.
 pub(super) fn finite(sides: &[Side; 2]) -> Vec<bool> {
     let [width, height] = sides[0].size();
@@ -231,10 +269,6 @@ pub(super) fn finite(sides: &[Side; 2]) -> Vec<bool> {
 
 /// Refuses an image that occurs twice, on one side or on both: it is no independent replicate.
 pub(super) fn check_distinct(sides: &[Side; 2]) -> Result<()> {
-    let name = |[side, i]: [usize; 2]| match sides[side].files.get(i) {
-        Some(path) => path.display().to_string(),
-        None => format!("image {} of {}", i + 1, ["A", "B"][side]),
-    };
     let mut seen: HashMap<Vec<u32>, Vec<[usize; 2]>> = HashMap::new();
     for place in (0..2).flat_map(|side| (0..sides[side].images.len()).map(move |i| [side, i])) {
         let image = |[side, i]: [usize; 2]| &sides[side].images[i];
@@ -249,8 +283,8 @@ pub(super) fn check_distinct(sides: &[Side; 2]) -> Result<()> {
         if let Some(other) = same.iter().find(|other| bits(image(**other)).eq(bits(image(place)))) {
             let message = format!(
                 "{} and {} are the same image to the last bit: no independent replicates",
-                name(*other),
-                name(place)
+                name(sides, *other),
+                name(sides, place)
             );
             return Err(Error::parameter(["a", "against"][place[0]], message)
                 .with_hint("render each image with a seed of its own; seeds that make no difference are a bug"));

@@ -6,8 +6,8 @@ use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
 };
 use etalon_bench::compare::{
-    Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Metric, Needed, Related,
-    Tested,
+    Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Metric, Needed,
+    NotFinite, Related, Tested,
 };
 use etalon_bench::table::Table;
 use etalon_core::math::Rgb;
@@ -475,6 +475,16 @@ pub fn not_finite(pixels: usize) -> String {
     format!("{} {} NaN or infinite", counted(pixels, "pixel"), if pixels == 1 { "is" } else { "are" })
 }
 
+/// Where the first pixel is that is not finite.
+pub fn where_not_finite(NotFinite { image, column, row, pixels, images }: &NotFinite) -> String {
+    let all = if *pixels > 1 { format!(", the first of {pixels} pixels") } else { String::new() };
+    let others = match images - 1 {
+        0 => String::new(),
+        others => format!("; so {} {}", if others == 1 { "is" } else { "are" }, counted(others, "other image")),
+    };
+    format!("{image} is NaN or infinite in column {column}, row {row}{all}{others}")
+}
+
 /// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
     let detect = percent(compared.plan.detect);
@@ -495,6 +505,18 @@ pub fn sentence(compared: &Compared) -> String {
                 "not independent: {}; they share random numbers, or the images of that side differ in their expectations (several renderers, an exposure of their own)",
                 pairs.join("; ")
             )
+        }
+        (Answer::NotFinite, bias) => {
+            let place = compared.not_finite.as_ref().map_or(String::new(), where_not_finite);
+            let others = match bias {
+                _ if compared.related.iter().any(Option::is_some) => "the images are not independent".into(),
+                Some(bias) => format!(
+                    "no other difference found, and a uniform bias of {} would have been found with 90 % probability",
+                    percent(bias)
+                ),
+                None => "no other difference found".into(),
+            };
+            format!("not finite: {place}; {others}")
         }
         (Answer::Different, _) => {
             // The mean of the image, if it differs: that is what a bias is
@@ -550,6 +572,9 @@ pub fn text(compared: &Compared) -> String {
     let about =
         compared.explanation.as_ref().map(|explanation| format!("between the means: {}", explained(explanation)));
     text += &about.map_or(String::new(), |about| wrapped(&about, "", LINE));
+    if let Some(place) = compared.not_finite.as_ref().filter(|_| compared.answer != Answer::NotFinite) {
+        text += &wrapped(&format!("{}, which rejects it, too", where_not_finite(place)), "", LINE);
+    }
     if compared.non_finite > 0 {
         text += &format!("{}\n", left_out(compared.non_finite));
     }
