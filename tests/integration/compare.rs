@@ -69,7 +69,7 @@ fn exit_codes_say_the_verdict() {
     // An exposure is named between the means, too
     let exposed = replicates(dir.path(), 16, 1.1);
     let ran = run(dir.path(), &exposed, &[]);
-    assert!(ran.code == 1 && ran.stdout.contains("between the means: multiply A by 0.9"), "{}", ran.stdout);
+    assert!(ran.code == 1 && ran.stdout.contains("between the means: A is 1.1"), "{}", ran.stdout);
     // Tiles need 16 replicates.
     let few = replicates(dir.path(), 3, 1.0);
     let ran = run(dir.path(), &few, &[]);
@@ -200,7 +200,7 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
     assert!(images[2]["explanation"]["change"].as_str().unwrap().starts_with("multiply A by 0.50"), "{}", images[2]);
     let junit = std::fs::read_to_string(path("j.xml")).unwrap();
     let markdown = std::fs::read_to_string(path("m.md")).unwrap();
-    assert!(markdown.contains("allowed; multiply A by 0.50"), "{markdown}");
+    assert!(markdown.contains("allowed; A is 2.0"), "{markdown}");
     assert!(
         junit.contains("tests=\"6\" failures=\"2\" errors=\"0\"") && junit.contains("double.exr against ref.exr"),
         "{junit}"
@@ -211,7 +211,11 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
     let count = |args: &[&str]| json(dir.path(), args)["images"].as_array().unwrap().len();
     assert_eq!([count(&twice), count(&twice[..5])], [2, 1]);
     assert!(etalon(dir.path(), &twice).stderr.contains("1 PNG left out, as double.png"));
-    // What cannot be compared is told of after the others
+    // What cannot be read is told of after the others; another size is rejected by limits
+    let ran = etalon(dir.path(), &[&all[..], &["small.exr", "same.pfm"]].concat());
+    assert!(ran.code == 1 && ran.stdout.contains("rejected: another size"), "{}{}", ran.stdout, ran.stderr);
+    let ran = etalon(dir.path(), &["compare", "--reference", "ref.exr", "--each", "small.exr", "same.pfm"]);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
     let ran = etalon(dir.path(), &[&all[..], &["cut.exr", "small.exr", "same.pfm"]].concat());
     assert!(
         ran.code == 2 && ran.stdout.contains("8x8") && ran.stdout.contains("the same values"),
@@ -221,7 +225,50 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
     );
     let rows = std::fs::read_to_string(path("out/images-vs-ref.csv")).unwrap();
     assert!(rows.starts_with("file,mse,rel_mse,hdr_flip,ssim,psnr,") && rows.lines().count() == 4, "{rows}");
-    assert!(std::fs::read_to_string(path("j.xml")).unwrap().contains("errors=\"2\""));
+    assert!(rows.contains(",size,"), "{rows}");
+    assert!(std::fs::read_to_string(path("j.xml")).unwrap().contains("failures=\"1\" errors=\"1\""));
+    // Without any image nothing is written
+    let ran = etalon(dir.path(), &["compare", "--reference", "ref.exr", "--each", ".", "-o", "none.csv"]);
+    assert!(ran.code == 2 && !path("none.csv").exists(), "{}", ran.stderr);
+    // Limits, twins and what is left of an explained difference, in CSV
+    let ran = etalon(dir.path(), &[&good[..], &["ref.exr", "-o", "rows.csv"]].concat());
+    let rows = std::fs::read_to_string(path("rows.csv")).unwrap();
+    assert!(rows.contains(",mse;max_abs,") && rows.contains("same.pfm") && rows.contains("mse_left"), "{rows}");
+    assert!(ran.stdout.contains("same pixels as "), "{}", ran.stdout);
+}
+
+#[test]
+fn a_pixel_without_a_value_rejects_and_its_place_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = replicates(dir.path(), 16, 1.0);
+    let mut holed = noisy(3, 1.0);
+    holed.set(5, 7, Vec3::NAN);
+    let layer = Layer { name: "", image: &holed };
+    write_exr(&dir.path().join("a3.exr"), &[layer], Precision::Float, &Metadata::default()).unwrap();
+    let ran = run(dir.path(), &args, &["--junit", "t.xml", "--markdown", "t.md"]);
+    let place = "a3.exr is NaN or infinite in column 5, row 7";
+    assert!(ran.code == 1 && ran.stdout.starts_with(&format!("not finite: {place}")), "{}", ran.stdout);
+    for report in ["t.xml", "t.md"] {
+        let report = std::fs::read_to_string(dir.path().join(report)).unwrap();
+        assert!(report.contains(place) && report.contains("finite"), "{report}");
+    }
+    let answer: serde_json::Value = serde_json::from_str(&run(dir.path(), &args, &["--json"]).stdout).unwrap();
+    assert!(answer["answer"] == "not-finite" && answer["not_finite"]["row"] == 7, "{answer}");
+}
+
+#[test]
+fn turns_of_images_that_are_not_square_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, image: &Image| {
+        etalon::raster::write(&dir.path().join(name), image, &Metadata::default()).unwrap();
+    };
+    let image = noisy(1, 1.0);
+    write("ref.exr", &image);
+    write("turned.exr", &Image::from_fn(SIZE[1], SIZE[0], |x, y| image.get(y, SIZE[1] - 1 - x)));
+    let ran = etalon(dir.path(), &["compare", "--reference", "ref.exr", "--at-most", "mse=1", "--each", "turned.exr"]);
+    assert!(ran.code == 1 && ran.stdout.contains("turned by 90° clockwise"), "{}{}", ran.stdout, ran.stderr);
+    let ran = etalon(dir.path(), &["compare", "turned.exr", "ref.exr"]);
+    assert!(ran.code == 2 && ran.stderr.contains("turned by 90° clockwise"), "{}", ran.stderr);
 }
 
 #[test]

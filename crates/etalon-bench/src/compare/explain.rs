@@ -30,14 +30,14 @@ pub struct Explanation {
     /// Whether the mistake says what undoes it.
     #[serde(skip)]
     is_obvious: bool,
-    /// Whether an exponent was fitted.
+    /// Whether two plain changes may explain more: for fitted exponents, and changes with a clamp.
     #[serde(skip)]
-    is_power: bool,
+    is_tentative: bool,
 }
 
 impl Explanation {
-    fn of_power(self) -> Self {
-        Self { is_power: true, ..self }
+    fn tentative(self) -> Self {
+        Self { is_tentative: true, ..self }
     }
 
     /// The mistake, after "in part: " where undoing it leaves more than noise.
@@ -101,7 +101,7 @@ impl Change<'_> {
 
     fn explains(&self, mse_left: f64, [leaves_noise, in_part]: [bool; 2]) -> Explanation {
         let (mistake, change, is_obvious) = (self.mistake.clone(), self.cure.clone(), self.is_obvious);
-        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious, is_power: false }
+        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious, is_tentative: false }
     }
 }
 
@@ -190,14 +190,14 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let clip = if stored == [true; 2] { Clip::OfBoth } else { Clip::Nowhere };
     let is_open = |found: &Option<Found>| {
         found.as_ref().is_none_or(|Found { explanation, .. }| {
-            // A curve that is nearly a power is not one
-            explanation.in_part || explanation.is_power && !explanation.leaves_noise
+            // A curve that is nearly a power is not one, and a constant light is no clamp
+            explanation.in_part || explanation.is_tentative && !explanation.leaves_noise
         })
     };
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let singles = changes(a, b, &grid, clip);
     let mut found = pair.best(&singles, clip, |change| change);
-    found = or_clearly_better(found, pair.best(&powers(&pair, a, clip), clip, Explanation::of_power));
+    found = or_clearly_better(found, pair.best(&powers(&pair, a, clip), clip, Explanation::tentative));
     let leaves_noise = |found: &Option<Found>| found.as_ref().is_some_and(|found| found.explanation.leaves_noise);
     if !leaves_noise(&found)
         && let Some(top) = clamp_level(a, b)
@@ -213,6 +213,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
         let too = |of: Explanation| Explanation {
             mistake: format!("{}, and clipped at {top}", of.mistake),
             change: format!("{}, and clamp B: no value of A is larger than {top}", of.change),
+            is_tentative: true,
             ..of
         };
         let alone = pair.try_one(&clipped, clip);
@@ -469,7 +470,6 @@ fn by_channel<'a>(a: &'a Image, b: &Image, grid: &Grids, clip: Clip) -> Option<C
 
 /// Powers whose exponents are fitted: of the values, of those that integers store, and in place of the sRGB curve by which these are read.
 fn powers<'a>(pair: &Pair, a: &'a Image, clip: Clip) -> Vec<Change<'a>> {
-    let is_stored = pair.stored[0];
     let linear: fn(f32) -> f32 = |v| v.max(0.0);
     let stored: fn(f32) -> f32 = |v| srgb_from_linear(v.max(0.0));
     let same: fn(f32) -> f32 = |v| v;
@@ -487,15 +487,18 @@ fn powers<'a>(pair: &Pair, a: &'a Image, clip: Clip) -> Vec<Change<'a>> {
         let [mistake, cure] = words(&text[0], &text[1]);
         list.push(by_value(a, mistake, cure, false, raised(exponent)));
     };
-    add(linear, same, |of_b, of_a| {
-        let mistake = match of_a {
-            "2.2" => "A is encoded by a gamma of 2.2 once more than B".into(),
-            "1/2.2" => "A is decoded by a gamma of 2.2 once more than B".into(),
-            _ => format!("A is B to the power of {of_b}"),
-        };
-        [mistake, format!("raise A to the power of {of_a}")]
-    });
-    if is_stored {
+    // Of integers, a power of the stored values is nearly one of the values
+    if pair.stored != [true; 2] {
+        add(linear, same, |of_b, of_a| {
+            let mistake = match of_a {
+                "2.2" => "A is encoded by a gamma of 2.2 once more than B".into(),
+                "1/2.2" => "A is decoded by a gamma of 2.2 once more than B".into(),
+                _ => format!("A is B to the power of {of_b}"),
+            };
+            [mistake, format!("raise A to the power of {of_a}")]
+        });
+    }
+    if pair.stored[0] {
         add(stored, same, |_, of_a| {
             let mistake = format!("A is stored with a gamma of {of_a}, not with the sRGB curve");
             [mistake, format!("decode A by a gamma of {of_a}")]
@@ -540,8 +543,8 @@ const HALVINGS: usize = 40;
 const LARGEST_LOG: f64 = 12.0;
 const LARGEST_EXPONENT: f64 = 2.0;
 /// Fits to images that are clipped by what the last fit says, and to powers of noisy pixels; and the change after which no other is needed.
-const FITS: usize = 8;
-const SETTLED: f64 = 1e-5;
+const FITS: usize = 20;
+const SETTLED: f64 = 1e-4;
 
 /// The pixels by which [`shift`] moves, the one with the least error of the grey values; none if that is 0.
 fn shift(a: &Image, b: &Image, grid: &Grids) -> Option<[isize; 2]> {
@@ -628,25 +631,30 @@ impl Grids {
     /// clipped by them.
     fn factors(&self, a: &Image, b: &Image, together: bool, clip: Clip) -> Option<[f32; 3]> {
         let grid = self.largest();
-        let mut factors = [1.0_f32; 3];
-        for _ in 0..FITS {
-            let by = Rgb::from_array(factors);
+        let fitted = |by: [f32; 3], is_sample: bool| {
+            let by = Rgb::from_array(by);
             let limit = clip.after(&|p| p * by);
-            let [of_a, of_b] = [grid.means(a, limit / by), grid.means(b, limit)];
+            let [of_a, of_b] = [(a, limit / by), (b, limit)].map(|(image, limit)| {
+                if is_sample { grid.sampled_means(b, &|x, y| image.get(x, y), limit) } else { grid.means(image, limit) }
+            });
             let fit = |channels: &[usize]| {
                 let log = root([-LARGEST_LOG, LARGEST_LOG], |log| {
                     grid.balance(&of_a, &of_b, channels, |a| a * log.exp(), |_| 1.0)
                 });
                 log.map(|log| log.exp() as f32)
             };
+            Some(if together { [fit(&[0, 1, 2])?; 3] } else { [fit(&[0])?, fit(&[1])?, fit(&[2])?] })
+        };
+        let mut factors = [1.0; 3];
+        let is_clipped = !matches!(clip, Clip::Nowhere);
+        for _ in 0..if is_clipped { FITS } else { 0 } {
             let last = factors;
-            factors = if together { [fit(&[0, 1, 2])?; 3] } else { [fit(&[0])?, fit(&[1])?, fit(&[2])?] };
-            let is_settled = factors.iter().zip(last).all(|(new, old)| f64::from(new / old - 1.0).abs() < SETTLED);
-            if is_settled || matches!(clip, Clip::Nowhere) {
+            factors = fitted(last, true)?;
+            if factors.iter().zip(last).all(|(new, old)| f64::from(new / old - 1.0).abs() < SETTLED) {
                 break;
             }
         }
-        Some(factors)
+        fitted(factors, false)
     }
 
     /// The same of a constant that is added.
@@ -1003,6 +1011,87 @@ mod tests {
             }
             assert_eq!(explain(&a, &a, FLOATS).explanation(), None);
         }
+    }
+
+    /// A gradient with texture and noise of 5 %, and a light of 20 times its radiance.
+    fn textured(seed: u64) -> Image {
+        use etalon_core::sampling::stream::{Independent, Stream};
+        Image::from_fn(96, 72, |x, y| {
+            let [u, v] = Independent::new(seed, (96 * y + x) as u64, 0).pair(0).map(|u| 1.0 + 0.17 * (u as f32 - 0.5));
+            let (s, t) = (x as f32 / 96.0, y as f32 / 72.0);
+            let texture = 0.3 + 0.2 * (20.0 * s).sin() * (13.0 * t).cos();
+            let light = if (30..40).contains(&x) && y < 6 { 12.0 } else { 0.0 };
+            Rgb::new(u * (texture + 0.4 * s), v * (texture + 0.3 * t), u * (0.9 * texture + 0.1)) + Rgb::splat(light)
+        })
+    }
+
+    #[test]
+    fn exponents_are_fitted_and_nothing_is_told_that_leaves_more() {
+        let b = textured(2);
+        for (exponent, expected) in [
+            (1.0 / 1.3, "A is B to the power of 0.77"),
+            (1.0 / 1.5, "A is B to the power of 0.66"),
+            (1.0 / 1.8, "A is B to the power of 0.55"),
+            (1.0 / 2.2, "A is encoded by a gamma of 2.2 once more than B"),
+            (2.2, "A is decoded by a gamma of 2.2 once more than B"),
+            (1.6, "A is B to the power of 1."),
+        ] {
+            let found = explain(&values(&textured(1), |v| v.powf(exponent)), &b, FLOATS).explanation().unwrap();
+            assert!(found.mistake.starts_with(expected) && found.leaves_noise, "{exponent}: {found:?}");
+        }
+        // A curve that no change undoes, of images with a light that makes most of the squared error
+        let curves: [fn(f32) -> f32; 4] =
+            [|v| v / (1.0 + v), |v| v.powf(0.7) + 0.1, |v| if v < 1.0 { v.sqrt() } else { v }, |v| v * v.min(1.0)];
+        for (i, curve) in curves.into_iter().enumerate() {
+            if let Reason::Mistake(found) = explain(&values(&textured(1), curve), &b, FLOATS) {
+                assert!(found.mse_left <= if found.in_part { LITTLE } else { 1.0 }, "{i}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn integers_are_compared_where_neither_image_is_clipped() {
+        let stored = |image: &Image, f: &dyn Fn(f32) -> f32| {
+            values(image, |v| linear_from_srgb((srgb_from_linear(f(v)).clamp(0.0, 1.0) * 255.0).round() / 255.0))
+        };
+        let (a, b) = (textured(1).map(|p| 1.4 * p), stored(&textured(2).map(|p| 1.4 * p), &|v| v));
+        let mistake = |f: &dyn Fn(f32) -> f32| {
+            let found = explain(&stored(&a, f), &b, [true; 2]);
+            found.explanation().map(|found| found.mistake).unwrap_or_default()
+        };
+        for (expected, f) in [
+            ("A is 1.1", (|v| 1.1 * v) as fn(f32) -> f32),
+            ("A is 0.8", |v| 0.8 * v),
+            ("A is 2.", |v| 2.0 * v),
+            ("A is stored with a gamma of 1.8", |v| linear_from_srgb(v.clamp(0.0, 1.0).powf(1.0 / 1.8))),
+            ("the stored values of A are those of B to the power of 1.2", |v| {
+                linear_from_srgb(srgb_from_linear(v.clamp(0.0, 1.0)).powf(1.25))
+            }),
+        ] {
+            let found = mistake(&f);
+            assert!(found.starts_with(expected), "{found:?}, not {expected}");
+        }
+        assert_eq!(mistake(&|v| v), "");
+    }
+
+    #[test]
+    fn turns_are_found_where_width_and_height_are_exchanged() {
+        let (a, b) = (textured(1), textured(2));
+        let [right, down] = [a.width() - 1, a.height() - 1];
+        let turned = |at: &dyn Fn(usize, usize) -> [usize; 2]| {
+            let image = Image::from_fn(a.height(), a.width(), |x, y| {
+                let [x, y] = at(x, y);
+                a.get(x, y)
+            });
+            explain_turned(&image, &b).map(|found| found.mistake)
+        };
+        let clockwise = turned(&|x, y| [y, down - x]);
+        assert_eq!(clockwise.as_deref(), Some("A is turned by 90° clockwise"));
+        let counterclockwise = turned(&|x, y| [right - y, x]);
+        assert_eq!(counterclockwise.as_deref(), Some("A is turned by 90° counterclockwise"));
+        assert_eq!(turned(&|x, y| [y, x]).as_deref(), Some("rows and columns of A are exchanged"));
+        // Another image
+        assert_eq!(turned(&|x, y| [(y + 40) % 96, x]), None);
     }
 
     #[test]

@@ -156,6 +156,24 @@ fn noise_that_is_the_same_in_all_replicates_is_counted() {
     a.iter_mut()
         .for_each(|image| (0..12 * 32).for_each(|i| image.set(i % 32, 12 + i / 32, first.get(i % 32, 12 + i / 32))));
     assert_eq!(count(&a), [96, 0]);
+    // The same values in other pixels have the same mean
+    let mut swapped = replicates(Sampling::Mis, 1, 16);
+    let pixels = [[0, 0], [1, 0], [0, 1], [1, 1]];
+    let values = pixels.map(|[x, y]| swapped[0].get(x, y));
+    for (i, image) in swapped.iter_mut().enumerate() {
+        (0..4).for_each(|k| image.set(pixels[k][0], pixels[k][1], values[if i % 2 == 0 { k } else { 3 - k }]));
+    }
+    assert_eq!(count(&swapped), [0, 0]);
+}
+
+#[test]
+fn a_pixel_that_is_not_finite_rejects_and_is_named() {
+    let (mut a, b) = (replicates(Sampling::Mis, 1, 16), replicates(Sampling::Mis, 101, 16));
+    a[3].set(7, 5, Rgb::NAN);
+    let compared = compare(Side::replicates(a), Side::replicates(b), PLAN).unwrap();
+    assert_eq!((compared.answer, compared.non_finite), (Answer::NotFinite, 1));
+    let place = NotFinite { image: "image 4 of A".into(), column: 7, row: 5, pixels: 1, images: 1 };
+    assert_eq!(compared.not_finite, Some(place));
 }
 
 #[test]
