@@ -416,7 +416,7 @@ fn shown(entry: &Entry, [width, height]: [usize; 2]) -> Shown<'_> {
             parts.push(format!("{w}x{h}, not {width}x{height}"));
         }
     }
-    parts.extend(entry.explanation().map(view::headline));
+    parts.extend(entry.explanation().map(Explanation::headline));
     let above = entry.exceeded().iter().filter(|exceeded| matches!(exceeded, Exceeded::Limit(_)));
     let above: Vec<String> = above.map(|exceeded| exceeded.text()).collect();
     let rejected = match above.join(", ") {

@@ -106,7 +106,8 @@ pub struct Shown<'a> {
 /// Standard errors by which the mean difference of a place stands out.
 const STANDS_OUT: f64 = 6.0;
 
-/// The place whose mean difference is largest by the noise there, which neighbouring pixels show; of noise alone, and of equal images, none.
+/// The place whose mean difference is farthest from that of most others, by the noise there, which neighbouring pixels show; none if that
+/// is what noise does.
 fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
     let of = |region: Region| {
         let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
@@ -121,11 +122,15 @@ fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
         (sum / count, (squares / count).sqrt(), count)
     };
     let all: Vec<_> = all_regions(size).map(|region| (of(region), region)).collect();
-    let mut noise: Vec<f64> = all.iter().map(|((_, noise, _), _)| *noise).filter(|noise| noise.is_finite()).collect();
-    noise.sort_unstable_by(f64::total_cmp);
+    let median = |mut values: Vec<f64>| {
+        values.retain(|value| value.is_finite());
+        values.sort_unstable_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let usual = median(all.iter().map(|((mean, ..), _)| *mean).collect())?;
     // A place without noise is as noisy as others
-    let typical = noise.get(noise.len() / 2).copied()?;
-    let score = |(mean, noise, count): (f64, f64, f64)| mean.abs() * count.sqrt() / noise.max(typical);
+    let least = median(all.iter().map(|((_, noise, _), _)| *noise).collect())?;
+    let score = |(mean, noise, count): (f64, f64, f64)| (mean - usual).abs() * count.sqrt() / noise.max(least);
     let scored = all.into_iter().map(|(of, region)| (score(of), region)).filter(|(score, _)| *score > STANDS_OUT);
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, region)| region)
 }
@@ -198,7 +203,10 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
     let bar = map(Vec::new()).bar(420.0);
     let frames = [
         images.iter().any(|of| of.is_rejected).then_some("orange frame: rejected"),
-        images.iter().any(|of| place(of).is_some()).then_some("green frame: the place that differs most by its noise"),
+        images
+            .iter()
+            .any(|of| place(of).is_some())
+            .then_some("green frame: where the difference stands out most of the noise"),
     ];
     let legend = frames.into_iter().flatten().collect::<Vec<_>>().join("; ");
     let lines = if legend.is_empty() { Vec::new() } else { vec![capitalized(&legend)] };
