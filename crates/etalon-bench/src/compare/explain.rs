@@ -219,7 +219,9 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
         let alone = pair.try_one(&clipped, clip);
         let with = alone.or_else(|| {
             let plain = pair.best(&changes(a, b, &grid, clip), clip, too);
-            or_clearly_better(plain, pair.best(&powers(&pair, a, clip), clip, too))
+            let with = or_clearly_better(plain, pair.best(&powers(&pair, a, clip), clip, too));
+            // As of all that is two changes
+            with.filter(|with| !with.explanation.in_part)
         });
         found = least(found.into_iter().chain(with));
     }
