@@ -31,7 +31,6 @@ struct Entry {
 
 struct Done {
     measured: std::result::Result<Measured, OtherSize>,
-    size: [usize; 2],
     thumbnail: Thumbnail,
     /// By which images with the same pixels are known.
     hash: u64,
@@ -86,7 +85,7 @@ impl Entry {
     fn problem(&self) -> Option<String> {
         match &self.result {
             Err(error) => Some(error.to_string()),
-            Ok(Done { measured: Err(OtherSize { message, .. }), .. }) => Some(message.clone()),
+            Ok(Done { measured: Err(other), .. }) => Some(format!("{} pixels", other.text())),
             Ok(_) => None,
         }
     }
@@ -204,8 +203,7 @@ impl Compare {
             ));
         }
         let mut saving = Saving::default();
-        let size = [b.image.width(), b.image.height()];
-        let cells: Vec<Shown> = entries.iter().map(|entry| shown(entry, size)).collect();
+        let cells: Vec<Shown> = entries.iter().map(shown).collect();
         let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
         let rows: Vec<Row> = entries.iter().map(row).collect();
         saving.add(output::write(&stem, &sheet, &style, &output::csv(&rows)?));
@@ -230,7 +228,9 @@ impl Compare {
         // What could not be compared is told after the results of all others
         let failed = |entry: Entry| match entry.result {
             Err(error) => Some(error),
-            Ok(Done { measured: Err(other), exceeded, .. }) if exceeded.is_empty() => Some(other.error(reference)),
+            Ok(Done { measured: Err(other), exceeded, .. }) if exceeded.is_empty() => {
+                Some(other.error(entry.file.as_ref(), reference))
+            }
             Ok(_) => None,
         };
         match entries.into_iter().find_map(failed) {
@@ -248,16 +248,7 @@ impl Compare {
                 Err(_) if self.at_most.is_empty() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
                 Err(_) => (vec![Exceeded::Size], Thumbnail::of_another_size(&a.image, &b.image)),
             };
-            let size = [a.image.width(), a.image.height()];
-            Ok(Done {
-                measured,
-                size,
-                thumbnail,
-                hash: hash(&a.image),
-                notes: a.notes,
-                is_clipped: a.is_clipped,
-                exceeded,
-            })
+            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped: a.is_clipped, exceeded })
         });
         bar.inc(1);
         Entry { file: path.display().to_string(), result, same_as: None }
@@ -347,7 +338,8 @@ fn name_twins(entries: &mut [Entry]) {
     let mut first: HashMap<u64, String> = HashMap::new();
     for entry in entries {
         let Ok(done) = &entry.result else { continue };
-        entry.same_as = first.get(&done.hash).cloned();
+        // A file may be given twice
+        entry.same_as = first.get(&done.hash).filter(|twin| **twin != entry.file).cloned();
         first.entry(done.hash).or_insert_with(|| entry.file.clone());
     }
 }
@@ -395,7 +387,7 @@ fn remark(entry: &Entry) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
-fn shown(entry: &Entry, [width, height]: [usize; 2]) -> Shown<'_> {
+fn shown(entry: &Entry) -> Shown<'_> {
     let name = short_name(entry.file.as_ref());
     let Ok(done) = &entry.result else {
         let caption = format!("{name}: not compared");
@@ -411,10 +403,7 @@ fn shown(entry: &Entry, [width, height]: [usize; 2]) -> Shown<'_> {
             parts.extend((holes > 0).then(|| format!("{} NaN or infinite", counted(holes, "pixel"))));
             parts.extend(measured.identical.then(|| "the same values as the reference".to_owned()));
         }
-        Err(_) => {
-            let [w, h] = done.size;
-            parts.push(format!("{w}x{h}, not {width}x{height}"));
-        }
+        Err(other) => parts.push(other.text()),
     }
     parts.extend(entry.explanation().map(Explanation::headline));
     let above = entry.exceeded().iter().filter(|exceeded| matches!(exceeded, Exceeded::Limit(_)));

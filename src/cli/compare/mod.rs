@@ -175,18 +175,26 @@ fn read(path: &Path) -> Result<Input> {
 
 /// What is said of two images of different sizes.
 struct OtherSize {
-    message: String,
+    /// Columns and rows of A and of B.
+    sizes: [[usize; 2]; 2],
     /// A turn that makes the sizes equal, and the difference noise.
     explanation: Option<Explanation>,
 }
 
 impl OtherSize {
-    fn error(&self, b_path: &Path) -> Error {
+    /// "360x480, not 480x360".
+    fn text(&self) -> String {
+        let [[w, h], [b_w, b_h]] = self.sizes;
+        format!("{w}x{h}, not {b_w}x{b_h}")
+    }
+
+    fn error(&self, a_path: &Path, b_path: &Path) -> Error {
+        let [[w, h], [b_w, b_h]] = self.sizes;
         let hint = match &self.explanation {
             Some(turn) => format!("only images of the same size can be compared; {}", explained(turn)),
             None => "only images of the same size can be compared".into(),
         };
-        Error::input(b_path, self.message.clone()).with_hint(hint)
+        Error::input(b_path, format!("{b_w}x{b_h} pixels, but {} has {w}x{h}", a_path.display())).with_hint(hint)
     }
 }
 
@@ -196,8 +204,7 @@ fn measure(a_path: &Path, a: &Input, b_path: &Path, b: &Input) -> Result<std::re
     let ([w, h], [b_w, b_h]) = (size(a), size(b));
     if [w, h] != [b_w, b_h] {
         let explanation = ([w, h] == [b_h, b_w]).then(|| explain_turned(&a.image, &b.image)).flatten();
-        let message = format!("{b_w}x{b_h} pixels, but {} has {w}x{h}", a_path.display());
-        return Ok(Err(OtherSize { message, explanation }));
+        return Ok(Err(OtherSize { sizes: [[w, h], [b_w, b_h]], explanation }));
     }
     let measured = Measured::of(&a.image, &b.image, [a.is_clipped, b.is_clipped])?;
     if measured.numbers.pixels == 0 {

@@ -24,7 +24,7 @@ impl Compare {
         let bar = console.busy("compare");
         let (a, b) = (read(a_path)?, read(b_path)?);
         a.notes.iter().chain(&b.notes).for_each(|note| console.warn(note));
-        let measured = measure(a_path, &a, b_path, &b)?.map_err(|other| other.error(b_path))?;
+        let measured = measure(a_path, &a, b_path, &b)?.map_err(|other| other.error(a_path, b_path))?;
         interrupt::check()?;
         bar.finish_and_clear();
         let mut saving = Saving::default();
