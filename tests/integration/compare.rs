@@ -216,14 +216,14 @@ fn each_of_many_images_is_compared_and_a_damaged_one_does_not_stop_the_others() 
     assert!(ran.code == 1 && ran.stdout.contains("rejected: another size"), "{}{}", ran.stdout, ran.stderr);
     let ran = etalon(dir.path(), &["compare", "--reference", "ref.exr", "--each", "small.exr", "same.pfm"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
-    let ran = etalon(dir.path(), &[&all[..], &["cut.exr", "small.exr", "same.pfm"]].concat());
+    let ran = etalon(dir.path(), &[&all[..], &["cut.exr", "small.exr", "same.pfm", "-o", "cut.csv"]].concat());
     assert!(
         ran.code == 2 && ran.stdout.contains("8x8") && ran.stdout.contains("the same values"),
         "{}{}",
         ran.stdout,
         ran.stderr
     );
-    let rows = std::fs::read_to_string(path("out/images-vs-ref.csv")).unwrap();
+    let rows = std::fs::read_to_string(path("cut.csv")).unwrap();
     assert!(rows.starts_with("file,mse,rel_mse,hdr_flip,ssim,psnr,") && rows.lines().count() == 4, "{rows}");
     assert!(rows.contains(",size,"), "{rows}");
     assert!(std::fs::read_to_string(path("j.xml")).unwrap().contains("failures=\"1\" errors=\"1\""));

@@ -268,6 +268,9 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
 pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
     let grid = Grids::new(b);
     let turns = rearranged(a, b);
+    if let Some(same) = turns.iter().find(|turn| turn.image(b) == *b) {
+        return Some(same.explains(f64::NAN, [false, false]));
+    }
     let left: Vec<Vec<Structure>> = turns.iter().map(|turn| grid.structure(&turn.image(b), b)).collect();
     let energy = |i: usize| left[i].iter().map(|of| of.energy).sum::<f64>();
     let best = (0..turns.len()).min_by(|&i, &j| energy(i).total_cmp(&energy(j)))?;
