@@ -176,7 +176,7 @@ impl Compare {
         }
         // Without any image there is nothing to write
         if entries.iter().all(|entry| entry.result.is_err())
-            && let Some(error) = entries.iter_mut().find_map(|entry| take_error(entry))
+            && let Some(error) = entries.iter_mut().find_map(take_error)
         {
             return Err(error);
         }
