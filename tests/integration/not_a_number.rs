@@ -148,8 +148,8 @@ const ENTRIES: [Entry; 14] = [
         &[
             (
                 "compare one.pfm a1.pfm a2.pfm --against b0.pfm b1.pfm b2.pfm",
-                3,
-                "left out: 1 pixel with NaN or infinite",
+                1,
+                "not finite: one.pfm is NaN or infinite in column",
             ),
             ("compare all.pfm a1.pfm a2.pfm --against b0.pfm b1.pfm b2.pfm", 2, "no pixel has finite values"),
         ],
