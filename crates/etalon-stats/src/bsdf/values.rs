@@ -419,7 +419,7 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         }
     }
     for names in [of_probability, of_weight] {
-        found.named(names.left.and_then(|names| Explanation::one_of("", names, "")));
+        found.named(names.left.and_then(Explanation::of_names));
     }
     Ok(())
 }

@@ -511,6 +511,13 @@ impl<'a> Table<'a> {
         (expected / draws - 1.0).abs() > PRECISION
     }
 
+    /// Pearson's statistic of what is drawn at atoms, as "no sample" and else.
+    fn excess_of_draws(&self) -> f64 {
+        let rest = (self.total as u64, self.expected.iter().sum::<f64>());
+        let all = self.others.iter().copied().chain([rest]);
+        all.map(|(n, expected)| (n as f64 - expected).powi(2) / expected.at_least(1.0)).sum()
+    }
+
     /// What shares of the draws are wrong, of atoms, "no sample" and the rest, where nothing else is.
     fn of_draws(&self, [samples, of]: [&str; 2]) -> Option<String> {
         let names = self.density.atom_names().into_iter().chain(["no sample".to_owned()]);
@@ -570,6 +577,8 @@ impl<'a> Table<'a> {
             return Ok(if self.total == 0.0 { of_draws() } else { None });
         };
         if of_pdf <= CHANCE * spread {
+            // What chance hides of the shape must be little beside what is wrong of the probabilities, too.
+            let of_draws = || of_draws().filter(|_| MOST * self.excess_of_draws() > CHANCE * spread);
             // What chance hides of the shape must be little beside the factor, unless probabilities tell that there is one.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
             let is_much = MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
@@ -596,7 +605,7 @@ impl<'a> Table<'a> {
         let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
-        let named = |names: Vec<String>, is_fitted: bool| {
+        let named = |names: Vec<Vec<String>>, is_fitted: bool| {
             let what = Explanation::one_of(&format!("{samples} follow"), names, &format!(", not {of}"));
             Ok(what.map(|what| Named { what, is_fitted }))
         };
@@ -618,20 +627,21 @@ impl<'a> Table<'a> {
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
             // Places that a symmetry makes equal are named together, and densities of the first rank that differ.
             if is_place && !found.is_empty() {
-                return named(found.into_iter().map(|explained| explained.name).collect(), false);
+                return named(found.into_iter().map(|explained| vec![explained.name]).collect(), false);
             }
             let rank = found.iter().map(|explained| explained.rank).min();
             found.retain(|explained| Some(explained.rank) == rank);
-            let mut different: Vec<Explained> = Vec::new();
+            let proportional = if rank == Some(OTHER_FACTOR) { "a density in proportion to " } else { "" };
+            let mut different: Vec<(Explained, Vec<String>)> = Vec::new();
             for explained in found {
-                if different.iter().all(|other| !explained.is_same(other)) {
-                    different.push(explained);
+                let name = format!("{proportional}{}", explained.name);
+                match different.iter_mut().find(|(other, _)| explained.is_same(other)) {
+                    Some((_, names)) => names.push(name),
+                    None => different.push((explained, vec![name])),
                 }
             }
-            if let Some(rank) = rank {
-                let proportional = if rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
-                let names = different.into_iter().map(|explained| format!("{proportional}{}", explained.name));
-                return named(names.collect(), false);
+            if !different.is_empty() {
+                return named(different.into_iter().map(|(_, names)| names).collect(), false);
             }
         }
         let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
@@ -642,13 +652,13 @@ impl<'a> Table<'a> {
             fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
             let best = fitted[0].0;
             fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
-            return named(fitted.into_iter().map(|(_, name)| name).collect(), true);
+            return named(fitted.into_iter().map(|(_, name)| vec![name]).collect(), true);
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
             Some(from) => self.turned(from, most, of)?,
             None => None,
         };
-        named(turned.into_iter().collect(), true)
+        named(turned.into_iter().map(|name| vec![name]).collect(), true)
     }
 
     /// The axis about which the pdf is symmetric, if there is one.

@@ -35,8 +35,8 @@ pub fn of_pairs(
     unless_cancelled(explained.map(|names| Explanation::one_of(&format!("{found} is"), names, "")))
 }
 
-/// What the numbers are: the mistakes that make them, each of which does.
-fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Vec<String>> {
+/// What the numbers are: the mistakes that make them, each of which does. Of shapes with another factor the first is told.
+fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Vec<Vec<String>>> {
     let pairs = both_not_zero(pairs);
     let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
     let known: Vec<f64> = values.iter().map(|[_, known]| *known).collect();
@@ -49,20 +49,20 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
     if let Some(factor) = factor_of(&known) {
         let name = (!is_one(factor)).then(|| format!("{} times {of}", number(factor)));
-        return Ok(name.into_iter().collect());
+        return Ok(name.into_iter().map(|name| vec![name]).collect());
     }
     // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
-    let (mut exact, mut shape) = (Vec::new(), None);
+    let (mut exact, mut shapes) = (Vec::new(), Vec::new());
     let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
     for mistake in all(domain, density).into_iter().filter(|mistake| !mistake.is_family()) {
         let values = unless_cancelled(mistake.values(density, &points, &known).map(Some))?;
         let Some(factor) = values.as_deref().and_then(factor_of) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
-            Follows::Density(_) if is_positive => shape = shape.or(Some(format!("in proportion to {name}"))),
+            Follows::Density(_) if is_positive => shapes.push(format!("in proportion to {name}")),
             Follows::Density(_) => {}
-            _ if is_one(factor) => exact.push(name),
-            _ => shape = shape.or(Some(format!("{} times {name}", number(factor)))),
+            _ if is_one(factor) => exact.push(vec![name]),
+            _ => shapes.push(format!("{} times {name}", number(factor))),
         }
     }
     if !exact.is_empty() {
@@ -72,12 +72,12 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
     let ln: Vec<[f64; 2]> =
         values.iter().map(|both| both.map(f64::ln)).filter(|both| both[0].is_finite() && both[1].is_finite()).collect();
     let end = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
-    if let (None, Some(least), Some(most)) = (&shape, ln.iter().min_by(end), ln.iter().max_by(end)) {
+    if let (true, Some(least), Some(most)) = (shapes.is_empty(), ln.iter().min_by(end), ln.iter().max_by(end)) {
         let power = (most[0] - least[0]) / (most[1] - least[1]);
         let powers: Vec<f64> = known.iter().map(|known| known.powf(power)).collect();
         if let Some(factor) = factor_of(&powers).filter(|_| power.is_finite() && power.abs() > EQUAL) {
             let factor = if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) };
-            return Ok(vec![format!("{factor}{of} to the power of {}", number(power))]);
+            return Ok(vec![vec![format!("{factor}{of} to the power of {}", number(power))]]);
         }
     }
     // The pdf of another outcome
@@ -92,13 +92,15 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
         different.sort_unstable();
         different.dedup();
         let is_many = values.len() >= FEWEST_PAIRS && different.len() > 2;
-        if shape.is_none() && is_many && values.iter().all(|[found, _]| near(*found)) {
-            return Ok(vec![format!("{of} of other outcomes")]);
+        if shapes.is_empty() && is_many && values.iter().all(|[found, _]| near(*found)) {
+            return Ok(vec![vec![format!("{of} of other outcomes")]]);
         }
     }
-    let powers = || powers(&logarithms(&pairs)?, &variables(domain, density));
-    let told = shape.or_else(|| Some(powers()?.replace("{}", of)));
-    Ok(told.into_iter().collect())
+    if shapes.is_empty() {
+        let powers = logarithms(&pairs).and_then(|ratios| powers(&ratios, &variables(domain, density)));
+        shapes.extend(powers.map(|powers| powers.replace("{}", of)));
+    }
+    Ok(if shapes.is_empty() { Vec::new() } else { vec![shapes] })
 }
 
 /// The variable of which alone the ratio of the numbers is a function, if there is one: less than a mistake, and not looked for
