@@ -582,7 +582,7 @@ impl<'a> Table<'a> {
             // What chance hides of the shape must be little beside the factor, unless probabilities tell that there is one.
             let ratio = self.expected.iter().sum::<f64>() / self.total;
             let is_much = MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
-            let is_factor = ratio.is_finite() && (is_much || self.is_mass_wrong());
+            let is_factor = ratio.is_finite() && (is_much || kinds != Kinds::Local && self.is_mass_wrong());
             let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
             let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
             return Ok(of_draws().or_else(|| is_factor.then(told).map(Named::new)));
