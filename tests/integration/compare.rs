@@ -253,7 +253,7 @@ fn a_pixel_without_a_value_rejects_and_its_place_is_told() {
         assert!(report.contains(place) && report.contains("finite"), "{report}");
     }
     let answer: serde_json::Value = serde_json::from_str(&run(dir.path(), &args, &["--json"]).stdout).unwrap();
-    assert!(answer["answer"] == "not-finite" && answer["not_finite"]["row"] == 7, "{answer}");
+    assert!(answer["answer"] == "not-finite" && answer["first_non_finite"]["row"] == 7, "{answer}");
 }
 
 #[test]

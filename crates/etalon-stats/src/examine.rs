@@ -6,7 +6,6 @@ use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::exact::{self, Corners};
-use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
 use crate::leaves::Leaves;
@@ -14,6 +13,7 @@ use crate::looks::Looks;
 use crate::mass::Integral;
 use crate::mistakes::{self, Clearness, Kinds, Named};
 use crate::multiple::sidak;
+use crate::named_mistake::NamedMistake;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{ChiSquare, FEWEST, POWER, chi_square_below, chi_square_of_uncertain, detectable, samples_for};
 use crate::sampler::{Atom, Density, Mass, Sampler};
@@ -553,7 +553,7 @@ impl Test<'_> {
             cells: counts.observed.len(),
             pooled: test.map_or(0, |test| test.dof + 1),
             none: tally.none,
-            mistake: Explanation::all(mistakes),
+            mistake: NamedMistake::joined(mistakes),
             violation,
             inconclusive_reason,
             diagnosis: Some(words.join("; ")).filter(|words| is_suspect && !words.is_empty()),

@@ -21,7 +21,6 @@ mod error;
 pub mod estimate;
 mod exact;
 mod examine;
-mod explanation;
 mod extremes;
 mod grid;
 mod leaves;
@@ -29,6 +28,7 @@ mod looks;
 mod mass;
 mod mistakes;
 pub mod multiple;
+mod named_mistake;
 mod outcome;
 pub mod power;
 pub mod prelude;
@@ -49,11 +49,11 @@ pub use domain::{
 pub use error::{Error, Result};
 pub use etalon_random::{hash, stream};
 pub use examine::{Protocol, SampleCount, examine, validate};
-pub use explanation::Explanation;
 pub use extremes::Extremes;
 pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake, Variable};
+pub use named_mistake::NamedMistake;
 pub use outcome::{Compared, Counts, Finding, Finer, Outcome, Verdict, causes, decide};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,

@@ -3,10 +3,10 @@
 use crate::diagnosis::{count, p_value};
 use crate::domain::{Domain, Point};
 use crate::estimate::Estimate;
-use crate::explanation::Explanation;
 use crate::grid::{Cell, Grid};
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm, sidak};
+use crate::named_mistake::NamedMistake;
 use crate::scales::Scale;
 use std::fmt;
 
@@ -134,7 +134,7 @@ pub struct Outcome {
     pub repeated: bool,
     /// The usual mistake that explains what is wrong, if one does: "samples follow cos θ/π, not the pdf".
     #[cfg_attr(feature = "serde", serde(rename = "named"))]
-    pub mistake: Option<Explanation>,
+    pub mistake: Option<NamedMistake>,
     /// What an exact check found wrong: a reason to reject, independent of `p`.
     pub violation: Option<String>,
     /// Why neither accepting nor rejecting is possible.
@@ -331,7 +331,7 @@ const OF_PDF: &str = "jacobian";
 struct Cause<'a> {
     findings: Vec<&'a Finding<'a>>,
     /// What explains all of them.
-    explanation: Option<Explanation>,
+    explanation: Option<NamedMistake>,
 }
 
 impl<'a> Cause<'a> {
@@ -356,7 +356,7 @@ impl<'a> Cause<'a> {
     /// exact numbers say more than counts.
     fn rank(&self) -> impl Ord + use<> {
         let Finding { kind, outcome, .. } = self.findings[0];
-        let is_open = self.explanation.as_ref().is_some_and(Explanation::is_open);
+        let is_open = self.explanation.as_ref().is_some_and(NamedMistake::is_open);
         let is_by_counts = outcome.continuous_p().is_some();
         let is_named = self.explanation.is_some();
         (outcome.verdict != Verdict::Reject, !is_named, is_open, !kind.ends_with(OF_PDF), is_by_counts)

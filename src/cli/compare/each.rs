@@ -196,9 +196,9 @@ impl Compare {
                 more => format!(" and {more} more"),
             };
             console.warn(&format!(
-                "of {} of {those}, {}{more}, what is clipped at 1 differs, as {} has {the_reference}: use a reference of the same kind",
-                counted(others.len(), "image"),
+                "{}{more} {} {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
                 others[..others.len().min(NAMED)].join(", "),
+                if others.len() == 1 { "has" } else { "have" },
                 reference.display()
             ));
         }

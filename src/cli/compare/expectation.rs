@@ -31,7 +31,7 @@ struct Output {
     images_b: usize,
     non_finite: usize,
     /// The first image with such a pixel.
-    not_finite: Option<NotFinite>,
+    first_non_finite: Option<NotFinite>,
     tile_side: usize,
     /// What would find a bias of `detect`, if this does not.
     needed: Option<Needed>,
@@ -145,7 +145,7 @@ fn result(compared: &Compared) -> Output {
         images_a: compared.images[0],
         images_b: compared.images[1],
         non_finite: compared.non_finite,
-        not_finite: compared.not_finite.clone(),
+        first_non_finite: compared.not_finite.clone(),
         tile_side: compared.tile_side,
         needed: compared.needed,
         noise_of_exact: compared.noise_of_exact,

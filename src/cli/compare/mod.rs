@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
                         them; HDR-FLIP, PSNR and SSIM of the images as shown. B is the reference. Cube maps are compared as they are stored.\n\n\
                         Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
                         With --each: a row for each image, as text and as IMAGES-vs-REF.csv, and IMAGES-vs-REF.{png,svg,pdf}: every image beside its \
-                        difference, all on one scale, with a green frame where the difference stands out of the noise; rejected ones in an orange frame. IMAGES is how their names \
+                        difference, all on one scale, with a green frame where the difference is unlike that of most places; rejected ones in an orange frame. IMAGES is how their names \
                         begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be read, or without limits one of another size, does not stop \
                         the others; the exit code is 2 then.\n\n\
                         With --at-most: exit code 1 if a metric of an image is larger, a pixel is not finite, or (with --each) its size is another.\n\nWith --against: Welch's t-tests of the image mean, of \
@@ -142,7 +142,9 @@ impl Compare {
 
 /// What explains the difference, or that nothing does.
 fn why(measured: &Measured) -> Option<String> {
-    let unknown = || (measured.beyond_noise == Some(true)).then(|| "no usual mistake explains it".to_owned());
+    let unknown = || {
+        (measured.beyond_noise == Some(true)).then(|| "more than noise, and no usual mistake explains it".to_owned())
+    };
     measured.explanation.as_ref().map(explained).or_else(unknown)
 }
 

@@ -81,7 +81,7 @@ fn domains_come_from_the_file_the_flag_or_the_samples() {
         (sphere, &[], 0, "the domain is sphere"),
         (die, &[], 0, "the domain is discrete:6"),
         (die, &["--domain", "line"], 2, "its domain is discrete:6"),
-        (disc, &[], 2, "which no domain has"),
+        (disc, &[], 2, "coordinates are from 0 to 1 unless the file declares a domain"),
         (disc, &["--domain", "line"], 2, "sample returns 2 coordinates; a point of the domain line has 1"),
     ] {
         let Some(ran) = validate(file, &[&["--samples", "20000"], more].concat()) else { return };

@@ -185,7 +185,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
         let same = rearranged(a, b).into_iter().find(|change| a != b && is_b(change));
         return same.map_or(Reason::Noise, |change| Reason::Mistake(change.explains(0.0, [true, false])));
     }
-    let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY, 1.0);
+    let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY);
     let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
     let clip = if stored == [true; 2] { Clip::OfBoth } else { Clip::Nowhere };
     let is_open = |found: &Option<Found>| {
@@ -291,7 +291,7 @@ impl Pair<'_> {
         let limit = clip.after(&*change.value);
         let main = &self.grid.0[self.main];
         // What makes a part of the image worse is no cure
-        if main.sampled_energy(self.b, &change.pixel, limit, 1.0) > self.sampled {
+        if main.sampled_energy(self.b, &change.pixel, limit) > self.sampled {
             return None;
         }
         let [a, b] = [change.image(self.b), self.b.clone()].map(|image| image.map(|p| clipped(p, limit)));
@@ -457,8 +457,8 @@ fn changes<'a>(a: &'a Image, b: &Image, grid: &Grids, clip: Clip) -> Vec<Change<
         list.push(by_value(a, mistake, format!("multiply A by {factor:.4}"), false, move |p| p * factor));
     }
     if let Some(constant) = grid.constant(a, b) {
-        let than = if constant < 0.0 { "larger" } else { "smaller" };
-        let mistake = format!("A is {than} than B by {} everywhere", three_digits(f64::from(constant.abs())));
+        let way = if constant < 0.0 { "above" } else { "below" };
+        let mistake = format!("every value of A is {} {way} that of B", three_digits(f64::from(constant.abs())));
         list.push(by_value(a, mistake, format!("add {constant:.4} to A"), false, move |p| p + constant));
     }
     list
@@ -695,7 +695,7 @@ impl Grids {
         let main = &self.0[pair.main];
         let pixel = |log: f64| move |x: usize, y: usize| raised(log.exp(), a.get(x, y));
         let limit = |log: f64| clip.after(&|p| raised(log.exp(), p));
-        if main.sampled_energy(b, &pixel(log), limit(log), 1.0) > pair.sampled {
+        if main.sampled_energy(b, &pixel(log), limit(log)) > pair.sampled {
             return None;
         }
         // The mean of powers is not the power of the mean: the last steps are by pixels, along secants
@@ -792,10 +792,10 @@ impl Grid {
     }
 
     /// The energy of [`structure`](Self::structure) in the sample.
-    fn sampled_energy(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb, limit: Rgb, factor: f64) -> f64 {
+    fn sampled_energy(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb, limit: Rgb) -> f64 {
         let of_a = self.sampled_means(b, pixel, limit);
         let of_b = self.sampled_means(b, &|x, y| b.get(x, y), limit);
-        self.energy_of_means(b, &of_a, &of_b, factor)
+        self.energy_of_means(b, &of_a, &of_b, 1.0)
     }
 
     /// The same after the best factor.

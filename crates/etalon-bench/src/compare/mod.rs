@@ -15,7 +15,7 @@ mod noise;
 mod side;
 
 pub use self::bias::Bias;
-pub use self::explain::{Explanation, Reason, explain_turned};
+pub use self::explain::{Explanation, explain_turned};
 pub use self::functionals::{Family, Functional};
 pub use self::measured::{Limit, METRICS, Measured, Metric};
 pub use self::side::{Noise, NotFinite, PRECISION, Side};
@@ -214,8 +214,8 @@ pub fn compare(a: Side, b: Side, plan: Plan) -> Result<Compared> {
     let [tile_bias, own_tile_bias] = [false, true].map(of_tile);
     let answer = match uniform_bias {
         _ if different && related.iter().all(Option::is_none) => Answer::Different,
-        _ if not_finite.is_some() => Answer::NotFinite,
         _ if related.iter().any(Option::is_some) => Answer::NotIndependent,
+        _ if not_finite.is_some() => Answer::NotFinite,
         Some(bias) if bias <= plan.detect && !noise_hides_difference => Answer::NoDifferenceFound,
         _ => Answer::CannotTell,
     };

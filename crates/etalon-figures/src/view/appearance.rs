@@ -109,7 +109,7 @@ pub fn text(found: &Appearance) -> String {
     for Comparison { other, difference, .. } in comparisons(found) {
         let (mean, error) = (difference.mean_difference_percent, difference.standard_error_percent);
         let direction = if mean < 0.0 { "darker" } else { "brighter" };
-        let of_mean = if difference.is_seen() {
+        let of_mean = if difference.is_seen_in_mean() {
             format!(
                 "it makes the spheres of {scene} {:.1} % {direction} (standard error {error:.1} %) than {other}",
                 mean.abs()

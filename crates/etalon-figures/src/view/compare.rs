@@ -206,7 +206,7 @@ pub fn sheet((name, reference): (&str, &Image), images: &[Shown]) -> Drawing {
         images
             .iter()
             .any(|of| place(of).is_some())
-            .then_some("green frame: where the difference stands out most of the noise"),
+            .then_some("green frame: where the difference is unlike that of most places"),
     ];
     let legend = frames.into_iter().flatten().collect::<Vec<_>>().join("; ");
     let lines = if legend.is_empty() { Vec::new() } else { vec![capitalized(&legend)] };
@@ -485,12 +485,13 @@ pub fn not_finite(pixels: usize) -> String {
 
 /// Where the first pixel is that is not finite.
 pub fn where_not_finite(NotFinite { image, column, row, pixels, images }: &NotFinite) -> String {
-    let all = if *pixels > 1 { format!(", the first of {pixels} pixels") } else { String::new() };
+    let all = if *pixels > 1 { format!(", the first of {pixels} such pixels") } else { String::new() };
     let others = match images - 1 {
         0 => String::new(),
-        others => format!("; so {} {}", if others == 1 { "is" } else { "are" }, counted(others, "other image")),
+        1 => "; 1 other image has such pixels, too".to_owned(),
+        others => format!("; {others} other images have such pixels, too"),
     };
-    format!("{image} is NaN or infinite in column {column}, row {row}{all}{others}")
+    format!("{image} is NaN or infinite in column {column}, row {row} (from 0){all}{others}")
 }
 
 /// The verdict in words.
@@ -517,7 +518,6 @@ pub fn sentence(compared: &Compared) -> String {
         (Answer::NotFinite, bias) => {
             let place = compared.not_finite.as_ref().map_or(String::new(), where_not_finite);
             let others = match bias {
-                _ if compared.related.iter().any(Option::is_some) => "the images are not independent".into(),
                 Some(bias) => format!(
                     "no other difference found, and a uniform bias of {} would have been found with 90 % probability",
                     percent(bias)
@@ -581,7 +581,7 @@ pub fn text(compared: &Compared) -> String {
         compared.explanation.as_ref().map(|explanation| format!("between the means: {}", explained(explanation)));
     text += &about.map_or(String::new(), |about| wrapped(&about, "", LINE));
     if let Some(place) = compared.not_finite.as_ref().filter(|_| compared.answer != Answer::NotFinite) {
-        text += &wrapped(&format!("{}, which rejects it, too", where_not_finite(place)), "", LINE);
+        text += &wrapped(&format!("not finite, too: {}", where_not_finite(place)), "", LINE);
     }
     if compared.non_finite > 0 {
         text += &format!("{}\n", left_out(compared.non_finite));

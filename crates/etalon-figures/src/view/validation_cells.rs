@@ -122,9 +122,10 @@ pub fn check_of(name: &str) -> Option<(&str, f64)> {
     Some((kind.rsplit('/').next()?, angle.parse().ok()?))
 }
 
-/// What rejects: numbers that are not equal, or counts.
+/// What rejects: numbers that are not equal, if they have ratios, or counts.
 fn picture(outcome: &Outcome) -> Drawing {
-    match (&outcome.counts, &outcome.compared) {
+    let has_ratios = |compared: &&Compared| compared.places.iter().any(|(_, [a, b])| *a > 0.0 && *b > 0.0);
+    match (&outcome.counts, outcome.compared.as_ref().filter(has_ratios)) {
         (counts, Some(compared)) if counts.is_none() || !outcome.is_rejected_by_p() => {
             compared_plot(compared, counts.as_ref(), outcome.wo).draw()
         }
@@ -212,7 +213,7 @@ fn compared_plot(compared: &Compared, counts: Option<&Counts>, wo: Option<[f64; 
         .horizontal(equal, "equal")
         .dots("", theme::REJECTED, shown.iter().map(ratio).collect::<Vec<Point>>());
     if let Some(worst) = &worst {
-        let [at, [found, expected]] = [ratio(worst), [worst[1], worst[2]]].map(|pair| pair);
+        let (at, [found, expected]) = (ratio(worst), [worst[1], worst[2]]);
         let text = format!("worst: {}, not {}", rounded(found, 3), rounded(expected, 3));
         over_place = over_place.markers("", theme::INK, Marker::Open, [at]).note(at, text, theme::INK);
     }

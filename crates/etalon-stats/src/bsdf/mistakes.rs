@@ -4,8 +4,8 @@ use super::contract::{Direction, Hit, Kind, Pair};
 use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::explanation::Explanation;
 use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
+use crate::named_mistake::NamedMistake;
 use crate::sampler::Density;
 
 /// The pdf in messages.
@@ -211,13 +211,13 @@ pub fn explain(
     pairs: &[Compared],
     names: [&str; 2],
     special: impl FnOnce() -> Result<Option<String>>,
-) -> Result<Option<Explanation>> {
+) -> Result<Option<NamedMistake>> {
     let whole = of_pairs(&sphere(), density, pairs, names)?;
     if whole.is_some() {
         return Ok(whole);
     }
     if let Some(special) = special()? {
-        return Ok(Some(Explanation::from(special)));
+        return Ok(Some(NamedMistake::from(special)));
     }
     if !subject.properties.transmission || subject.properties.kind != Kind::Surface {
         return Ok(of_one_variable(&sphere(), density, pairs, names));
@@ -225,12 +225,12 @@ pub fn explain(
     let (reflected, transmitted): (Vec<Compared>, Vec<Compared>) =
         pairs.iter().partition(|(wi, _)| same_side(subject.wo, (*wi).into()));
     let sides = [("reflected", reflected), ("transmitted", transmitted)].into_iter();
-    let of_side = |(side, pairs): (&str, Vec<Compared>)| -> Result<Option<Explanation>> {
+    let of_side = |(side, pairs): (&str, Vec<Compared>)| -> Result<Option<NamedMistake>> {
         let mistake = of_pairs(&sphere(), density, &pairs, names)?;
         let told = mistake.or_else(|| of_one_variable(&sphere(), density, &pairs, names));
-        Ok(told.map(|told| told.then(&format!(" where light is {side}"))))
+        Ok(told.map(|told| told.with_suffix(&format!(" where light is {side}"))))
     };
-    Ok(Explanation::all(sides.map(of_side).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect()))
+    Ok(NamedMistake::joined(sides.map(of_side).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect()))
 }
 
 /// A function of `wi` in one channel, with its mistakes.
@@ -263,7 +263,7 @@ impl<F: Fn(&[Pair], usize) -> Result<Vec<f64>> + Sync> Values<'_, F> {
         numbers: &[[f64; 2]],
         names: [&str; 2],
         special: impl FnOnce() -> Result<Option<String>>,
-    ) -> Result<Option<Explanation>> {
+    ) -> Result<Option<NamedMistake>> {
         let pairs: Vec<Compared> = wis.iter().map(|&wi| wi.into()).zip(numbers.iter().copied()).collect();
         explain(self.subject, self, &pairs, names, special)
     }

@@ -10,9 +10,9 @@ use crate::domain::{Directions, Domain, Point, Pole};
 use crate::error::Result;
 use crate::exact::{AS_SINGLE, ordinary, percent, relative_difference};
 use crate::examine::Protocol;
-use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, number};
+use crate::named_mistake::NamedMistake;
 use crate::outcome::{Compared, Outcome};
 use crate::sampler::SINGLE_PRECISION;
 use crate::stream::CounterRng;
@@ -273,7 +273,7 @@ pub struct Comparison {
     /// How many of what was compared are numbers.
     numbers: u64,
     /// The usual mistakes that explain all, each with the channels in which they do, where those were compared by themselves.
-    mistakes: Vec<(Explanation, Vec<usize>)>,
+    mistakes: Vec<(NamedMistake, Vec<usize>)>,
     /// The channels whose differences no mistake explains.
     unexplained: Vec<usize>,
     /// The channels that were compared, where a mistake may be that of one.
@@ -330,14 +330,14 @@ impl Comparison {
     }
 
     /// The usual mistake that explains what was just compared, if one does.
-    pub fn named(&mut self, mistake: Option<impl Into<Explanation>>) {
+    pub fn named(&mut self, mistake: Option<impl Into<NamedMistake>>) {
         let mistake = mistake.map(Into::into);
-        let is_new = |mistake: &Explanation| self.mistakes.iter().all(|(known, _)| known != mistake);
+        let is_new = |mistake: &NamedMistake| self.mistakes.iter().all(|(known, _)| known != mistake);
         self.mistakes.extend(mistake.filter(is_new).map(|mistake| (mistake, Vec::new())));
     }
 
     /// The usual mistake that explains what was found to differ in this channel of so many.
-    pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<Explanation>) {
+    pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<NamedMistake>) {
         self.channels = self.channels.max(channels);
         let Some(mistake) = mistake else { return self.unexplained.push(channel) };
         for (known, channels) in &mut self.mistakes {
@@ -350,16 +350,16 @@ impl Comparison {
     }
 
     /// The mistakes, with their channels where others do not have them.
-    fn told(&self) -> Option<Explanation> {
+    fn told(&self) -> Option<NamedMistake> {
         let list = |channels: &[usize]| channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
-        let told = |(mistake, of): &(Explanation, Vec<usize>)| {
+        let told = |(mistake, of): &(NamedMistake, Vec<usize>)| {
             let is_of_all = of.is_empty() || of.len() >= self.channels;
-            if is_of_all { mistake.clone() } else { mistake.clone().then(&format!(", in channel {}", list(of))) }
+            if is_of_all { mistake.clone() } else { mistake.clone().with_suffix(&format!(", in channel {}", list(of))) }
         };
         let others = (self.channels > 1 && !self.unexplained.is_empty())
-            .then(|| Explanation::from(format!("other differences in channel {}", list(&self.unexplained))));
+            .then(|| NamedMistake::from(format!("other differences in channel {}", list(&self.unexplained))));
         let all = self.mistakes.iter().map(told).chain(others.filter(|_| !self.mistakes.is_empty()));
-        Explanation::all(all.collect())
+        NamedMistake::joined(all.collect())
     }
 
     /// States something that must hold for all of `compared` cases, and does not for `failed` of them.

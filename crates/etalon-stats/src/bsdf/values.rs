@@ -10,9 +10,9 @@ use crate::diagnosis::{different, tuple};
 use crate::domain::Domain;
 use crate::error::Result;
 use crate::exact::{Carried, relative_difference};
-use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, FEWEST_PAIRS, common_factor, number};
+use crate::named_mistake::NamedMistake;
 use crate::outcome::Outcome;
 use crate::sampler::Sample;
 use rand::RngExt;
@@ -419,7 +419,7 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         }
     }
     for names in [of_probability, of_weight] {
-        found.named(names.left.and_then(Explanation::of_names));
+        found.named(names.left.and_then(NamedMistake::of_names));
     }
     Ok(())
 }

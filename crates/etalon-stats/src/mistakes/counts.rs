@@ -5,9 +5,9 @@ use super::centre;
 use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
-use crate::explanation::Explanation;
 use crate::extremes::Extremes;
 use crate::grid::Cell;
+use crate::named_mistake::NamedMistake;
 use crate::outcome::Counts;
 use crate::power::chi_square;
 use crate::sampler::Density;
@@ -85,14 +85,14 @@ pub fn of_counts(
 /// What explains counts.
 pub struct Named {
     /// What samples follow.
-    pub what: Explanation,
+    pub what: NamedMistake,
     /// Whether it has an amount that was fitted, so that few samples may follow it by chance.
     pub is_fitted: bool,
 }
 
 impl Named {
     fn new(words: String) -> Self {
-        Self { what: Explanation::from(words), is_fitted: false }
+        Self { what: NamedMistake::from(words), is_fitted: false }
     }
 }
 
@@ -606,7 +606,7 @@ impl<'a> Table<'a> {
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
         let named = |names: Vec<Vec<String>>, is_fitted: bool| {
-            let what = Explanation::one_of(&format!("{samples} follow"), names, &format!(", not {of}"));
+            let what = NamedMistake::one_of(&format!("{samples} follow"), names, &format!(", not {of}"));
             Ok(what.map(|what| Named { what, is_fitted }))
         };
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;

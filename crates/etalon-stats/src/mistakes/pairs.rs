@@ -3,8 +3,8 @@
 use super::{Follows, MOST_CELLS, Variable, all, asked, number, unless_cancelled, variables};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
-use crate::explanation::Explanation;
 use crate::extremes::Extremes;
+use crate::named_mistake::NamedMistake;
 use crate::sampler::Density;
 
 /// The share of pairs that must have a ratio.
@@ -30,9 +30,9 @@ pub fn of_pairs(
     density: &dyn Density,
     pairs: &[Pair],
     [found, of]: [&str; 2],
-) -> Result<Option<Explanation>> {
+) -> Result<Option<NamedMistake>> {
     let explained = explained_pairs(domain, density, pairs, of);
-    unless_cancelled(explained.map(|names| Explanation::one_of(&format!("{found} is"), names, "")))
+    unless_cancelled(explained.map(|names| NamedMistake::one_of(&format!("{found} is"), names, "")))
 }
 
 /// What the numbers are: the mistakes that make them, each of which does. Of shapes with another factor the first is told.
@@ -110,9 +110,9 @@ pub fn of_one_variable(
     density: &dyn Density,
     pairs: &[Pair],
     [found, of]: [&str; 2],
-) -> Option<Explanation> {
+) -> Option<NamedMistake> {
     let told = function(&logarithms(&both_not_zero(pairs))?, &variables(domain, density))?;
-    Some(Explanation::from(format!("{found} is {of} times a function of {told}")))
+    Some(NamedMistake::from(format!("{found} is {of} times a function of {told}")))
 }
 
 /// Pairs that have a ratio, or where one number alone is 0.

@@ -92,7 +92,7 @@ pub fn over_ranges(
         let region = region(parameters, &values, &|values| Ok(fails(&examine(values)?)))?;
         let place = format!("fails {region}, such as {}", named(&values));
         found.mistake = Some(match found.mistake.take() {
-            Some(mistake) => mistake.after(&format!("{place}: ")),
+            Some(mistake) => mistake.with_prefix(&format!("{place}: ")),
             None => place.into(),
         });
         found.remarks.push(format!("{failed} of {} values of the parameters failed", all.len()));
