@@ -33,7 +33,7 @@ pub struct StyleArgs {
     figure: FigureArgs,
     /// Show only panels with these words in their title
     ///
-    /// Or in that of their group, or in the caption of an image. Of several figures, those that have no such panel are whole.
+    /// Or in that of their group, or in the caption of an image. Of several figures, those that have no such panel are drawn in full.
     #[arg(long, value_name = "WORDS,...", value_delimiter = ',', action = ArgAction::Set)]
     panels: Vec<String>,
 }

@@ -180,7 +180,7 @@ impl Compare {
         {
             return Err(error);
         }
-        name_twins(&mut entries);
+        name_equal(&mut entries);
         if let Some(metric) = self.sort {
             sort(&mut entries, metric);
         }
@@ -334,7 +334,7 @@ fn hash(image: &Image) -> u64 {
 }
 
 /// Says of each image which one before it has the same pixels.
-fn name_twins(entries: &mut [Entry]) {
+fn name_equal(entries: &mut [Entry]) {
     let mut first: HashMap<u64, String> = HashMap::new();
     for entry in entries {
         let Ok(done) = &entry.result else { continue };
