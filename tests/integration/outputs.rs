@@ -145,7 +145,7 @@ fn panels_are_chosen_or_refused_by_every_command_that_has_the_option() {
         }
     }
     let ran = run("validate --planted warp/cosine-hemisphere/*", &["--panels", "counts"]);
-    assert!(ran.code == 2 && ran.stderr.contains("none is drawn"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("--panels: this run draws no figure"), "{}", ran.stderr);
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn numbers_that_end_early_are_found() {
     }
     // A thousandth of an axis without samples.
     for outcome in of_numbers(|u| 0.999 * u) {
-        assert_rejected(&outcome, "end of");
+        assert_rejected(&outcome, "parts of");
     }
 }
 

@@ -144,7 +144,7 @@ impl Render {
             return self.appearance(source, global, console);
         }
         if let Some((flag, _)) = self.style.flags().first() {
-            return Err(Error::parameter("style", format!("{flag} is of figures, and the renderer writes images"))
+            return Err(Error::parameter(flag.trim_start_matches('-'), "the renderer writes images, and no figure")
                 .with_hint("it goes with `bsdf` FILE.py or `exec`"));
         }
         let model = self.model.model()?;

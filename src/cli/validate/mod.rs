@@ -95,8 +95,8 @@ impl Validate {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
         let draws_nothing = self.planted || self.museum && self.names.is_empty();
         if let (true, Some((flag, _))) = (draws_nothing && !self.list, self.style.flags().first()) {
-            let message = format!("{flag} is of figures, and this run draws none");
-            return Err(Error::parameter("style", message).with_hint("`museum` NAME draws that fault"));
+            return Err(Error::parameter(flag.trim_start_matches('-'), "this run draws no figure")
+                .with_hint("`museum` NAME draws that fault"));
         }
         if self.planted {
             let faults = select(planted::all(), &self.names)?;
