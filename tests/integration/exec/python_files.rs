@@ -242,7 +242,7 @@ fn bsdfs_of_files_are_tested() {
     // The verdict and why come first, and accepted tests are folded.
     let lines: Vec<&str> = rejected.stdout.lines().collect();
     let first =
-        lines[0].contains(" accepted, ") && lines[2].trim_start().starts_with("mine/formula/30: reject: weight · pdf");
+        lines[0].contains(" accepted, ") && lines[2].trim_start().starts_with("mine/formula/0: reject: weight · pdf");
     assert!(rejected.code == 1 && first, "{}", rejected.stdout);
     assert!(rejected.stdout.contains("accepted: values 6, ") && !rejected.stdout.contains("mine/values/30"));
     let chosen = |more: &[&str]| validate(&wrong, &[more, &["--samples", "10000", "-v"]].concat()).unwrap();

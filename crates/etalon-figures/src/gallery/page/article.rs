@@ -172,8 +172,8 @@ impl Shown<'_> {
     }
 }
 
-/// The widest chart whose type can be read in half of the page.
-const WIDEST_OF_TWO: u32 = 800;
+/// The widest chart, in pixels, that stands in half of the page: wider ones take the row. More rows would make the page too long.
+const WIDEST_OF_TWO: u32 = 1200;
 
 /// A command and the flags of the run.
 pub fn join(command: &str, options: &str) -> String {
