@@ -112,12 +112,12 @@ impl Shown<'_> {
     fn picture(&self, number: usize) -> String {
         let Some(EmbeddedImage { source, width, height, chart, map, .. }) = &self.image else { return String::new() };
         let Figure { id, title, shows, .. } = self.figure;
-        let mut kind = if *chart { "chart" } else { "picture" }.to_owned();
-        for (name, _) in
-            [("map", *map), ("broad", *chart && !map && *width > WIDEST_OF_TWO)].iter().filter(|(_, is)| *is)
-        {
-            kind += &format!(" {name}");
-        }
+        let kind = match (chart, map) {
+            (true, true) => "chart map",
+            (true, false) => "chart",
+            (false, true) => "picture map",
+            (false, false) => "picture",
+        };
         let (id, title, alternative) = (escape(id), escape(title), escape(&format!("{title} ({id}). {shows}")));
         let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
         format!(
@@ -171,9 +171,6 @@ impl Shown<'_> {
         format!("{again}{direct}<p class=\"fine\">Made in {time}.</p>\n")
     }
 }
-
-/// The widest chart, in pixels, that stands in half of the page: wider ones take the row. More rows would make the page too long.
-const WIDEST_OF_TWO: u32 = 1200;
 
 /// A command and the flags of the run.
 pub fn join(command: &str, options: &str) -> String {
