@@ -63,11 +63,15 @@ def test_of_what_is_tested_they_are_findings(of, value):
 
 
 @pytest.mark.parametrize("value", VALUES)
-def test_of_images_they_are_left_out_or_refused(value):
+def test_of_images_they_reject_unless_all_of_a_side_have_them(value):
     a, b = np.random.default_rng(1).gamma(2, 1, (2, 8, 16, 16, 3))
     some_bad = a.copy()
     some_bad[2, 3, 4] = value
     result = eb.compare_images(some_bad, b, detect=0.5)
+    assert result.verdict == "reject" and "column 4, row 3" in str(result), str(result)
+    masked = a.copy()
+    masked[:, 3, 4] = value
+    result = eb.compare_images(masked, b, detect=0.5)
     assert result.verdict == "accept" and "1 pixel" in str(result), str(result)
     with pytest.raises(ValueError, match="finite"):
         eb.compare_images(np.full_like(a, value), b)

@@ -234,13 +234,16 @@ pub struct NotFinite {
     pub images: usize,
 }
 
-/// The first image with pixels that are not finite.
+/// The first image with pixels that are not finite. Those of all images of a side, if it has several, are masked.
 pub(super) fn not_finite(sides: &[Side; 2]) -> Option<NotFinite> {
     let width = sides[0].size()[0];
     let of = |[side, i]: [usize; 2]| {
-        let pixels = sides[side].images[i].pixels();
-        let first = pixels.iter().position(|p| !p.is_finite())?;
-        let count = pixels.iter().filter(|p| !p.is_finite()).count();
+        let images = &sides[side].images;
+        let is_masked = |k: usize| images.len() > 1 && images.iter().all(|image| !image.pixels()[k].is_finite());
+        let pixels = images[i].pixels();
+        let is_wrong = |k: &usize| !pixels[*k].is_finite() && !is_masked(*k);
+        let first = (0..pixels.len()).find(is_wrong)?;
+        let count = (0..pixels.len()).filter(is_wrong).count();
         let (image, column, row) = (name(sides, [side, i]), first % width, first / width);
         Some(NotFinite { image, column, row, pixels: count, images: 1 })
     };

@@ -174,6 +174,11 @@ fn a_pixel_that_is_not_finite_rejects_and_is_named() {
     assert_eq!((compared.answer, compared.non_finite), (Answer::NotFinite, 1));
     let place = NotFinite { image: "image 4 of A".into(), column: 7, row: 5, pixels: 1, images: 1 };
     assert_eq!(compared.not_finite, Some(place));
+    // What all images of a side have is a mask.
+    let (mut a, b) = (replicates(Sampling::Mis, 1, 16), replicates(Sampling::Mis, 101, 16));
+    a.iter_mut().for_each(|image| image.set(7, 5, Rgb::NAN));
+    let compared = compare(Side::replicates(a), Side::replicates(b), PLAN).unwrap();
+    assert_eq!((compared.not_finite, compared.non_finite), (None, 1));
 }
 
 #[test]
