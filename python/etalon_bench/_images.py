@@ -33,7 +33,8 @@ def compare_images(
     """Tests by Welch's t-tests of the mean, of low-frequency modes and of tiles whether two renderers have one expectation.
 
     Images are linear RGB, row 0 at the top, whatever `numpy.asarray` takes; they are compared in single precision. A pixel that
-    is NaN or infinite rejects, unless it is so in all of several images of a side, as masked ones are; the others are tested. It is the test of `etalon compare --against`.
+    is NaN or infinite rejects, unless it is so in all of several images of a side, as masked ones are; the others are tested.
+    It is the test of `etalon compare --against`.
 
     Args:
         a, b: independent images of the same size of each renderer, shape (n, h, w, 3) with n of at least 2 (of at least 16 for tests
