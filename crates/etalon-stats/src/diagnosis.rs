@@ -71,11 +71,13 @@ impl Region {
     /// "17 % too few", and where.
     fn in_words(&self, domain: &dyn Domain) -> String {
         let place = self.place.in_words(domain);
-        if self.expected < 0.05 && matches!(self.place, Place::None) {
-            return format!("{} no sample, and none should", count(self.observed, "draw returns", "draws return"));
-        }
         if self.expected < 0.05 {
-            return format!("{} where there should be none, {place}", count(self.observed, "sample", "samples"));
+            return match self.place {
+                Place::None => {
+                    format!("{} no sample, and none should", count(self.observed, "draw returns", "draws return"))
+                }
+                _ => format!("{} where there should be none, {place}", count(self.observed, "sample", "samples")),
+            };
         }
         let error = self.observed as f64 / self.expected - 1.0;
         let percent = 100.0 * error.abs();

@@ -18,13 +18,7 @@ pub struct NamedMistake {
 impl NamedMistake {
     /// One of these mistakes, each by its names, after the words `prefix` and before `suffix`; `None` if there is none.
     pub(crate) fn one_of(prefix: &str, open: Vec<Vec<String>>, suffix: &str) -> Option<Self> {
-        (!open.is_empty()).then(|| Self { prefix: format!("{prefix} "), suffix: suffix.to_owned(), open })
-    }
-
-    /// One of these mistakes, each in words of its own.
-    pub(crate) fn of_names(names: Vec<String>) -> Option<Self> {
-        let open: Vec<Vec<String>> = names.into_iter().map(|name| vec![name]).collect();
-        (!open.is_empty()).then(|| Self { prefix: String::new(), suffix: String::new(), open })
+        (!open.is_empty()).then(|| Self { prefix: prefix.to_owned(), suffix: suffix.to_owned(), open })
     }
 
     /// Explanations of different findings; `None` if there is none.
@@ -100,7 +94,7 @@ mod tests {
     fn two_findings_leave_open_what_explains_both() {
         let of = |open: &[&str]| {
             let open = open.iter().map(|one| one.split('=').map(str::to_owned).collect()).collect();
-            NamedMistake::one_of("samples follow", open, ", not the pdf").unwrap()
+            NamedMistake::one_of("samples follow ", open, ", not the pdf").unwrap()
         };
         let [first, second, other] = [of(&["a", "b", "c=e"]), of(&["d", "b=e"]), of(&["d"])];
         assert_eq!(first.to_string(), "samples follow a or b or 1 more that explain as much, not the pdf");

@@ -419,7 +419,8 @@ fn delta_lobes(subject: &Subject, samples: &[Drawn], found: &mut Comparison) -> 
         }
     }
     for names in [of_probability, of_weight] {
-        found.named(names.left.and_then(NamedMistake::of_names));
+        let names = names.left.unwrap_or_default().into_iter().map(|name| vec![name]);
+        found.named(NamedMistake::one_of("", names.collect(), ""));
     }
     Ok(())
 }

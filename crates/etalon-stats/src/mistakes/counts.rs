@@ -504,26 +504,28 @@ impl<'a> Table<'a> {
         Ok(found.map(|_| name()))
     }
 
+    /// Observed and expected counts of all that may be drawn: of atoms, of "no sample", then of all other samples.
+    fn drawn(&self) -> impl Iterator<Item = (u64, f64)> {
+        let rest = (self.total as u64, self.expected.iter().sum::<f64>());
+        self.others.iter().copied().chain([rest])
+    }
+
     /// Whether probabilities of all that may be drawn do not add to 1.
     fn is_mass_wrong(&self) -> bool {
-        let draws = self.total + self.others.iter().map(|(n, _)| *n as f64).sum::<f64>();
-        let expected = self.expected.iter().chain(self.others.iter().map(|(_, expected)| expected)).sum::<f64>();
+        let [draws, expected] = self.drawn().fold([0.0; 2], |[draws, all], (n, e)| [draws + n as f64, all + e]);
         (expected / draws - 1.0).abs() > PRECISION
     }
 
     /// Pearson's statistic of what is drawn at atoms, as "no sample" and else.
     fn excess_of_draws(&self) -> f64 {
-        let rest = (self.total as u64, self.expected.iter().sum::<f64>());
-        let all = self.others.iter().copied().chain([rest]);
-        all.map(|(n, expected)| (n as f64 - expected).powi(2) / expected.at_least(1.0)).sum()
+        self.drawn().map(|(n, expected)| (n as f64 - expected).powi(2) / expected.at_least(1.0)).sum()
     }
 
     /// What shares of the draws are wrong, of atoms, "no sample" and the rest, where nothing else is.
     fn of_draws(&self, [samples, of]: [&str; 2]) -> Option<String> {
-        let names = self.density.atom_names().into_iter().chain(["no sample".to_owned()]);
-        let rest = (self.total as u64, self.expected.iter().sum::<f64>());
-        let all = names.zip(self.others.iter().copied()).chain([("all other samples".to_owned(), rest)]);
-        let all: Vec<(String, (u64, f64))> = all.filter(|(_, (n, expected))| *n > 0 || *expected > 0.5).collect();
+        let names = self.density.atom_names().into_iter().chain(["no sample", "all other samples"].map(str::to_owned));
+        let all: Vec<(String, (u64, f64))> =
+            names.zip(self.drawn()).filter(|(_, (n, expected))| *n > 0 || *expected > 0.5).collect();
         let draws = all.iter().map(|(_, (n, _))| *n as f64).sum::<f64>();
         let deviations = |(n, expected): (u64, f64)| (n as f64 - expected).abs() / expected.at_least(1.0).sqrt();
         let is_wrong = |counts: (u64, f64)| deviations(counts) > WRONG;
@@ -606,7 +608,7 @@ impl<'a> Table<'a> {
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
         let named = |names: Vec<Vec<String>>, is_fitted: bool| {
-            let what = NamedMistake::one_of(&format!("{samples} follow"), names, &format!(", not {of}"));
+            let what = NamedMistake::one_of(&format!("{samples} follow "), names, &format!(", not {of}"));
             Ok(what.map(|what| Named { what, is_fitted }))
         };
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;

@@ -32,7 +32,7 @@ pub fn of_pairs(
     [found, of]: [&str; 2],
 ) -> Result<Option<NamedMistake>> {
     let explained = explained_pairs(domain, density, pairs, of);
-    unless_cancelled(explained.map(|names| NamedMistake::one_of(&format!("{found} is"), names, "")))
+    unless_cancelled(explained.map(|names| NamedMistake::one_of(&format!("{found} is "), names, "")))
 }
 
 /// What the numbers are: the mistakes that make them, each of which does. Of shapes with another factor the first is told.
