@@ -308,12 +308,8 @@ impl Compare {
 
     /// The limits that an image exceeds.
     fn exceeded(&self, measured: &Measured) -> Vec<Exceeded> {
-        // A metric that is not defined is above every limit
-        let is_above = |limit: &&Limit| {
-            let value = limit.metric.of(measured);
-            value.is_nan() || value > limit.most
-        };
-        let above = self.at_most.iter().filter(is_above).map(|limit| Exceeded::Limit(*limit));
+        let above =
+            self.at_most.iter().filter(|limit| !limit.holds_of_rest(measured)).map(|limit| Exceeded::Limit(*limit));
         let has_holes = measured.numbers.non_finite > 0 && !self.at_most.is_empty();
         above.chain(has_holes.then_some(Exceeded::NotFinite)).collect()
     }

@@ -105,7 +105,13 @@ impl Limit {
     /// Whether an image keeps it. It does not where the metric is not defined, or has left out pixels that are not finite.
     #[must_use]
     pub fn holds(&self, measured: &Measured) -> bool {
-        measured.numbers.non_finite == 0 && self.metric.of(measured) <= self.most
+        measured.numbers.non_finite == 0 && self.holds_of_rest(measured)
+    }
+
+    /// Whether the pixels that are finite keep it, where the metric is defined.
+    #[must_use]
+    pub fn holds_of_rest(&self, measured: &Measured) -> bool {
+        self.metric.of(measured) <= self.most
     }
 }
 
