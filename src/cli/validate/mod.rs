@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 )]
 #[command(next_help_heading = "Tests", args = [out(), seed(), threads()])]
 pub struct Validate {
-    /// Tests, families, patterns with * and ?, or a Python file [default: all]
+    /// Tests, families, patterns with * and ?, or a Python file [default: every test]
     ///
     /// A file FILE.py has a sampler, the functions sample(u) and pdf(w), or a BSDF, sample(wo, u), pdf(wo, wi) and value(wo, wi). Variables
     /// of the file declare more: domain = "square", scatters = "both", eta = 1.5, precision = "single". Names after it, or with --exec, choose

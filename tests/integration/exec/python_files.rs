@@ -253,6 +253,37 @@ fn bsdfs_of_files_are_tested() {
     assert_eq!(chosen(&["partition"]).code, 2, "no test applies");
 }
 
+/// A diffuse BSDF for arrays; `Z` is to be filled in, the cosine of wo.
+const DIFFUSE_ARRAYS: &str = "
+import numpy as np
+
+def value(wo, wi):
+    return np.where((Z > 0) & (wi[:, 2] > 0), 0.5 / np.pi, 0.0)
+
+def pdf(wo, wi):
+    return np.where((Z > 0) & (wi[:, 2] > 0), wi[:, 2] / np.pi, 0.0)
+
+def sample(wo, u):
+    r, phi = np.sqrt(u[:, 0]), 2 * np.pi * u[:, 1]
+    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 0])], axis=1)
+";
+
+#[test]
+fn bsdfs_of_files_are_written_for_arrays_of_wo_or_for_one() {
+    let few = ["--samples", "10000", "--json", "reciprocity", "mine/sampling/30"];
+    let found = |z: &str| {
+        validate(&DIFFUSE_ARRAYS.replace('Z', z), &few).map(|ran| {
+            let mut value: serde_json::Value = serde_json::from_str(&ran.stdout).expect(&ran.stderr);
+            let tests = value["tests"].as_array_mut().unwrap();
+            tests.iter_mut().for_each(|test| test["seconds"] = 0.into());
+            (ran.code, value["tests"].clone())
+        })
+    };
+    let Some(of_arrays) = found("wo[:, 2]") else { return };
+    assert_eq!(of_arrays.0, 0, "{}", of_arrays.1);
+    assert_eq!(found("wo[2]").unwrap(), of_arrays);
+}
+
 #[test]
 fn a_file_is_compared_with_the_model_that_it_claims_to_be() {
     let right = DIFFUSE.replace("WEIGHT", "albedo");

@@ -40,7 +40,7 @@ def shape_of(width, n="n"):
 
 
 def array_rows(value, name, n, widths):
-    """The rows of an array of `n` rows with as many numbers as one of `widths`."""
+    """An array of `n` rows with as many numbers as one of `widths`."""
     np = numpy()
     try:
         array = np.asarray(value)
@@ -50,9 +50,9 @@ def array_rows(value, name, n, widths):
     if shape[:1] == (n,) and kind not in "fiu":
         raise Refused(f"{name} returned an array of dtype {array.dtype}; wanted real numbers", 2)
     if shape == (n,) and 1 in widths:
-        return array.astype(float)[:, None].tolist()
+        return array.astype(float)[:, None]
     if len(shape) == 2 and shape[0] == n and shape[1] in widths and (shape[1] > 1 or name == "sample"):
-        return array.astype(float).tolist()
+        return array.astype(float)
     wanted = " or ".join(shape_of(width, n) for width in widths)
     if shape == ():
         raise Refused(f"{name} returned one number for {n} samples; wanted an array of shape {wanted}", 1)
@@ -83,14 +83,15 @@ def one_row(value, name, widths):
 
 
 class Call:
-    """A function of the file, written for arrays or for one sample.
+    """A function of the file, written for arrays, for arrays and one `wo`, or for one sample.
 
     Its arguments have as many coordinates as `widths` says. In the file each is one parameter, or all or the last are spread over
     parameters: pdf(w) or pdf(x, y, z), sample(wo, u) or sample(wo, u0, u1). `read` takes what it returns to rows of numbers.
     """
 
-    def __init__(self, function, name, widths, by_arrays, as_numbers, read):
+    def __init__(self, function, name, widths, by_arrays, of_one_wo, as_numbers, read):
         self.function, self.name, self.by_arrays, self.read = function, name, by_arrays, read
+        self.wo = widths[0] if of_one_wo else 0
         count, total = parameters(function, name), sum(widths)
         blocks = [slice(end - width, end) for end, width in zip(accumulate(widths), widths)]
         if count is None or count == len(blocks):
@@ -105,18 +106,32 @@ class Call:
             self.cuts = [cut.start if isinstance(cut, slice) and cut.stop - cut.start == 1 else cut for cut in self.cuts]
 
     def __call__(self, rows):
-        np = numpy()
+        """Its rows of numbers, None for "no sample", of rows of numbers."""
         if self.by_arrays:
-            table = np.array(rows, dtype=float)
-            arguments = [np.ascontiguousarray(table[:, cut]) for cut in self.cuts]
-            try:
-                value = self.function(*arguments)
-            except Exception as error:
-                error.given = f", for {' and '.join(f'an array of shape {a.shape}' for a in arguments)}"
-                raise
-            return self.read(value, True, len(rows))
-        block = np.array if np else list
+            return listed(self.table(numpy().array(rows, dtype=float)))
+        block = numpy().array if numpy() else list
         return [self.one(row, [row[cut] if isinstance(cut, int) else block(row[cut]) for cut in self.cuts]) for row in rows]
+
+    def table(self, table):
+        """What `read` makes of the results for the rows of a table: of one call for all, or for the rows of each `wo`."""
+        np = numpy()
+        arguments = [np.ascontiguousarray(table[:, cut]) for cut in self.cuts]
+        if self.wo:
+            wos = table[:, : self.wo]
+            if (wos != wos[0]).any():
+                order = np.lexsort(wos.T)
+                is_next = (wos[order[1:]] != wos[order[:-1]]).any(axis=1)
+                groups = np.split(order, np.flatnonzero(is_next) + 1)
+                found = {i: row for group in groups for i, row in zip(group.tolist(), listed(self.table(table[group])))}
+                return [found[i] for i in range(len(table))]
+            ends = [cut.stop if isinstance(cut, slice) else cut + 1 for cut in self.cuts]
+            arguments = [a[0] if end <= self.wo else a for a, end in zip(arguments, ends)]
+        try:
+            value = self.function(*arguments)
+        except Exception as error:
+            error.given = f", for {' and '.join(f'an array of shape {a.shape}' for a in arguments)}"
+            raise
+        return self.read(value, True, len(table))
 
     def one(self, row, arguments):
         try:
@@ -129,6 +144,11 @@ class Call:
             error.given += "; random numbers are from 0 to below 1, with 0: use 1 - u where 0 is not allowed" if is_at_zero else ""
             raise
         return self.read(value, False, 1)
+
+
+def listed(found):
+    """Rows of numbers as a list."""
+    return found if isinstance(found, list) else found.tolist()
 
 
 def parameters(function, name):
@@ -156,15 +176,18 @@ def first(attempts):
 
 
 def forms(function, name, widths, read, rows):
-    """Attempts to call a function: for arrays and for one sample, with numbers and with rows of one number."""
+    """Attempts to call a function: for arrays, for arrays and one `wo`, and for one sample; with numbers and with rows of one number."""
 
-    def attempt(by_arrays, as_numbers):
-        call = Call(function, name, widths, by_arrays, as_numbers, read)
-        return call, call(rows)
+    def attempt(by_arrays, of_one_wo, as_numbers):
+        call = Call(function, name, widths, by_arrays, of_one_wo, as_numbers, read)
+        # The same wo, so that a call has as many rows
+        return call, call([rows[0][: call.wo] + row[call.wo :] for row in rows])
 
     numbers = (True, False) if 1 in widths else (False,)
-    arrays = (True, False) if numpy() else (False,)
-    return [lambda a=a, n=n: attempt(a, n) for n in numbers for a in arrays]
+    arrays = [(True, False)] if numpy() else []
+    if numpy() and len(widths) > 1:
+        arrays.append((True, True))
+    return [lambda a=a, n=n: attempt(*a, n) for n in numbers for a in [*arrays, (False, False)]]
 
 
 def expected_width(function, name, width):
@@ -224,7 +247,7 @@ def weighted(read, of_weights):
             wanted = "wanted sample(u) and pdf(w), or a sample that returns (point, weight)"
             raise Refused(f"it has no function pdf; {wanted}, and it returned {repr(value)[:100]}", 2)
         points, weights = read(value[0], by_arrays, n), of_weights(value[1], by_arrays, n)
-        return [[*point, *weight] for point, weight in zip(points, weights)] if by_arrays else [*points, *weights]
+        return numpy().concatenate([points, weights], axis=1) if by_arrays else [*points, *weights]
 
     return read_pair
 
@@ -409,6 +432,7 @@ class BsdfFile:
             )
         )
         self.dimension, (self.sample, _) = first(attempts)
+        self.functions = {"eval": self.value, "pdf": self.pdf, "hits": self.hits}
         words = declaration(module, DECLARED_BY_KIND[self.kind]) + self.cosine() + (["hits=yes"] if self.hits else [])
         if own is None:
             words.insert(0, f"dimension={self.dimension}")
@@ -429,7 +453,7 @@ class BsdfFile:
         names = ("sample", "the weight of sample", "the pdf of sample", "the point of sample")
         if by_arrays:
             parts = [
-                [[]] * n if part is None else array_rows(part, name, n, width)
+                [[]] * n if part is None else array_rows(part, name, n, width).tolist()
                 for part, name, width in zip(value, names, widths)
             ]
             return [list(row) + [[]] * (4 - len(row)) for row in zip(*parts)]
@@ -437,8 +461,8 @@ class BsdfFile:
         return parts + [[]] * (4 - len(parts))
 
     def answer(self, verb, rows):
-        if verb in ("eval", "pdf", "hits"):
-            return {"eval": self.value, "pdf": self.pdf, "hits": self.hits}[verb](rows)
+        if verb in self.functions:
+            return self.functions[verb](rows)
         if verb == "lobes":
             found = self.sample([row + [0.5] * self.dimension for row in rows])
             return [s and [*s[0], (s[2] or [1.0])[0], *(w * (s[2] or [1.0])[0] for w in s[1])] for s in found]
@@ -481,7 +505,7 @@ def met(value, by_arrays, n):
     if not by_arrays:
         row = sum((one_row(part, name, width) for part, name, width in zip(value, names, widths)), [])
         return row if isfinite(row[0]) else None
-    parts = [array_rows(part, name, n, width) for part, name, width in zip(value, names, widths)]
+    parts = [array_rows(part, name, n, width).tolist() for part, name, width in zip(value, names, widths)]
     return [sum(row, []) if isfinite(row[0][0]) else None for row in zip(*parts)]
 
 
@@ -530,6 +554,21 @@ def told(error):
     return f"{place}: {what} ({frames[-1].line}){getattr(error, 'given', '')}"
 
 
+def answers_to(served, verb, n, text):
+    """The lines of the answer to a request of `n` lines, which are millions together: all at once, by functions that Python does not interpret."""
+    function = served.functions.get(verb)
+    if isinstance(function, Call) and function.by_arrays:
+        found = function.table(numpy().fromstring(text, sep=" ").reshape(n, -1))
+        if not isinstance(found, list):
+            return map(" ".join, zip(*(map(float.hex, column) for column in found.T.tolist())))
+    else:
+        numbers = list(map(float, text.split()))
+        width = len(numbers) // n
+        found = served.answer(verb, [numbers[i : i + width] for i in range(0, len(numbers), width)])
+    prefix = "delta " if verb == "sample" and getattr(served, "is_delta", False) else ""
+    return ["none" if row is None else prefix + " ".join(map(float.hex, row)) for row in found]
+
+
 def serve(requests, answers):
     served = None
     for request in requests:
@@ -544,12 +583,7 @@ def serve(requests, answers):
         elif verb == "set":
             lines = served.set(map(float, words))
         else:
-            # Millions of numbers go through these lines: all of them at once, by functions that are not written in Python
-            numbers = list(map(float, "".join(islice(requests, int(words[0]))).split()))
-            width = len(numbers) // int(words[0])
-            rows = [numbers[i : i + width] for i in range(0, len(numbers), width)]
-            prefix = "delta " if verb == "sample" and getattr(served, "is_delta", False) else ""
-            lines = ["none" if row is None else prefix + " ".join(map(float.hex, row)) for row in served.answer(verb, rows)]
+            lines = answers_to(served, verb, int(words[0]), "".join(islice(requests, int(words[0]))))
         answers.write("".join(f"{line}\n" for line in [*lines, "end"]))
         answers.flush()
 
