@@ -25,7 +25,7 @@ const SAMPLES_PER_CHECK: u64 = 4;
 const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
 /// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
 /// moves by 0.025 standard deviations.
-const SLACK: f64 = 0.0025;
+pub const SLACK: f64 = 0.0025;
 /// Share of the pdf that samples may find above what the nodes predict before it is integrated again.
 const MISSED: f64 = 1e-4;
 /// The share of the variance of counts that known standard errors of the integrals, which the test takes into account, may have.
@@ -106,7 +106,7 @@ impl Counting<'_> {
         };
         let mut integration = match leaves {
             Some(leaves) => in_leaves(leaves, leaves.pilot())?,
-            None => Integration::with_parts(domain, density, subdivision, pilot, cancelled)?,
+            None => Integration::with_parts(domain, density, subdivision, all as f64, pilot, cancelled)?,
         };
         if let Integration::Refined(refinement) = &mut integration {
             let found = refinement.check(pilot.len() as u64, seed, stream)?.found;

@@ -252,7 +252,7 @@ impl Places<'_> {
                     let wanted = Wanted { subdivision, samples: samples as f64, known: leaves.pilot(), seed, stream };
                     Integration::Lattices(Lattices::new(leaves, density, &wanted, cancelled)?)
                 }
-                None => Integration::new(domain, density, self.grid, pilot, cancelled)?,
+                None => Integration::new(domain, density, self.grid, f64::INFINITY, pilot, cancelled)?,
             };
             if let Integration::Refined(refinement) = &mut integration {
                 let found = refinement.check(PILOT, seed, streams(round, 2)[1])?.found;

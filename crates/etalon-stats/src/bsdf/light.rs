@@ -256,7 +256,7 @@ pub fn integrate(
         return by_random_points(&light, grid, points);
     }
     let probes = light.probes(pilot)?;
-    let mut integration = Integration::new(&domain, &light, grid, &probes, subject.protocol.cancelled)?;
+    let mut integration = Integration::new(&domain, &light, grid, f64::INFINITY, &probes, subject.protocol.cancelled)?;
     let (mut differences, mut chance, mut invalid) = (vec![[0.0; 2]; grid.len()], 0.0, None);
     let mut missed = MissedLight { cells: vec![0.0; grid.len()], deviation: 0.0, largest: 0.0 };
     if let Integration::Refined(refinement) = &mut integration {

@@ -30,8 +30,8 @@ use crate::sampler::Density;
 pub struct Integrals {
     /// The integrals, in the order of the grid's cells.
     pub values: Vec<f64>,
-    /// Estimates of the errors: Σ |K − G| over a cell's pieces, or more where the density is known to differ from what the
-    /// nodes predict; 0 for exact sums.
+    /// Estimates of the errors: the root of Σ (K − G)² over a cell's pieces, whose errors have either sign, or more where the density is
+    /// known to differ from what the nodes predict; 0 for exact sums. Random points check what the pieces have in common.
     pub errors: Vec<f64>,
     /// The first value of the density that is negative or not finite, nor finite beside a single point.
     pub invalid: Option<InvalidPdf>,
@@ -94,15 +94,16 @@ pub(crate) enum Integration<'a> {
 }
 
 impl<'a> Integration<'a> {
-    /// Integrates `density` over the cells of `grid`, given its values at `probes`.
+    /// Integrates `density` over the cells of `grid`, given its values at `probes`, to compare the integrals with counts of `samples` samples.
     pub fn new(
         domain: &'a dyn Domain,
         density: &'a dyn Density,
         grid: &'a Grid,
+        samples: f64,
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
-        Self::with_parts(domain, density, &Subdivision::coarse(grid), probes, cancelled)
+        Self::with_parts(domain, density, &Subdivision::coarse(grid), samples, probes, cancelled)
     }
 
     /// [`Integration::new`] over the cells of the grid of `subdivision`, of which [`shares`](Self::shares) may be asked.
@@ -110,6 +111,7 @@ impl<'a> Integration<'a> {
         domain: &'a dyn Domain,
         density: &'a dyn Density,
         subdivision: &Subdivision<'a>,
+        samples: f64,
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
@@ -120,7 +122,7 @@ impl<'a> Integration<'a> {
                 let (integrals, shares) = steps::sums(domain, density, subdivision, &steps, cancelled)?;
                 Self::Exact(integrals, shares)
             }
-            None => Self::Refined(Refinement::new(domain, density, subdivision.grid, probes, cancelled)?),
+            None => Self::Refined(Refinement::new(domain, density, subdivision.grid, samples, probes, cancelled)?),
         })
     }
 
@@ -157,7 +159,7 @@ impl<'a> Integration<'a> {
 /// # Errors
 /// Those of the density, which is also how to end this early.
 pub fn integrate(domain: &dyn Domain, density: &dyn Density, grid: &Grid) -> Result<Integrals> {
-    Ok(Integration::new(domain, density, grid, &[], || false)?.integrals())
+    Ok(Integration::new(domain, density, grid, f64::INFINITY, &[], || false)?.integrals())
 }
 
 /// The first of `values` that is negative or not finite.
@@ -173,6 +175,7 @@ mod tests {
     use crate::grid::Cell;
     use crate::sampler::density;
     use crate::testing::{combine, dot, ggx_visible, ggx_visible_pdf, normalize, tangents};
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn total(integrals: &Integrals) -> (f64, f64) {
         (integrals.values.iter().sum(), integrals.errors.iter().sum())
@@ -230,7 +233,7 @@ mod tests {
         assert!(blind < 0.5, "{blind}");
         for grid in [Grid::equal([10, 20], None), Grid::adapted(&pilot, [10, 20], Cell::WHOLE, None)] {
             let (value, error) =
-                total(&Integration::new(&domain, &lobe, &grid, &probes, || false).unwrap().integrals());
+                total(&Integration::new(&domain, &lobe, &grid, f64::INFINITY, &probes, || false).unwrap().integrals());
             assert!((value - 1.0).abs() < 1e-6 + error && error < 1e-4, "{value} {error}");
         }
     }
@@ -250,7 +253,7 @@ mod tests {
             };
             let probes: Vec<Probe> = (0..1 << 14).map(probe).collect();
             let (visible, grid) = (density(pdf), Grid::equal([10, 20], None));
-            let integration = Integration::new(&domain, &visible, &grid, &probes, || false).unwrap();
+            let integration = Integration::new(&domain, &visible, &grid, f64::INFINITY, &probes, || false).unwrap();
             let (value, error) = total(&integration.integrals());
             // What holds fewer than four probes of the pilot may still be missed.
             assert!((value - 1.0).abs() < 5e-5 && error < 5e-5, "{alpha}: {value} {error}");
@@ -284,7 +287,7 @@ mod tests {
         let (from, width) = (0.518_05, 1e-4);
         let strip = density(move |[x, _]: [f64; 2]| if (from..from + width).contains(&x) { 1.9 } else { 1.0 });
         let grid = Grid::equal([10, 20], None);
-        let mut refinement = Refinement::new(&Square, &strip, &grid, &[], || false).unwrap();
+        let mut refinement = Refinement::new(&Square, &strip, &grid, f64::INFINITY, &[], || false).unwrap();
         assert!((total(&refinement.integrals()).0 - 1.0).abs() < 1e-12, "no rule sees it");
         let check = refinement.check(1 << 18, 1, 0).unwrap();
         let mean = check.reach * (check.total(0) - check.total(1)) / check.count as f64;
@@ -295,5 +298,24 @@ mod tests {
         refinement.learn(&check.found).unwrap();
         let (value, error) = total(&refinement.integrals());
         assert!((1.0 + 1e-6..1.0 + 0.9 * width + error).contains(&value), "{value} {error}");
+    }
+
+    #[test]
+    fn edges_take_as_many_values_as_the_samples_need() {
+        let asked = AtomicUsize::new(0);
+        let triangle = density(|[x, y]: [f64; 2]| {
+            asked.fetch_add(1, Ordering::Relaxed);
+            let (a, b) = ((0.8125 * (x - 0.1) - 0.25 * (y - 0.1)) / 0.6, (0.8 * (y - 0.1) - 0.15 * (x - 0.1)) / 0.6);
+            f64::from(u8::from(a >= 0.0 && b >= 0.0 && a + b <= 1.0))
+        });
+        let (area, grid) = (0.18 / 0.6125, Grid::equal([10, 20], None));
+        let values = [1e4, f64::INFINITY].map(|samples| {
+            let before = asked.load(Ordering::Relaxed);
+            let integrals = Integration::new(&Square, &triangle, &grid, samples, &[], || false).unwrap().integrals();
+            let (value, error) = total(&integrals);
+            assert!((value - area).abs() < error && error < 3e-4, "{value} ± {error}");
+            asked.load(Ordering::Relaxed) - before
+        });
+        assert!(8 * values[0] < values[1], "{values:?}");
     }
 }

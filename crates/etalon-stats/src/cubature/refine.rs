@@ -3,10 +3,12 @@
 use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
+use crate::counting::SLACK;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
+use crate::power::FEWEST;
 use crate::sampler::Density;
 use rayon::prelude::*;
 
@@ -15,6 +17,8 @@ const BUDGET: usize = 1 << 22;
 /// The share of a cell's integral, or of an average cell's, that its error should stay below. 200 cells then leave the whole
 /// uncertain by 5·10⁻⁵ at most.
 const PRECISION: f64 = 2.5e-5;
+/// Or the noncentrality that it may add to the chi-square statistic of the samples: a sixteenth of what [`SLACK`] allows for all errors.
+const NONCENTRALITY: f64 = SLACK / 16.0;
 
 /// The probes of a cell are evenly distributed if each half of them fills at least this share of it along each axis.
 const EVEN: f64 = 0.35;
@@ -24,6 +28,8 @@ pub(crate) struct Refinement<'a> {
     pub(super) domain: &'a dyn Domain,
     pub(super) density: &'a dyn Density,
     pub(super) grid: &'a Grid,
+    /// The number of samples whose counts the integrals are compared with; infinite where they are compared with something else.
+    samples: f64,
     /// The rectangles that the rules are applied to; together they fill all cells.
     pub(super) pieces: Vec<Piece>,
     /// For each cell the density that all of its pieces are expected to reach.
@@ -46,11 +52,12 @@ fn around(probes: &[Probe]) -> Cell {
 }
 
 impl<'a> Refinement<'a> {
-    /// Integrates over the cells of `grid`, knowing the density at `probes`.
+    /// Integrates over the cells of `grid`, knowing the density at `probes`, to compare the integrals with counts of `samples` samples.
     pub fn new(
         domain: &'a dyn Domain,
         density: &'a dyn Density,
         grid: &'a Grid,
+        samples: f64,
         probes: &[Probe],
         cancelled: Cancelled,
     ) -> Result<Self> {
@@ -59,6 +66,7 @@ impl<'a> Refinement<'a> {
             domain,
             density,
             grid,
+            samples,
             pieces,
             reach: Vec::new(),
             tree,
@@ -96,10 +104,10 @@ impl<'a> Refinement<'a> {
 
     /// The integrals as they are known so far.
     pub fn integrals(&self) -> Integrals {
-        let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
+        let (mut values, mut errors) = (vec![0.0; self.grid.len()], vec![0.0f64; self.grid.len()]);
         for piece in &self.pieces {
             values[piece.part.cell] += piece.integral;
-            errors[piece.part.cell] += piece.error();
+            errors[piece.part.cell] = errors[piece.part.cell].hypot(piece.error());
         }
         Integrals { values, errors, invalid: self.invalid }
     }
@@ -234,19 +242,21 @@ impl<'a> Refinement<'a> {
         self.evaluations = 0;
         while self.evaluations < BUDGET && self.invalid.is_none() {
             // Integral, error and number of pieces of each cell decide which errors are too large.
-            let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0; cells], vec![0usize; cells]);
+            let (mut values, mut errors, mut counts) = (vec![0.0; cells], vec![0.0f64; cells], vec![0usize; cells]);
             for piece in &self.pieces {
                 values[piece.part.cell] += piece.integral;
                 counts[piece.part.cell] += 1;
-                errors[piece.part.cell] += piece.error();
+                errors[piece.part.cell] = errors[piece.part.cell].hypot(piece.error());
             }
             let average = values.iter().sum::<f64>() / cells as f64;
-            let allowed: Vec<f64> = values.iter().map(|value| PRECISION * (value + average)).collect();
+            let of_samples = |value: f64| (NONCENTRALITY * value.at_least(FEWEST / self.samples) / self.samples).sqrt();
+            let allowed = values.iter().map(|&value| (PRECISION * (value + average)).at_least(of_samples(value)));
+            let allowed: Vec<f64> = allowed.collect();
             // Isolate spikes first: until then the estimated errors mean nothing.
             let spikes = self.pieces.iter().any(|piece| piece.error().is_infinite());
             let is_coarse = |piece: &Piece| {
                 let (cell, error) = (piece.part.cell, piece.error());
-                let large = errors[cell] > allowed[cell] && error > 0.5 * allowed[cell] / counts[cell] as f64;
+                let large = errors[cell] > allowed[cell] && error > 0.5 * allowed[cell] / (counts[cell] as f64).sqrt();
                 if spikes { error.is_infinite() } else { large }
             };
             let plane = self.domain.is_plane();

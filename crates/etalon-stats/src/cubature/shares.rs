@@ -188,7 +188,7 @@ mod tests {
         let grid = Grid::equal([3, 4], None);
         let pilot: Vec<[f64; 2]> = (0..1000).map(|i| [f64::from(i) / 1000.0; 2]).collect();
         let subdivision = Subdivision::new(&grid, true, &pilot, 1 << 18);
-        let integration = Integration::with_parts(&Square, &f, &subdivision, &[], || false).unwrap();
+        let integration = Integration::with_parts(&Square, &f, &subdivision, f64::INFINITY, &[], || false).unwrap();
         let shares = integration.shares(&subdivision);
         for (axis, values) in shares.values.axes.iter().enumerate() {
             for (ends, value) in subdivision.axes[axis].ends().windows(2).zip(values) {
@@ -215,8 +215,9 @@ mod tests {
         let stairs = density(|x: f64| if x < 0.3 { 2.0 } else { 4.0 / 7.0 }).with_steps([vec![0.3], vec![]]);
         let grid = Grid::equal([5, 1], None);
         let subdivision = Subdivision::new(&grid, false, &[], 1 << 12);
-        let shares =
-            Integration::with_parts(&Line::UNIT, &stairs, &subdivision, &[], || false).unwrap().shares(&subdivision);
+        let shares = Integration::with_parts(&Line::UNIT, &stairs, &subdivision, f64::INFINITY, &[], || false)
+            .unwrap()
+            .shares(&subdivision);
         for (ends, value) in subdivision.axes[0].ends().windows(2).zip(&shares.values.axes[0]) {
             let below = |x: f64| if x < 0.3 { 2.0 * x } else { 0.6 + (x - 0.3) * 4.0 / 7.0 };
             assert!((value - (below(ends[1]) - below(ends[0]))).abs() < 1e-15);
