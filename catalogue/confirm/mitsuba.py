@@ -7,11 +7,15 @@ Each case prints what was found beside what would be right. Needs LLVM, as packa
 """
 
 import sys
+from pathlib import Path
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from scipy import special
+
+sys.path.append(str(Path(__file__).parents[1]))
+from plugins import BSDFS
 
 mi.set_variant("llvm_ad_rgb")
 dr.set_thread_count(1)
@@ -37,7 +41,9 @@ def grid(thetas=600, phis=900):
 
 def surface(wo):
     si = dr.zeros(mi.SurfaceInteraction3f)
-    si.wi, si.uv, si.sh_frame = mi.Vector3f(*map(float, wo)), mi.Point2f(0.5, 0.5), mi.Frame3f(mi.Vector3f(0, 0, 1))
+    si.wi, si.uv, si.n = mi.Vector3f(*map(float, wo)), mi.Point2f(0.5, 0.5), mi.Normal3f(0, 0, 1)
+    si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
+    si.sh_frame = mi.Frame3f(si.dp_du, si.dp_dv, si.n)
     return si
 
 
@@ -193,19 +199,56 @@ def nan():
         print(f"GGX.sample({u}) = {normals.sample(mi.Vector3f(0.48, 0.36, 0.8), mi.Point2f(*u))[0]}")
 
 
+def rows(function, *arguments):
+    """What a function of Mitsuba's numbers, points and vectors returns, a row for each row of the arguments, in the variant that is set."""
+    kinds = [(mi.Float, mi.Point2f, mi.Vector3f)[a.shape[1] - 1] for a in arguments]
+    if dr.is_jit_v(mi.Float):
+        found = [np.array(x, float).T for x in function(*(kind(a.T.astype(np.float32).squeeze()) for kind, a in zip(kinds, arguments)))]
+        return [np.broadcast_to(x, (len(arguments[0]), *x.shape[1:])) for x in found]
+    found = [function(*(kind(*row) for kind, row in zip(kinds, each))) for each in zip(*(a.tolist() for a in arguments))]
+    return [np.array(column, float) for column in zip(*found)]
+
+
 def variants():
-    """The largest difference of `eval` and `pdf` between scalar_rgb and llvm_ad_rgb at 60 pairs of directions."""
-    names = {n: {"type": n, "alpha": 0.3} for n in ("roughconductor", "roughdielectric", "roughplastic")}
-    names |= {n: {"type": n} for n in ("diffuse", "plastic", "principled", "principledthin", "hair")}
-    a, b = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in RANDOM.standard_normal((2, 60, 3)))
-    for name, dictionary in names.items():
-        found = []
-        for variant in ("scalar_rgb", "llvm_ad_rgb"):
-            mi.set_variant(variant)
-            plugin = mi.load_dict(dictionary)
-            found.append(np.array([[np.ravel(plugin.eval(mi.BSDFContext(), surface(x), mi.Vector3f(*map(float, y))))[0], np.ravel(plugin.pdf(mi.BSDFContext(), surface(x), mi.Vector3f(*map(float, y))))[0]] for x, y in zip(a, b)]))  # fmt: skip
-        difference = np.abs(found[0] - found[1]) / np.maximum(np.abs(found[0]), 1e-4)
-        print(f"{name}: eval {difference[:, 0].max():.2g}, pdf {difference[:, 1].max():.2g} relative, {(difference[:, 1] > 0.01).sum()} of 60 pdfs differ")
+    """Every BSDF of packages/mitsuba.py in scalar_rgb and llvm_ad_rgb: sample() of the same random numbers, eval() and pdf() at the same directions.
+
+    wo is at 0° to 150°. Differences are relative, of values and weights to at least 0.1 % of the greatest, of pdfs to at least 0.001; the first number is that which 0.1 % exceed.
+    """
+    count, random = 1000, np.random.default_rng(7)
+    u = np.clip(random.random((count, 3)), 2**-23, 1 - 2**-24)
+    d = random.standard_normal((count, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    names = ("direction", "weight", "sample's pdf", "value", "pdf")
+    worst = dict.fromkeys(names, (0.0, ""))
+    for each in BSDFS:
+        differences, apart, total = {name: [] for name in names}, 0, 0
+        for angle in (0, 30, 60, 85, 110, 150):
+            found, at = [], None
+            for variant in ("llvm_ad_rgb", "scalar_rgb"):
+                mi.set_variant(variant)
+                plugin, si, context = mi.load_dict(each.make()), surface(direction(angle)), mi.BSDFContext()
+
+                def sample(lobe, more):
+                    bs, weight = plugin.sample(context, si, lobe, more)
+                    return bs.wo, weight, bs.pdf, bs.sampled_component, bs.sampled_type, bs.eta
+
+                samples = rows(sample, u[:, :1], u[:, 1:])
+                # Half of the directions are those of samples
+                at = np.concatenate([d, samples[0][(samples[1] != 0).any(1)]]) if at is None else at
+                found.append(samples + rows(lambda w: (plugin.eval(context, si, w), plugin.pdf(context, si, w)), at))
+            (wi, weight, carried, *kind, value, pdf), (wi2, weight2, carried2, *kind2, value2, pdf2) = found
+            valid, valid2 = (weight != 0).any(1), (weight2 != 0).any(1)
+            same = valid & valid2 & np.all([np.abs(x - y) < 1e-5 for x, y in zip(kind, kind2)], axis=0)
+            total, apart = total + count, apart + (~same & (valid | valid2)).sum()
+            floor = lambda x: 1e-3 * np.abs(x).max(initial=1e-30)
+            pairs = ((wi[same], wi2[same], 1), (weight[same], weight2[same], floor(weight)), (carried[same], carried2[same], 1e-3), (value, value2, floor(value)), (pdf, pdf2, 1e-3))
+            for name, (x, y, least) in zip(names, pairs):
+                relative = np.abs(x - y) / np.maximum(np.maximum(np.abs(x), np.abs(y)), least)
+                differences[name].append(relative.max(axis=tuple(range(1, x.ndim)), initial=0))
+        joined = {name: np.concatenate(all_of) for name, all_of in differences.items()}
+        worst = {name: max(worst[name], (x.max(initial=0), each.name)) for name, x in joined.items()}
+        print(f"{each.name}: {apart} of {total} samples fail or have another component, type or eta in one variant; " + ", ".join(f"{name} {np.quantile(x, 0.999) if len(x) else 0:.1g} to {x.max(initial=0):.1g}" + (f" ({(x > 0.01).sum()} above 1 %)" if (x > 0.01).any() else "") for name, x in joined.items()))  # fmt: skip
+    print("all: " + ", ".join(f"{name} to {most:.1g} ({where})" for name, (most, where) in worst.items()))
 
 
 def positions():

@@ -4,10 +4,9 @@
 """Mitsuba 3: BSDFs, phase functions, emitters, textures, warps, microfacet normals, distributions and spectra, in two variants each.
 
 The vectorized variants want LLVM 16 or newer (DRJIT_LIBLLVM_PATH). Names begin with the variant: scalar_rgb, llvm_ad_rgb and, for
-spectra, scalar_spectral, llvm_ad_spectral. BSDFs run in llvm_ad_rgb, for the time of it: confirm/mitsuba.py compares all of their values
-with those of scalar_rgb. Not subjects: emitters in delta directions or
-at points (point, spot, directional, directionalarea, projector), BSDFs of polarized light, and `measured`, whose data are not part of
-the package.
+spectra, scalar_spectral, llvm_ad_spectral. BSDFs run in llvm_ad_rgb, for the time of it: `confirm/mitsuba.py variants` compares the samples
+of equal random numbers, values and pdfs of all of them with those of scalar_rgb. Not subjects: emitters in delta directions or at points (point,
+spot, directional, directionalarea, projector), BSDFs of polarized light, and `measured`, whose data are not part of the package.
 """
 
 import importlib
@@ -20,6 +19,7 @@ import mitsuba as mi
 import numpy as np
 
 from entry import Entry, bsdf, run, sampler
+from plugins import BSDFS, bitmap, noise
 
 VARIANTS = ("scalar_rgb", "llvm_ad_rgb")
 OBLIQUE, GRAZING = (0.48, 0.36, 0.8), (-0.7, 0.68, 0.218)
@@ -43,76 +43,10 @@ def samplers(name, domain, make, variants=VARIANTS, **options):
     return [lazily(variant, name, domain, make, wrap, **({"detect": 0.1} if variant.startswith("scalar") else {}) | options) for variant in variants]
 
 
-def bsdfs(name, dictionary, variants=VARIANTS[1:], zero=False, control="", **declared):
-    wrap = lambda name, make, options: bsdf(name, etalon.bsdf(make(), zero=zero, **declared), **options)
-    make = dictionary if callable(dictionary) else lambda: {"type": name.split(",")[0]} | dictionary
+def bsdfs(name, make, variants=VARIANTS[1:], control="", **declared):
+    wrap = lambda name, make, options: bsdf(name, etalon.bsdf(make(), **declared), **options)
     return [lazily(variant, name, "bsdf", make, wrap, control, detect=0.1) for variant in variants]
 
-
-def rgb(value):
-    return {"type": "rgb", "value": value}
-
-
-GLASS, DIFFUSE = {"int_ior": 1.5, "ext_ior": 1.0}, {"type": "diffuse", "reflectance": rgb([0.2, 0.5, 0.8])}
-METAL = {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"}
-SHEET = {"base_color": rgb([0.2, 0.5, 0.8]), "roughness": 0.4}
-
-
-def noise(shape, seed=1, power=1.0):
-    return (np.random.default_rng(seed).random(shape) ** power).astype(np.float32)
-
-
-def bitmap(channels=1, **options):
-    return {"type": "bitmap", "bitmap": mi.Bitmap(noise((5, 7, channels))), "raw": True} | options
-
-
-def tilted(name):
-    return lambda: {
-        "bumpmap": {"type": "bumpmap", "arbitrary": bitmap(wrap_mode="clamp"), "scale": 0.1, "bsdf": DIFFUSE},
-        "normalmap": {"type": "normalmap", "normalmap": {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(np.full((2, 2, 3), [0.65, 0.55, 0.95], np.float32))}, "bsdf": DIFFUSE},
-    }[name]  # fmt: skip
-
-
-BSDFS = [
-    *bsdfs("diffuse", {"reflectance": rgb([0.2, 0.5, 0.8])}),
-    *(bsdfs(f"roughconductor, {d}, alpha {a}", {"distribution": d, "alpha": a}) for d in ("ggx", "beckmann") for a in (0.05, 0.3, 0.7)),
-    *(bsdfs(f"roughconductor, {d}, all normals", {"distribution": d, "alpha": 0.3, "sample_visible": False}) for d in ("ggx", "beckmann")),
-    bsdfs("roughconductor, ggx, alpha 0.1 0.5", {"distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.5}),
-    bsdfs("roughconductor, ggx, with 0", {"distribution": "ggx", "alpha": 0.3}, zero=True),
-    *(bsdfs(f"roughdielectric, {d}, alpha {a}", {"distribution": d, "alpha": a, **GLASS}) for d in ("ggx", "beckmann") for a in (0.1, 0.4)),
-    bsdfs("roughdielectric, ggx, from dense", {"distribution": "ggx", "alpha": 0.3, "int_ior": 1.0, "ext_ior": 1.5}),
-    bsdfs("roughdielectric, ggx, all normals", {"distribution": "ggx", "alpha": 0.3, "sample_visible": False, **GLASS}),
-    bsdfs("roughdielectric, ggx, alpha 0.1 0.5", {"distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.5, **GLASS}),
-    bsdfs("roughdielectric, tinted", {"distribution": "ggx", "alpha": 0.3, "specular_reflectance": 0.3, "specular_transmittance": 0.9, **GLASS}),
-    *(bsdfs(f"roughplastic, {d}", {"distribution": d, "alpha": 0.3, **GLASS}) for d in ("ggx", "beckmann")),
-    bsdfs("roughplastic, nonlinear", {"distribution": "beckmann", "alpha": 0.1, "nonlinear": True, "diffuse_reflectance": rgb([0.2, 0.5, 0.8]), **GLASS}),
-    bsdfs("plastic", GLASS),
-    bsdfs("plastic, nonlinear", {"nonlinear": True, "diffuse_reflectance": rgb([0.2, 0.5, 0.8]), **GLASS}),
-    bsdfs("dielectric", GLASS),
-    bsdfs("dielectric, tinted", {"specular_reflectance": 0.3, "specular_transmittance": 0.9, **GLASS}),
-    bsdfs("thindielectric", GLASS),
-    bsdfs("conductor", {}),
-    bsdfs("null", {}),
-    bsdfs("principled, opaque", SHEET),
-    bsdfs("principled, metallic anisotropic", SHEET | {"metallic": 0.7, "anisotropic": 0.6, "spec_tint": 0.3}),
-    bsdfs("principled, transmission", SHEET | {"spec_trans": 0.6, "eta": 1.5}),
-    bsdfs("principled, clearcoat sheen", SHEET | {"clearcoat": 0.8, "clearcoat_gloss": 0.3, "sheen": 0.6, "sheen_tint": 0.4, "flatness": 0.5}),
-    bsdfs("principledthin", SHEET | {"spec_trans": 0.4, "diff_trans": 0.7, "eta": 1.5}),
-    bsdfs("principledthin, flat sheen", SHEET | {"diff_trans": 1.2, "flatness": 0.5, "sheen": 0.6, "anisotropic": 0.5}),
-    bsdfs("blendbsdf, diffuse and metal", {"weight": 0.3, "a": DIFFUSE, "b": METAL}),
-    bsdfs("blendbsdf, diffuse and metal, with 0", {"weight": 0.3, "a": DIFFUSE, "b": METAL}, zero=True),
-    bsdfs("blendbsdf, metal and mirror", {"weight": 0.4, "a": METAL, "b": {"type": "conductor"}}),
-    bsdfs("blendbsdf, diffuse and glass", {"weight": 0.4, "a": DIFFUSE, "b": {"type": "dielectric", **GLASS}}, eta=1.5),
-    bsdfs("mask, diffuse", {"opacity": 0.3, "nested": DIFFUSE}),
-    bsdfs("mask, metal", {"opacity": 0.7, "nested": METAL}),
-    bsdfs("mask, plastic", {"opacity": 0.7, "nested": {"type": "plastic", **GLASS}}),
-    bsdfs("twosided, two", {"front": DIFFUSE, "back": METAL}),
-    bsdfs("twosided, plastic", {"front": {"type": "plastic", **GLASS}}),
-    bsdfs("bumpmap", tilted("bumpmap"), reciprocal=False),
-    bsdfs("normalmap", tilted("normalmap"), reciprocal=False),
-    *(bsdfs(f"hair, {long} {azimuth} {tilt}", {"longitudinal_roughness": long, "azimuthal_roughness": azimuth, "scale_tilt": tilt}, reciprocal=False)
-      for long, azimuth, tilt in ((0.3, 0.3, 2.0), (0.7, 0.5, 0.0), (0.2, 0.9, 5.0))),
-]  # fmt: skip
 
 SGGX = {"round": (0.5, 0.5, 0.5, 0, 0, 0), "flat": (0.05, 0.3, 1.0, 0.02, 0.05, 0.1), "fibre": (1.0, 1.0, 0.05, 0, 0, 0)}
 sggx = lambda s: {"type": "sggx", "S": {"type": "gridvolume", "grid": mi.VolumeGrid(np.tile(np.array(SGGX[s], np.float32), (2, 2, 2, 1)))}}
@@ -246,8 +180,8 @@ def wrong_cosine():
 ENTRIES = [
     *samplers("control/cosine", "hemisphere", lambda: etalon.warp("square_to_cosine_hemisphere", domain="hemisphere"), control="right"),
     *samplers("control/cosine with a uniform pdf", "hemisphere", wrong_cosine, control="wrong"),
-    *bsdfs("diffuse, control", {}, control="right"),
-    *bsdfs("diffuse, control, said to be white", {}, control="wrong", energy="conserved:0.01"),
+    *bsdfs("diffuse, control", lambda: {"type": "diffuse"}, control="right"),
+    *bsdfs("diffuse, control, said to be white", lambda: {"type": "diffuse"}, control="wrong", energy="conserved:0.01"),
     *(samplers(f"warp {name} {' '.join(map(str, a))}".strip(), domain, lambda name=name, domain=domain, a=a: etalon.warp(f"square_to_{name}", *a, domain=domain)) for name, domain, *a in WARPS),
     *(samplers(f"warp uniform_cone {c}", "sphere", lambda c=c: cone(c), convention=ASKED) for c in (0.3, 0.99)),
     samplers("warp uniform_spherical_lune", "sphere", lune, convention=ASKED),
@@ -268,7 +202,7 @@ ENTRIES = [
     *(samplers(f"{kind} distribution", "interval:1,4", lambda kind=kind: line(kind)) for kind in ("regular", "irregular")),
     samplers("DiscreteDistribution", "discrete:5", discrete),
     *(samplers(f"spectrum {name}", "interval:360,830", lambda plugin=plugin: spectrum(plugin), ("scalar_spectral", "llvm_ad_spectral")) for name, plugin in SPECTRA.items()),
-    *BSDFS,
+    *(bsdfs(each.name, each.make, **each.declared) for each in BSDFS),
 ]  # fmt: skip
 
 # What Mitsuba's own code prints goes to standard error
