@@ -264,7 +264,36 @@ def positions():
             print(f"{kind}, {wrap}: {np.mean(np.abs(carried - asked) > 0.01 * asked):.2e} of samples differ by more than 1 %, the median difference is {100 * np.median(np.abs(carried / asked - 1)):.1f} %")
 
 
-CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants, positions]
+def blends():
+    """blendbsdf and blendphase of two smooth parts, in 3.7.1 and since: the pdf that samples carry over the one that is asked for, their weights, and light of a constant map by light samples (asked) and by samples (carried) with the power heuristic."""
+    metal = {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"}
+    plugin = mi.load_dict({"type": "blendbsdf", "weight": 0.3, "a": {"type": "diffuse"}, "b": metal})
+    d, solid = grid()
+    share = lambda a, b: a * a / (a * a + b * b)
+    map_pdf = 0.25 / np.pi
+
+    def report(name, f, pdf, carried, asked, weight):
+        right = (f * solid).sum()
+        both = (f * solid * share(map_pdf, pdf)).sum() + (weight * share(carried, map_pdf)).mean()
+        apart = np.abs(carried - asked) > 0.01 * asked
+        print(f"{name}: {apart.mean():.4f} of samples differ by more than 1 %, in the median by {100 * np.median(np.abs(carried / asked - 1)):.1f} %; E[weight] {weight.mean():.4f}, integral of the value {right:.4f}; light {100 * (both / right - 1):+.2f} %")
+
+    for angle in (0, 30, 60):
+        f, pdf = values(plugin, direction(angle), d)
+        bs, wi, weight = drawn(plugin, direction(angle), 500_000)
+        valid = (weight != 0).any(1)
+        report(f"blendbsdf {angle}°", f[:, 0], pdf, np.where(valid, bs.pdf, 1), np.where(valid, values(plugin, direction(angle), wi)[1], 1), weight[:, 0])
+    plugin, context = mi.load_dict({"type": "blendphase", "weight": 0.3, "a": {"type": "hg", "g": 0.7}, "b": {"type": "rayleigh"}}), mi.PhaseFunctionContext()
+    point = dr.zeros(mi.MediumInteraction3f)
+    point.wi = mi.Vector3f(0.48, 0.36, 0.8)
+    point.sh_frame = mi.Frame3f(point.wi)
+    u = RANDOM.random((3, 500_000)).astype(np.float32)
+    wo, weight, carried = plugin.sample(context, point, mi.Float(u[0]), mi.Point2f(u[1:]))
+    f, pdf = (np.array(x) for x in plugin.eval_pdf(context, point, vectors(d)))
+    report("blendphase", f[0], pdf, np.array(carried), np.array(plugin.eval_pdf(context, point, wo)[1]), np.array(weight)[0] * np.ones(500_000))
+
+
+CASES = [all_normals, rough_fiber, blend_delta, blend_glass, integrals, energy, thin_reciprocity, sggx, envmap, hair, nan, variants, positions, blends]
 for case in CASES:
     if len(sys.argv) == 1 or case.__name__ in sys.argv[1:]:
         print(f"\n{case.__name__}: {case.__doc__}")

@@ -12,6 +12,29 @@ use rand_distr::Distribution;
 use statrs::distribution::{self as s, Continuous, Discrete};
 use statrs::function::gamma::ln_gamma;
 
+// What is called otherwise in rand_distr 0.4, which packages/rand_distr-0.4.3.toml asks for by the feature
+#[cfg(feature = "old")]
+mod api {
+    pub use rand_distr::weighted_alias::WeightedAliasIndex;
+    pub fn pert(low: f64, high: f64, mode: f64) -> rand_distr::Pert<f64> {
+        rand_distr::Pert::new(low, high, mode).unwrap()
+    }
+    pub fn zipf(n: f64, a: f64) -> rand_distr::Zipf<f64> {
+        rand_distr::Zipf::new(n as u64, a).unwrap()
+    }
+}
+
+#[cfg(not(feature = "old"))]
+mod api {
+    pub use rand_distr::weighted::WeightedAliasIndex;
+    pub fn pert(low: f64, high: f64, mode: f64) -> rand_distr::Pert<f64> {
+        rand_distr::Pert::new(low, high).with_mode(mode).unwrap()
+    }
+    pub fn zipf(n: f64, a: f64) -> rand_distr::Zipf<f64> {
+        rand_distr::Zipf::new(n, a).unwrap()
+    }
+}
+
 struct Case {
     name: String,
     domain: String,
@@ -87,10 +110,10 @@ fn cases() -> Vec<Case> {
         let law = s::Pareto::new(m, a).unwrap();
         case!(format!("Pareto({m}, {a})"), format!("half-line:{m},{m}"), r::Pareto::new(m, a).unwrap(), |x| law.pdf(x));
     }
-    for (low, high, mode) in [(0.0, 5.0, 2.5), (-1.0, 3.0, 2.9)] {
+    for (low, high, mode) in [(0.0, 5.0, 2.5), (-1.0, 3.0, 2.9), (0.1, 0.7, 0.4)] {
         let (a, b) = (1.0 + 4.0 * (mode - low) / (high - low), 1.0 + 4.0 * (high - mode) / (high - low));
         let law = s::Beta::new(a, b).unwrap();
-        case!(format!("Pert({low}, {high}, {mode})"), format!("interval:{low},{high}"), r::Pert::new(low, high).with_mode(mode).unwrap(), |x| {
+        case!(format!("Pert({low}, {high}, {mode})"), format!("interval:{low},{high}"), api::pert(low, high, mode), |x| {
             law.pdf((x - low) / (high - low)) / (high - low)
         });
     }
@@ -110,7 +133,7 @@ fn cases() -> Vec<Case> {
         case!(format!("Geometric({p})"), "discrete:2000", r::Geometric::new(p).unwrap(), |x| p * (1.0 - p).powf(x));
     }
     case!("StandardGeometric", "discrete:64", r::StandardGeometric, |x| 0.5f64.powf(x + 1.0));
-    for (total, good, n) in [(60, 20, 15), (800, 300, 399), (5000, 2000, 400)] {
+    for (total, good, n) in [(60, 20, 15), (100, 50, 49), (800, 300, 399), (5000, 2000, 400)] {
         // By logarithms: the binomials of 5000 are beyond f64
         let ln_binomial = |n: u64, k: f64| ln_gamma(n as f64 + 1.0) - ln_gamma(k + 1.0) - ln_gamma(n as f64 - k + 1.0);
         let (bad, of_all) = (total - good, ln_binomial(total, n as f64));
@@ -123,15 +146,17 @@ fn cases() -> Vec<Case> {
     for m in [0.3, 9.9, 12.1, 400.0, 3000.0] {
         case!(format!("Poisson({m})"), "discrete:5000", r::Poisson::new(m).unwrap(), |x| (x * f64::ln(m) - m - ln_gamma(x + 1.0)).exp());
     }
+    // Its skewness is 10⁻⁸, so that the normal law stands for it
+    case!("Poisson(1e16)", "real:1e16,1e8", r::Poisson::new(1e16).unwrap(), |x| normal((x - 1e16) / 1e8) / 1e8);
     for (n, a) in [(10.0, 1.0), (300.0, 0.5), (50.0, 3.0)] {
         let sum: f64 = (1..=n as u32).map(|k| f64::from(k).powf(-a)).sum();
-        case!(format!("Zipf({n}, {a})"), format!("discrete:{}", n + 1.0), r::Zipf::new(n, a).unwrap(), |x| if x < 1.0 { 0.0 } else { x.powf(-a) / sum });
+        case!(format!("Zipf({n}, {a})"), format!("discrete:{}", n + 1.0), api::zipf(n, a), |x| if x < 1.0 { 0.0 } else { x.powf(-a) / sum });
     }
     for (a, zeta) in [(4.0, std::f64::consts::PI.powi(4) / 90.0), (8.0, std::f64::consts::PI.powi(8) / 9450.0)] {
         case!(format!("Zeta({a})"), "discrete:100000", r::Zeta::new(a).unwrap(), |x| if x < 1.0 { 0.0 } else { x.powf(-a) / zeta });
     }
     let weights = [1.0, 0.0, 3.0, 7.0, 1e-3, 12.0];
-    let law = r::weighted::WeightedAliasIndex::new(weights.to_vec()).unwrap();
+    let law = api::WeightedAliasIndex::new(weights.to_vec()).unwrap();
     case!("WeightedAliasIndex", "discrete:6", law, |x| weights[x as usize] / 23.001);
     all
 }
