@@ -90,6 +90,30 @@ int main() {
         printf("  %2.0f°: the pdf integrates to %.3f, the value to %.3f, all weights are %.3f, %.3f of samples are near\n", out, ofPdf, ofValue, weight, near / 1e5);
     }
 
+    printf("rough white glass: the light that samples of bsdfSample carry to the other side, and what their share without a direction is; by quadrature that of the transmission lobe, and of facets that reflect to the other side, weighted as refracted\n");
+    struct { const char *name; bool isThin, isWithin; } sheets[] = {{"from outside", false, false}, {"from within", false, true}, {"thin", true, false}};
+    for (auto [name, isThin, isWithin] : sheets)
+        for (float roughness : {0.4, 0.7, 1.0})
+            for (double out : {0.0, 30.0, 60.0, 85.0}) {
+                SurfaceRecord s = surface(roughness, [=](SurfaceRecord &s) { s.transmission = 1, s.thinFilm = isThin, s.color = vec3(1.0); });
+                if (isWithin) s.frontFace = false, s.eta = s.ior, s.f0 = iorRatioToF0(s.eta);
+                const vec3 wo = direction(out);
+                float d, specular, weight, c;
+                vec3 value;
+                getLobeWeights(wo, wo, vec3(0, 0, 1), wo, s, d, specular, weight, c);
+                const float tpdf = transmissionEval(wo, wo, wo, s, value), factor = weight > 0 && tpdf > 0 ? 1 / tpdf : 0;
+                const double below = integral([&](vec3 wi) { const vec3 h = normalize(wo + wi); return h.z > 0 ? ggxPDF(wo, h, s.roughness) / (4 * dot(wo, h)) : 0; }, -1);
+                double light = 0, none = 0;
+                for (int i = 0; i < 200000; i++) {
+                    numbers = vec3(u(g), u(g), u(g));
+                    const ScatterRecord made = bsdfSample(wo, s);
+                    if (made.direction.z < 0 && made.pdf > 0) light += made.color.x / made.pdf / 2e5;
+                    if (!(made.direction.z < 0 || made.direction.z >= 0)) none += 1 / 2e5;
+                }
+                printf("  %s, roughness %.1f, %2.0f°: %.4f, %.3f without; the lobe %.4f, facets %.4f\n", name, roughness, out, light, none, factor, factor > 0 ? specular * below * factor / weight : 0);
+            }
+    for (double light : {0.25 / M_PI, 1.0, 100.0}) printf("  light with a pdf of %.3f per steradian, found through glass after a reflection, counts %.4f\n", light, misHeuristic(0.75 / 0.96, light));
+
     const vec3 wo = normalize(vec3(-0.7, 0.68, 0.218)), h = ggxDirection(wo, vec2(0.3), vec2(1, 1.1e-16));
     printf("normals: of the random numbers (1, 1.1e-16) (%g, %g, %g), whose pdf is %g\n", h.x, h.y, h.z, ggxPDF(wo, h, 0.3));
 }

@@ -30,3 +30,28 @@ static SurfaceRecord surface(float roughness, std::function<void(SurfaceRecord &
     s.normalInvBasis = s.clearcoatInvBasis = inverse(s.normalBasis);
     return s;
 }
+
+// The density of the directions l of refract(-wo, h, eta), whose facet h is (0, 0, 1) and a uniform point of a sphere of the radius r, normalized
+static float refractionPdf(vec3 wo, vec3 l, float eta, float r) {
+    const vec3 sum = l + wo * eta;
+    const vec3 h = normalize(sum) * sign(sum.z);
+    const float c2 = h.z * h.z, root = c2 + r * r - 1;
+    if (root <= 0 || dot(l, h) >= 0) return 0;
+    return (root + c2) / (2 * PI * r * sqrt(root)) * -dot(l, h) / dot(sum, sum);
+}
+
+// The pdf of refracted directions, of the lobe alone or times its probability, and the value that is the path tracer's weight times the pdf
+static float refractedPdf(vec3 wo, vec3 wi, SurfaceRecord s, bool isLobe, vec3 &value) {
+    float d, r, t, c, density;
+    getLobeWeights(wo, wo, vec3(0, 0, 1), wo, s, d, r, t, c);
+    const float asked = transmissionEval(wo, wi, vec3(0.0), s, value);
+    if (s.thinFilm) {
+        // The second facet is (0, 0, 1): a direction below the surface comes from one on either side
+        const vec2 xy = s.eta * vec2(wi.x, wi.y);
+        const float z = sqrt(1 - dot(xy, xy));
+        density = (refractionPdf(wo, vec3(xy, -z), s.eta, s.filteredRoughness) + refractionPdf(wo, vec3(xy, z), s.eta, s.filteredRoughness)) * s.eta * s.eta * -wi.z / z;
+    } else
+        density = refractionPdf(wo, wi, s.eta, s.filteredRoughness);
+    value = asked > 0 ? value / asked * density : vec3(0.0);
+    return asked > 0 ? density * (isLobe ? 1 : t) : 0;
+}
