@@ -49,6 +49,12 @@ int main() {
                integral([&](vec3 wi) { return diffuseEval(wi, direction(wo), getHalfVector(direction(wo), wi), s, value), value.x / direction(wo).z * wi.z; }));
     }
 
+    const SurfaceRecord rounded = surface(0.75);
+    const vec3 normal(0, 0, 1), next(4e-4, 0, 1);
+    vec3 there, back;
+    bsdfResult(normal, next, rounded, there), bsdfResult(next, normal, rounded, back);
+    printf("  roughness 0.75, 0° and 0.02°: %.4f, %.4f; the cosine of wo and their half vector is 1 + %.2g\n", there.x, back.x, dot(next, getHalfVector(normal, next, rounded.eta)) - 1);
+
     for (float iridescence : {0.0, 1.0}) {
         const SurfaceRecord s = surface(0.4, [=](SurfaceRecord &s) { s.iridescence = iridescence; });
         vec3 value;
