@@ -4,6 +4,7 @@
 #![expect(clippy::needless_range_loop, reason = "loops over lanes read and write several arrays at one index")]
 
 mod adaptive;
+mod bsdf_lanes;
 mod camera;
 mod choice;
 mod environment;
@@ -23,6 +24,7 @@ mod needs;
 mod prepared;
 mod previous;
 pub mod probe;
+mod radiance;
 mod ray_samples;
 mod reference;
 mod settings;

@@ -1,10 +1,12 @@
-//! Light samples for many shading points at once: of one light for all points, or of one chosen light for each.
+//! Light samples for many shading points at once: of one light for all points, or of one for each, which the light tree chooses.
 
 use super::lanes::{
     BLOCK, Block, Block3, LANES, Lane, Lane3, NONE, Ray, ZERO_BLOCK3, at, block, blocks, put, set, wide,
 };
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
+use super::light_selection::{Lights, Selection};
 use super::lights::{LightKind, RectangleLight, Sampled, SphereLight};
+use super::shaders::Kind;
 use super::triangle_light::TriangleLight;
 use pulp::Arch;
 use std::array::from_mut;
@@ -110,6 +112,81 @@ pub fn sample_each(
     sample_each_of::<RectangleLight>(arch, all, light, positions, u, out);
     sample_each_of::<TriangleLight>(arch, all, light, positions, u, out);
     sample_each_of::<SphereLight>(arch, all, light, positions, u, out);
+}
+
+/// The lights that the light tree has chosen for some positions, with their probabilities.
+pub struct Choice {
+    light: [u32; LANES],
+    /// Before the choice its random numbers.
+    probability: Lane,
+}
+
+impl Choice {
+    /// A choice that the first of these random numbers will make.
+    pub fn new([u, _]: [Lane; 2]) -> Self {
+        Self { light: [NONE; LANES], probability: u }
+    }
+}
+
+/// Chooses lights for the first `count` positions, on surfaces of this kind and these normals: as many for each as there are choices.
+pub fn choose(
+    arch: Arch,
+    lights: &Lights,
+    positions: &Lane3,
+    normals: &Lane3,
+    kind: Kind,
+    count: usize,
+    choices: &mut [Choice],
+) {
+    wide(
+        arch,
+        #[inline(always)]
+        move || {
+            for start in (0..count.min(LANES)).step_by(BLOCK) {
+                let end = count.min(start + BLOCK).min(LANES);
+                let Some(first) = lights.selection(at(positions, start), kind.one_sided(at(normals, start))) else {
+                    return;
+                };
+                let mut selections = [first; BLOCK];
+                for i in start + 1..end {
+                    if let Some(selection) = lights.selection(at(positions, i), kind.one_sided(at(normals, i))) {
+                        selections[i - start] = selection;
+                    }
+                }
+                for choice in &mut *choices {
+                    let (light, probability) = (&mut choice.light[start..end], &mut choice.probability[start..end]);
+                    Selection::sample_each(&selections, light, probability);
+                }
+            }
+        },
+    );
+}
+
+/// A direction towards the light that was chosen for each of the first `count` positions. The pdf counts the choice; it is infinite
+/// where rays cannot find the light.
+pub fn sample_chosen(
+    arch: Arch,
+    lights: &Lights,
+    choice: &Choice,
+    positions: &Lane3,
+    count: usize,
+    u: &[Lane; 2],
+    out: &mut LightSampleLanes,
+) {
+    sample_each(arch, &lights.all, &choice.light[..count], positions, u, out);
+    // Divide the samples by the probability of the choice
+    wide(
+        arch,
+        #[inline(always)]
+        move || {
+            for i in 0..count.min(LANES) {
+                let (light, probability) = (choice.light[i], choice.probability[i]);
+                let weight = at(&out.weight, i) / probability;
+                set(&mut out.weight, i, weight);
+                out.pdf[i] = if lights.is_found_by_rays(light) { out.pdf[i] * probability } else { f32::INFINITY };
+            }
+        },
+    );
 }
 
 /// The lights of one shape among those that can be sampled.

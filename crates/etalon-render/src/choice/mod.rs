@@ -4,11 +4,12 @@
 use super::adaptive::allocate;
 use super::film::Splat;
 use super::job::Job;
-use super::kernel::{Buffers, LightPathBuffers, Pixels, Radiance, Work, trace, trace_light_paths};
+use super::kernel::{Buffers, LightPathBuffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
 use super::needs::lone_convex_from_outside;
 use super::prepared::PreparedScene;
+use super::radiance::{Radiance, Work};
 use super::ray_samples::Streams;
 use super::settings::{Sampling, Settings};
 use super::shaders::plain;

@@ -1,15 +1,16 @@
 //! Direct light: samples of every source of light at the interactions with a material, and the shadow rays towards them.
 
-use super::bsdf::{Scattered, eval_many, reverse_pdf_many};
 use super::scatter::next_q;
-use super::state::{Interactions, Radiance, ShadowRay, ShadowRays, Step, Vertices};
+use super::state::{Interactions, ShadowRay, ShadowRays, Step, Vertices};
 use super::surfaces::GroupMaterial;
+use crate::bsdf_lanes::{Scattered, eval_many, reverse_pdf_many};
 use crate::environment::SurfaceSampling;
-use crate::lanes::{BLOCK, Hits, LANES, Lane, Lane3, NONE, Ray, Rows, at, fill, set, wide};
+use crate::lanes::{Hits, LANES, Lane3, NONE, Ray, Rows, at, fill};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
-use crate::light_selection::{Round, Selection};
+use crate::light_selection::Round;
 use crate::prepared::PreparedScene;
+use crate::radiance::Radiance;
 use crate::ray_samples::SubSample;
 use crate::shaders::Kind;
 use etalon_core::math::{Frame, Rgb};
@@ -20,7 +21,7 @@ use std::f32::consts::FRAC_1_PI;
 /// The buffers of direct light.
 #[derive(Default)]
 pub struct DirectLight {
-    choices: Vec<Choice>,
+    choices: Vec<light_lanes::Choice>,
     samples: Box<LightSampleLanes>,
     shadow_rays: Box<ShadowRays>,
     hits: Box<Hits>,
@@ -93,53 +94,39 @@ fn sample_light(
     sub: SubSample,
     interactions: &Interactions,
     kind: Kind,
-    choices: &mut Vec<Choice>,
+    choices: &mut Vec<light_lanes::Choice>,
     out: &mut LightSampleLanes,
 ) {
     let Step { scene, samples, .. } = step;
     let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
-    let by_mis = scene.sampling.is_mis();
     match source {
         Source::Lights(number, Round { light: Some(light), .. }) => {
             let u = samples.light(number).get_2d_lanes(slots, sub);
             let sampled = &scene.lights.all[light as usize];
             light_lanes::sample_many(scene.arch, sampled, &interactions.origin, count, &u, out);
             out.light[..count].fill(light);
-            if !by_mis || !scene.lights.is_found_by_rays(light) {
+            if !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);
             }
         }
         Source::Lights(number, Round { light: None, .. }) => {
             // With the first sample, choose the lights of all.
             if sub.index == 0 {
-                choose_lights(step, sub.count, interactions, kind, choices);
+                let choice = |index| {
+                    light_lanes::Choice::new(samples.light_choice.get_2d_lanes(slots, SubSample { index, ..sub }))
+                };
+                choices.clear();
+                choices.extend((0..sub.count).map(choice));
+                let (positions, normals) = (&interactions.origin, &interactions.ns);
+                light_lanes::choose(scene.arch, &scene.lights, positions, normals, kind, count, choices);
             }
-            let choice = &choices[sub.index as usize];
-            let u = samples.light(number).get_2d_lanes(slots, sub);
-            let positions = &interactions.origin;
-            light_lanes::sample_each(scene.arch, &scene.lights.all, &choice.light[..count], positions, &u, out);
-            // Divide the samples by the probability of the choice
-            wide(
-                scene.arch,
-                #[inline(always)]
-                move || {
-                    for i in 0..count.min(LANES) {
-                        let (light, probability) = (choice.light[i], choice.probability[i]);
-                        let weight = at(&out.weight, i) / probability;
-                        set(&mut out.weight, i, weight);
-                        let is_weighed = by_mis && scene.lights.is_found_by_rays(light);
-                        out.pdf[i] = if is_weighed { out.pdf[i] * probability } else { f32::INFINITY };
-                    }
-                },
-            );
+            let (choice, u) = (&choices[sub.index as usize], samples.light(number).get_2d_lanes(slots, sub));
+            light_lanes::sample_chosen(scene.arch, &scene.lights, choice, &interactions.origin, count, &u, out);
         }
         Source::Environment => {
             let Some(environment) = &scene.environment else { return };
             let u = samples.environment.get_2d_lanes(slots, sub);
             environment.sample_many(&u, &interactions.ns, kind, count, out);
-            if !by_mis {
-                out.pdf[..count].fill(f32::INFINITY);
-            }
         }
         Source::Surface(strategy) => {
             for i in 0..count {
@@ -151,51 +138,9 @@ fn sample_light(
             }
         }
     }
-}
-
-/// The lights that the tree has chosen for the interactions, with their probabilities.
-struct Choice {
-    light: [u32; LANES],
-    probability: Lane,
-}
-
-/// Chooses n lights for each interaction, all of them together.
-fn choose_lights(step: Step, n: u32, interactions: &Interactions, kind: Kind, choices: &mut Vec<Choice>) {
-    let (scene, count) = (step.scene, interactions.count.min(LANES));
-    choices.clear();
-    choices.extend((0..n).map(|index| {
-        let sub = SubSample { index, count: n };
-        let [probability, _] = step.samples.light_choice.get_2d_lanes(&interactions.slot[..count], sub);
-        Choice { light: [NONE; LANES], probability }
-    }));
-    wide(
-        scene.arch,
-        #[inline(always)]
-        move || {
-            for start in (0..count).step_by(BLOCK) {
-                let end = count.min(start + BLOCK);
-                let Some(mut selections) = selection(scene, interactions, kind, start).map(|first| [first; BLOCK])
-                else {
-                    return;
-                };
-                for i in start + 1..end {
-                    if let Some(selection) = selection(scene, interactions, kind, i) {
-                        selections[i - start] = selection;
-                    }
-                }
-                for choice in &mut *choices {
-                    let (light, probability) = (&mut choice.light[start..end], &mut choice.probability[start..end]);
-                    Selection::sample_each(&selections, light, probability);
-                }
-            }
-        },
-    );
-}
-
-/// The selection of lights for an interaction, if there is a tree.
-#[inline(always)]
-fn selection<'a>(scene: &'a PreparedScene, interactions: &Interactions, kind: Kind, i: usize) -> Option<Selection<'a>> {
-    scene.lights.selection(at(&interactions.origin, i), kind.one_sided(at(&interactions.ns, i)))
+    if !scene.sampling.is_mis() {
+        out.pdf[..count].fill(f32::INFINITY);
+    }
 }
 
 fn copy(from: &Lane3, count: usize, to: &mut Lane3) {

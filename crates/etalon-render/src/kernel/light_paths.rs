@@ -2,9 +2,9 @@
 //!
 //! The MIS weights mirror those of the camera paths: see [`crate::light_tracing`].
 
-use super::bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 use super::state::{Interaction, Vertices};
 use super::surfaces::{ByMaterial, GroupMaterial, shading_frame};
+use crate::bsdf_lanes::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 use crate::camera::{PreparedCamera, View};
 use crate::film::{PathClass, Splat};
 use crate::lanes::{Hits, LANES, Lane, Lane3, Ray, Rays, Rows, ZERO3, at, lanes, plain_items, set};

@@ -9,24 +9,22 @@
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, chapter 15 (the stages of the wavefront
 //! integrator).
 
-mod bsdf;
 mod direct;
 mod light_paths;
 mod scatter;
 mod state;
 mod surfaces;
 
-pub use bsdf::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
 pub use light_paths::{LightPathBuffers, trace_light_paths};
-pub use scatter::sample_cosine_hemisphere;
-pub use state::{Radiance, Work};
 
+use super::bsdf_lanes::Scattered;
 use super::camera::PreparedCamera;
 use super::film::PathClass;
 use super::lanes::{Hits, LANES, NONE, Rows, at, set};
 use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::previous::{EmitterHit, PreviousVertex};
+use super::radiance::Radiance;
 use super::ray_samples::{Streams, SubSample};
 use super::shaders::{Kind, SurfaceShader};
 use direct::{DirectLight, sample_direct_light};

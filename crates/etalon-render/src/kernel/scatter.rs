@@ -1,18 +1,16 @@
 //! The next direction of each path, sampled by the BSDF of the surface that it has hit.
 
-use super::bsdf::{Scattered, reverse_pdf_many, sample_many};
 use super::state::{Interactions, PathRay, PathRays, Step, Vertices};
 use super::surfaces::GroupMaterial;
-use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, at, fill};
+use crate::bsdf_lanes::{Scattered, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
+use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, at};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
 use crate::ray_samples::{Dimension, SubSample};
 use crate::shaders::Kind;
 use etalon_core::bsdf::Scatter;
-use etalon_core::math::circular::Circular;
-use etalon_core::math::{Frame, Rgb};
+use etalon_core::math::Rgb;
 use glam::Vec3;
-use pulp::Arch;
 use std::f32::consts::FRAC_1_PI;
 
 /// Appends to `next` the paths that continue at interactions with one material.
@@ -36,23 +34,6 @@ pub fn sample_bsdf(
     } else {
         sample_general(step, material, rays, vertices, scattered, next);
     }
-}
-
-/// Directions of pdf cos θ / π about the first `count` normals.
-pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize, wi: &mut Lane3) {
-    fill(
-        arch,
-        count,
-        wi.each_mut(),
-        #[inline(always)]
-        move |i| {
-            let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
-            let (r, z) = (u[0][i].sqrt(), (1.0 - u[0][i]).sqrt());
-            let normal = at(normals, i);
-            let Frame { x: tangent, y: bitangent, .. } = Frame::from_normal(normal);
-            ((tangent * cos_phi + bitangent * sin_phi) * r + normal * z).to_array()
-        },
-    );
 }
 
 /// Diffuse surfaces need no frame.

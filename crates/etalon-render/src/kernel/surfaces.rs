@@ -1,7 +1,7 @@
 //! Hits sorted by material, and the interactions there: each surface is evaluated once.
 
-use super::bsdf::Bsdfs;
 use super::state::{Interaction, Interactions, PathRays, ShadingFrame, Step, Vertices};
+use crate::bsdf_lanes::Bsdfs;
 use crate::lanes::{Hits, Rays, Rows, at};
 use crate::light_tracing::projected;
 use crate::prepared::PreparedScene;

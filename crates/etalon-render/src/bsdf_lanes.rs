@@ -1,8 +1,10 @@
-//! Any BSDF, many hits at once: directions sampled by it, and its values for given ones. Rough surfaces vectorize.
+//! BSDFs for many hits at once: directions sampled by one, and its values for given ones. Rough surfaces vectorize.
 
-use crate::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, fill, put, set, wide};
-use crate::shaders::SurfaceShader;
+use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, fill, put, set, wide};
+use super::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
+use etalon_core::math::Frame;
+use etalon_core::math::circular::Circular;
 use glam::Vec2;
 use pulp::Arch;
 use std::array::{from_mut, from_ref};
@@ -113,6 +115,23 @@ pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out:
     for i in 0..count {
         out.reverse_pdf[i] = bsdfs.at(i).pdf(at(&out.wi, i), at(wo, i));
     }
+}
+
+/// Directions of pdf cos θ / π about the first `count` normals.
+pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize, wi: &mut Lane3) {
+    fill(
+        arch,
+        count,
+        wi.each_mut(),
+        #[inline(always)]
+        move |i| {
+            let (sin_phi, cos_phi) = f32::sin_cos_turns(u[1][i]);
+            let (r, z) = (u[0][i].sqrt(), (1.0 - u[0][i]).sqrt());
+            let normal = at(normals, i);
+            let Frame { x: tangent, y: bitangent, .. } = Frame::from_normal(normal);
+            ((tangent * cos_phi + bitangent * sin_phi) * r + normal * z).to_array()
+        },
+    );
 }
 
 struct SampleLoop<'a> {
