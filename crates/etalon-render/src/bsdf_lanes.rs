@@ -3,11 +3,20 @@
 use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, fill, put, set, wide};
 use super::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
-use etalon_core::math::Frame;
 use etalon_core::math::circular::Circular;
-use glam::Vec2;
+use etalon_core::math::{Frame, Rgb};
+use glam::{Vec2, Vec3};
 use pulp::Arch;
-use std::array::{from_mut, from_ref};
+use std::array::from_mut;
+
+/// What a path carries. The two differ where light is refracted, which changes radiance by 1/η².
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransportMode {
+    /// Radiance: `wo` points to the camera, from which the path was traced.
+    Radiance,
+    /// Importance: `wo` points to the light, from which the path was traced, and the adjoint BSDF is sampled.
+    Importance,
+}
 
 /// The BSDFs of hits on one object: one for all or, with textures, one for each.
 #[derive(Clone, Copy)]
@@ -66,11 +75,29 @@ impl Default for Scattered {
 }
 
 impl Scattered {
-    /// The sample of a hit by [`sample_many`]; `None` where it carries no light.
+    /// No sample.
+    const NONE: BsdfSample = BsdfSample {
+        wi: Vec3::Z,
+        weight: Rgb::ZERO,
+        pdf: 0.0,
+        lobe: Lobe::GlossyReflection,
+        probability: 1.0,
+        eta: 1.0,
+    };
+
+    /// The sample of a hit by [`sample_many`], if there is one.
     pub fn sample(&self, i: usize) -> Option<BsdfSample> {
-        let (wi, weight) = (at(&self.wi, i), at(&self.weight, i));
+        let (wi, weight, pdf) = (at(&self.wi, i), at(&self.weight, i), self.pdf[i]);
         let (lobe, probability, eta) = (self.lobe[i], self.probability[i], self.eta[i]);
-        BsdfSample { wi, weight, pdf: self.pdf[i], lobe, probability, eta }.if_possible()
+        let sample = BsdfSample { wi, weight, pdf, lobe, probability, eta };
+        if sample.is_delta() { Some(sample) } else { sample.if_possible() }
+    }
+
+    fn set_sample(&mut self, i: usize, sample: BsdfSample) {
+        set(&mut self.wi, i, sample.wi);
+        set(&mut self.weight, i, sample.weight);
+        (self.pdf[i], self.lobe[i]) = (sample.pdf, sample.lobe);
+        (self.probability[i], self.eta[i]) = (sample.probability, sample.eta);
     }
 }
 
@@ -80,24 +107,33 @@ fn run(bsdfs: Bsdfs, work: impl VectorizedLoop) -> bool {
     bsdf.vectorize(work)
 }
 
-/// Samples a direction for each of the first `count` views, if there is a vectorized loop for the BSDF: returns whether
-/// there is. `choice` are the random numbers that choose a lobe, `u` those of the direction.
+/// Samples a direction for each of the first `count` views. The first of the random numbers chooses a lobe.
 pub fn sample_many(
     arch: Arch,
     bsdfs: Bsdfs,
+    mode: TransportMode,
     wo: &Lane3,
-    choice: &Lane,
-    u: &[Lane; 2],
+    u: [&Lane; 3],
     count: usize,
     out: &mut Scattered,
-) -> bool {
-    run(bsdfs, SampleLoop { arch, wo, choice, u, count, out })
+) {
+    if run(bsdfs, SampleLoop { arch, mode, wo, u, count, out }) {
+        return;
+    }
+    let sample = match mode {
+        TransportMode::Radiance => Bsdf::sample,
+        TransportMode::Importance => Bsdf::sample_adjoint,
+    };
+    for i in 0..count {
+        let found = sample(bsdfs.at(i), at(wo, i), u[0][i], [u[1][i], u[2][i]]);
+        out.set_sample(i, found.unwrap_or(Scattered::NONE));
+    }
 }
 
 /// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
 pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(bsdfs, EvalLoop { arch, wo, count, out }) {
+    if run(bsdfs, EvalLoop { arch, wo, count, is_reverse: false, out }) {
         return;
     }
     for i in 0..count {
@@ -109,7 +145,7 @@ pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut S
 
 /// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
 pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(bsdfs, ReversePdfLoop { arch, wo, count, out }) {
+    if run(bsdfs, EvalLoop { arch, wo, count, is_reverse: true, out }) {
         return;
     }
     for i in 0..count {
@@ -136,9 +172,9 @@ pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], coun
 
 struct SampleLoop<'a> {
     arch: Arch,
+    mode: TransportMode,
     wo: &'a Lane3,
-    choice: &'a Lane,
-    u: &'a [Lane; 2],
+    u: [&'a Lane; 3],
     count: usize,
     out: &'a mut Scattered,
 }
@@ -147,30 +183,27 @@ struct EvalLoop<'a> {
     arch: Arch,
     wo: &'a Lane3,
     count: usize,
-    out: &'a mut Scattered,
-}
-
-struct ReversePdfLoop<'a> {
-    arch: Arch,
-    wo: &'a Lane3,
-    count: usize,
+    /// Whether only the pdf of `wo` for light from `wi` is computed.
+    is_reverse: bool,
     out: &'a mut Scattered,
 }
 
 impl VectorizedLoop for SampleLoop<'_> {
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, wo, choice, u, count, out } = self;
+        let Self { arch, mode, wo, u, count, out } = self;
         wide(
             arch,
             #[inline(always)]
             move || {
                 for number in 0..blocks(count) {
-                    let (wo, [uc], u) = (block(wo, number), block(from_ref(choice), number), block(u, number));
+                    let (wo, [uc, x, y]) = (block(wo, number), u.map(|u| u.as_chunks::<BLOCK>().0[number]));
                     let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
                     let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
                     let mut lobe = [Lobe::GlossyReflection; BLOCK];
                     for i in 0..BLOCK {
-                        let sample = bsdf.sample_lane(at(&wo, i), uc[i], [u[0][i], u[1][i]]);
+                        let sample = bsdf.sample_lane(at(&wo, i), uc[i], [x[i], y[i]]);
+                        let is_adjoint = mode == TransportMode::Importance;
+                        let sample = if is_adjoint { sample.adjoint() } else { sample };
                         set(&mut wi, i, sample.wi);
                         set(&mut weight, i, sample.weight);
                         pdf[i] = sample.pdf;
@@ -190,31 +223,27 @@ impl VectorizedLoop for SampleLoop<'_> {
 
 impl VectorizedLoop for EvalLoop<'_> {
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, wo, count, out: Scattered { wi, weight: [r, g, b], pdf, .. } } = self;
+        let Self { arch, wo, count, is_reverse, out: Scattered { wi, weight: [r, g, b], pdf, reverse_pdf, .. } } = self;
         let wi = &*wi;
-        fill(
-            arch,
-            count,
-            [r, g, b, pdf],
-            #[inline(always)]
-            move |i| {
-                let (f, pdf) = bsdf.eval_pdf_lane(at(wo, i), at(wi, i));
-                [f.x, f.y, f.z, pdf]
-            },
-        );
-    }
-}
-
-impl VectorizedLoop for ReversePdfLoop<'_> {
-    fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, wo, count, out: Scattered { wi, reverse_pdf, .. } } = self;
-        let wi = &*wi;
-        fill(
-            arch,
-            count,
-            [reverse_pdf],
-            #[inline(always)]
-            move |i| [bsdf.eval_pdf_lane(at(wi, i), at(wo, i)).1],
-        );
+        if is_reverse {
+            fill(
+                arch,
+                count,
+                [reverse_pdf],
+                #[inline(always)]
+                move |i| [bsdf.eval_pdf_lane(at(wi, i), at(wo, i)).1],
+            );
+        } else {
+            fill(
+                arch,
+                count,
+                [r, g, b, pdf],
+                #[inline(always)]
+                move |i| {
+                    let (f, pdf) = bsdf.eval_pdf_lane(at(wo, i), at(wi, i));
+                    [f.x, f.y, f.z, pdf]
+                },
+            );
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! What may be tested from outside: samplers and densities of the renderer, called as the kernel calls them.
 
-pub use crate::bsdf_lanes::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
+pub use crate::bsdf_lanes::{
+    Bsdfs, Scattered, TransportMode, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many,
+};
 pub use crate::camera::PreparedCamera;
 pub use crate::geometry::Surface;
 pub use crate::lanes::{BLOCK, LANES, Lane, NONE, Ray, Rays, at, set};

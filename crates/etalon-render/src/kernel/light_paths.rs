@@ -4,7 +4,7 @@
 
 use super::state::{Interaction, Vertices};
 use super::surfaces::{ByMaterial, GroupMaterial, shading_frame};
-use crate::bsdf_lanes::{Bsdfs, Scattered, eval_many, reverse_pdf_many, sample_many};
+use crate::bsdf_lanes::{Bsdfs, Scattered, TransportMode, eval_many, reverse_pdf_many, sample_many};
 use crate::camera::{PreparedCamera, View};
 use crate::film::{PathClass, Splat};
 use crate::lanes::{Hits, LANES, Lane, Lane3, Ray, Rays, Rows, ZERO3, at, lanes, plain_items, set};
@@ -13,7 +13,7 @@ use crate::lights::SHORT;
 use crate::prepared::PreparedScene;
 use crate::ray_samples::{RaySamples, Streams, SubSample};
 use crate::shaders::{Kind, SurfaceShader, adjoint_factor, is_sound};
-use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
+use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::math::Rgb;
 use glam::Vec3;
 
@@ -234,31 +234,25 @@ fn scatter(
     let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
     let u = samples.bsdf.get_2d_lanes(slots, SubSample::ONLY);
     let [choice, roulette] = samples.choice.get_2d_lanes(slots, SubSample::ONLY);
-    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, &choice, &u, count, scattered);
-    if is_sampled {
-        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
-    }
+    let (bsdfs, u) = (material.bsdfs, [&choice, &u[0], &u[1]]);
+    sample_many(scene.arch, bsdfs, TransportMode::Importance, &frames.local_wo, u, count, scattered);
+    reverse_pdf_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
     for i in 0..count {
-        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.ray[i] as usize);
-        let sample = if is_sampled {
-            scattered.sample(i).map(BsdfSample::adjoint)
-        } else {
-            bsdf.sample_adjoint(local_wo, choice[i], [u[0][i], u[1][i]])
-        };
-        let Some(sample) = sample else { continue };
+        let path = interactions.ray[i] as usize;
+        let Some(sample) = scattered.sample(i) else { continue };
         let wi = vertices.frame(i).to_world(sample.wi);
         if sample.weight == Rgb::ZERO || !vertices.reaches(i, wi) {
             continue;
         }
         let others = if sample.is_delta() {
-            let ratio = delta_ratio(bsdf, &sample);
+            let ratio = delta_ratio(bsdfs.at(i), &sample);
             match paths.previous[path] {
                 PreviousOfLight::Surface { others } => others * ratio,
                 PreviousOfLight::Light { density, .. } => ratio / density,
             }
         } else {
-            let reverse_pdf = if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
-            vertices.others(scene, paths, material.kind(), i, Continuation { wi, pdf: sample.pdf, reverse_pdf })
+            let onward = Continuation { wi, pdf: sample.pdf, reverse_pdf: scattered.reverse_pdf[i] };
+            vertices.others(scene, paths, material.kind(), i, onward)
         };
         let factor = adjoint_factor(vertices.surface(i), at(&frames.wo, i), wi);
         let power = at(&interactions.beta, i) * sample.weight * factor;

@@ -2,7 +2,7 @@
 
 use super::state::{Interactions, PathRay, PathRays, Step, Vertices};
 use super::surfaces::GroupMaterial;
-use crate::bsdf_lanes::{Scattered, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
+use crate::bsdf_lanes::{Scattered, TransportMode, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
 use crate::lanes::{LANES, Lane, Lane3, Ray, Rows, at};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
@@ -81,16 +81,15 @@ fn sample_general(
     let numbers = |needed: bool, from: Dimension| needed.then(|| from.get_2d_lanes(slots, SubSample::ONLY));
     let (u, choice) =
         (numbers(kind != Kind::Delta, step.samples.bsdf), numbers(shared.needs_choice(), step.samples.choice));
-    let (u, [choice, _]) = (u.as_ref().unwrap_or(&NO_NUMBERS), choice.as_ref().unwrap_or(&NO_NUMBERS));
-    let is_sampled = sample_many(scene.arch, material.bsdfs, &frames.local_wo, choice, u, count, scattered);
-    if is_sampled && step.needs_reverse_pdf(shared) {
-        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
+    let ([x, y], [choice, _]) = (u.as_ref().unwrap_or(&NO_NUMBERS), choice.as_ref().unwrap_or(&NO_NUMBERS));
+    let (bsdfs, mode) = (material.bsdfs, TransportMode::Radiance);
+    sample_many(scene.arch, bsdfs, mode, &frames.local_wo, [choice, x, y], count, scattered);
+    if kind != Kind::Delta && step.needs_reverse_pdf(shared) {
+        reverse_pdf_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
     }
     for i in 0..count {
-        let (bsdf, local_wo, path) = (material.bsdfs.at(i), at(&frames.local_wo, i), interactions.ray[i] as usize);
-        let sample =
-            if is_sampled { scattered.sample(i) } else { bsdf.sample(local_wo, choice[i], [u[0][i], u[1][i]]) };
-        let Some(sample) = sample.filter(|sample| sample.weight != Rgb::ZERO) else { continue };
+        let path = interactions.ray[i] as usize;
+        let Some(sample) = scattered.sample(i).filter(|sample| sample.weight != Rgb::ZERO) else { continue };
         let (surface, frame) = (vertices.surface(i), vertices.frame(i));
         let wi = frame.to_world(sample.wi);
         // The normals must agree on the side.
@@ -102,10 +101,10 @@ fn sample_general(
             let is_traced =
                 q > 0.0 && step.depth > 0 && vertices.is_sound(i, wi) && vertices.is_sound(i, at(&frames.wo, i));
             // Light tracing cannot connect a delta lobe to the camera.
-            let q = if is_traced { q * delta_ratio(bsdf, &sample) } else { 0.0 };
+            let q = if is_traced { q * delta_ratio(bsdfs.at(i), &sample) } else { 0.0 };
             PreviousVertex { specular: true, q, is_caustic: true, ..PreviousVertex::CAMERA }
         } else {
-            let reverse_pdf = || if is_sampled { scattered.reverse_pdf[i] } else { bsdf.pdf(sample.wi, local_wo) };
+            let reverse_pdf = || scattered.reverse_pdf[i];
             PreviousVertex {
                 specular: false,
                 pdf: sample.pdf,

@@ -14,7 +14,8 @@ use etalon_core::optics::metals::SILVER;
 use etalon_core::optics::microfacet::Distribution;
 use etalon_core::scene::{Conductor, Material, ScatterModel};
 use etalon_render::probe::{
-    Bsdfs, LANES, Lane, Scattered, at, eval_many, reverse_pdf_many, sample_cosine_hemisphere, sample_many, set,
+    Bsdfs, LANES, Lane, Scattered, TransportMode, at, eval_many, reverse_pdf_many, sample_cosine_hemisphere,
+    sample_many, set,
 };
 use etalon_stats::bsdf::{Bsdf as _, Energy};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
@@ -226,7 +227,7 @@ fn scattered(name: String, domain: Directions, bsdf: Bsdf, wo: DVec3, mass: Mass
     (bsdf.name(), made_when_run(name, domain, move || bsdf.clone(), wo, mass))
 }
 
-/// The directions that the BSDF samples for `wo`, as the kernel samples them: in lanes, if there is a loop for the BSDF.
+/// The directions that the BSDF samples for `wo`, as the kernel samples them: in lanes.
 fn made_when_run(
     name: String,
     domain: Directions,
@@ -241,13 +242,14 @@ fn made_when_run(
         let views = wo.to_array().map(|x| [x; LANES]);
         let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
-            let vectorized = sample_many(Arch::new(), Bsdfs::Same(&bsdf), &views, &choice[0], u, count, &mut out);
+            let (bsdfs, mode) = (Bsdfs::Same(&bsdf), TransportMode::Radiance);
+            sample_many(Arch::new(), bsdfs, mode, &views, [&choice[0], &u[0], &u[1]], count, &mut out);
             let of_lane = |i| {
-                if vectorized && i % COMPARED > 0 {
-                    return out.sample(i).map(|sample| (sample, true));
+                let sample = out.sample(i)?;
+                if i % COMPARED > 0 {
+                    return Some((sample, true));
                 }
                 let scalar = bsdf.sample(wo, choice[0][i], [u[0][i], u[1][i]]);
-                let sample = if vectorized { out.sample(i) } else { scalar }?;
                 // Black samples are left out of the lanes, but not of the scalar samples.
                 let agrees = scalar == Some(sample) || scalar.is_some_and(|s| s.weight == Rgb::ZERO);
                 Some((sample, agrees))
@@ -257,8 +259,8 @@ fn made_when_run(
             for (i, (sample, _)) in samples.iter().enumerate().filter_map(|(i, s)| Some((i, s.as_ref()?))) {
                 set(&mut out.wi, i, sample.wi);
             }
-            eval_many(Arch::new(), Bsdfs::Same(&bsdf), &views, count, &mut out);
-            reverse_pdf_many(Arch::new(), Bsdfs::Same(&bsdf), &views, count, &mut out);
+            eval_many(Arch::new(), bsdfs, &views, count, &mut out);
+            reverse_pdf_many(Arch::new(), bsdfs, &views, count, &mut out);
             let tested = |(i, found): (usize, Option<(BsdfSample, bool)>)| {
                 let (sample, mut agrees) = found?;
                 if i % COMPARED == 0 {
