@@ -14,7 +14,6 @@ use super::ray_samples::{RaySamples, Streams};
 use super::settings::{Sampling, Settings};
 use super::shaders::{Kind, SurfaceShader};
 use etalon_core::error::{Error, Result};
-use etalon_core::math::Rgb;
 use etalon_core::memory;
 use etalon_core::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
@@ -136,12 +135,6 @@ impl<'a> PreparedScene<'a> {
     #[inline(always)]
     pub fn t_max(&self, light: u32, ray: Ray, distance: f32) -> f32 {
         self.lights.all.get(light as usize).map_or(distance, |light| light.t_max(ray, distance))
-    }
-
-    /// The environment's radiance from a direction.
-    #[inline]
-    pub fn environment_radiance(&self, direction: Vec3) -> Rgb {
-        self.scene.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance(direction.as_dvec3()))
     }
 
     /// The expected number of light samples of the environment per solid angle in direction `wi` at a surface.

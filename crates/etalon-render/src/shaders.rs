@@ -132,13 +132,6 @@ impl SurfaceShader {
             surface.frame(wo)
         }
     }
-
-    /// The radiance that the surface emits against a ray's direction.
-    #[inline]
-    pub fn emitted(&self, normal: Vec3, direction: Vec3) -> Rgb {
-        let emission = self.emission.filter(|emission| emission.is_emitted(normal, direction));
-        emission.map_or(Rgb::ZERO, |emission| emission.radiance)
-    }
 }
 
 /// The material, or what textures vary.

@@ -14,8 +14,6 @@ use crate::radiance::Radiance;
 use crate::ray_samples::SubSample;
 use crate::shaders::Kind;
 use etalon_core::math::{Frame, Rgb};
-use etalon_core::scene::EmitterVisibility;
-use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
 /// The buffers of direct light.
@@ -81,7 +79,7 @@ pub fn sample_direct_light(
             }
             match source {
                 Source::Lights(..) | Source::Environment => trace_shadow_rays(step.scene, shadow_rays, radiance),
-                Source::Surface(_) => trace_to_emitters(step.scene, shadow_rays, hits, radiance),
+                Source::Surface(_) => trace_to_emitters(step, shadow_rays, hits, radiance),
             }
         }
     }
@@ -212,7 +210,14 @@ fn general_shadow_rays(
             continue;
         }
         let by_light_tracing = if interactions.q[i] > 0.0 && step.depth > 0 {
-            let emission = emission_density(scene, vertices.surface(i).position, samples, i);
+            let emission = match samples.light[i] {
+                NONE => scene.light_path_density(NONE, surface.position, wi, 1.0),
+                light => {
+                    let point = surface.position + wi * samples.distance[i];
+                    let cos = scene.lights.all[light as usize].cos_at(point, wi);
+                    scene.light_path_density(light, point, wi, cos)
+                }
+            };
             let reverse_pdf = || scattered.reverse_pdf[i];
             next_q(step, vertices, i, wi, 1.0, reverse_pdf) * emission
         } else {
@@ -236,20 +241,6 @@ fn general_shadow_rays(
     }
 }
 
-/// What the light of sample `i`, taken at a position, contributes to the density of light tracing.
-fn emission_density(scene: &PreparedScene, position: Vec3, samples: &LightSampleLanes, i: usize) -> f32 {
-    let Some(tracing) = &scene.light_tracing else { return 0.0 };
-    let wi = at(&samples.wi, i);
-    match samples.light[i] {
-        NONE => scene.density_of_light_paths(position, wi),
-        light => {
-            let place = position + wi * samples.distance[i];
-            let cos = scene.lights.all[light as usize].cos_at(place, wi);
-            tracing.density(&scene.lights, light, place, -wi, cos)
-        }
-    }
-}
-
 /// Traces shadow rays and adds the values of those that are not occluded.
 fn trace_shadow_rays(scene: &PreparedScene, rays: &ShadowRays, radiance: &mut Radiance) {
     let mut blocked = [0; LANES];
@@ -262,16 +253,12 @@ fn trace_shadow_rays(scene: &PreparedScene, rays: &ShadowRays, radiance: &mut Ra
 }
 
 /// Traces rays and adds the emission that they find, times their values.
-fn trace_to_emitters(scene: &PreparedScene, rays: &ShadowRays, hits: &mut Hits, radiance: &mut Radiance) {
+fn trace_to_emitters(step: Step, rays: &ShadowRays, hits: &mut Hits, radiance: &mut Radiance) {
+    let scene = step.scene;
     scene.geometry.nearest(&rays.ray, rays.count, hits);
     for i in 0..rays.count {
-        let direction = rays.ray.at(i).direction;
-        let emitted = match scene.shaders.get(hits.object[i] as usize) {
-            None => scene.environment_radiance(direction),
-            // Emission that only the camera sees lights nothing.
-            Some(shader) if shader.emission.is_none_or(|e| e.visibility == EmitterVisibility::CameraOnly) => continue,
-            Some(shader) => shader.emitted(scene.geometry.surface(&rays.ray, hits, i).normal, direction),
-        };
-        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.value, i) * emitted);
+        if let Some(light) = scene.light_found(&rays.ray, hits, i, step.depth + 1, None) {
+            radiance.add(rays.slot[i], rays.path_class[i], at(&rays.value, i) * light);
+        }
     }
 }

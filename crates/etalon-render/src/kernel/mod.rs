@@ -23,7 +23,7 @@ use super::film::PathClass;
 use super::lanes::{Hits, LANES, NONE, Rows, at, set};
 use super::light_tracing::LightTracing;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
-use super::previous::{EmitterHit, PreviousVertex};
+use super::previous::PreviousVertex;
 use super::radiance::Radiance;
 use super::ray_samples::{Streams, SubSample};
 use super::shaders::{Kind, SurfaceShader};
@@ -74,8 +74,7 @@ pub fn trace(
         }
         scene.geometry.nearest(&rays.ray, rays.count, hits);
         radiance.work.rays += rays.count;
-        add_escaped_rays(scene, rays, hits, radiance);
-        add_emissive_intersections(scene, rays, hits, radiance);
+        add_emission(scene, rays, hits, depth, radiance);
         if depth == scene.request.max_depth {
             break;
         }
@@ -118,39 +117,16 @@ fn generate_camera_rays(
         channel[..count].fill(1.0);
     }
     rays.eta_scale[..count].fill(1.0);
-    rays.previous[..count].fill(PreviousVertex::CAMERA);
+    rays.previous[..count].fill(PreviousVertex::SPECULAR);
     rays.path_class[..count].fill(PathClass::DIRECT);
 }
 
-/// Adds the environment's radiance to the camera samples whose rays have left the scene.
-fn add_escaped_rays(scene: &PreparedScene, rays: &PathRays, hits: &Hits, radiance: &mut Radiance) {
-    if scene.scene.environment.is_none() {
-        return;
-    }
-    for i in (0..rays.count).filter(|&i| hits.object[i] == NONE) {
-        let ray = rays.ray.at(i);
-        let found = scene.environment_light(&rays.previous[i], ray.origin, ray.direction);
-        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * found);
-    }
-}
-
-/// Adds the emission of the surfaces that rays have hit.
-fn add_emissive_intersections(scene: &PreparedScene, rays: &PathRays, hits: &Hits, radiance: &mut Radiance) {
+/// Adds the light that rays have found: of the environment where they have left the scene, and of emissive surfaces.
+fn add_emission(scene: &PreparedScene, rays: &PathRays, hits: &Hits, depth: u32, radiance: &mut Radiance) {
     for i in 0..rays.count {
-        let Some(shader) = scene.shaders.get(hits.object[i] as usize) else { continue };
-        let Some(emission) = &shader.emission else { continue };
-        let (ray, surface) = (rays.ray.at(i), scene.geometry.surface(&rays.ray, hits, i));
-        if !emission.is_emitted(surface.normal, ray.direction) {
-            continue;
+        if let Some(light) = scene.light_found(&rays.ray, hits, i, depth, Some(&rays.previous[i])) {
+            radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * light);
         }
-        let hit = EmitterHit {
-            visibility: emission.visibility,
-            light: shader.light.map(|first| first + scene.geometry.triangle(hits, i)),
-            cos: surface.normal.dot(ray.direction).abs(),
-            position: surface.position,
-        };
-        let weight = scene.emitter_weight(&rays.previous[i], ray.origin, ray.direction, &hit);
-        radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * (emission.radiance * weight));
     }
 }
 

@@ -55,7 +55,7 @@ fn sample_diffuse(step: Step, rays: &PathRays, interactions: &Interactions, wi: 
             ray: Ray { origin: at(&interactions.origin, i), direction },
             beta: at(&interactions.beta, i),
             eta_scale: rays.eta_scale[interactions.ray[i] as usize],
-            previous: PreviousVertex { specular: false, pdf, normal, kind, q, is_caustic: false },
+            previous: PreviousVertex { pdf, normal, kind, q },
             slot: interactions.slot[i],
             path_class: interactions.path_class[i],
         });
@@ -102,16 +102,14 @@ fn sample_general(
                 q > 0.0 && step.depth > 0 && vertices.is_sound(i, wi) && vertices.is_sound(i, at(&frames.wo, i));
             // Light tracing cannot connect a delta lobe to the camera.
             let q = if is_traced { q * delta_ratio(bsdfs.at(i), &sample) } else { 0.0 };
-            PreviousVertex { specular: true, q, is_caustic: true, ..PreviousVertex::CAMERA }
+            PreviousVertex { q, ..PreviousVertex::SPECULAR }
         } else {
             let reverse_pdf = || scattered.reverse_pdf[i];
             PreviousVertex {
-                specular: false,
                 pdf: sample.pdf,
                 normal: frame.z,
                 kind,
                 q: next_q(step, vertices, i, wi, sample.pdf, reverse_pdf),
-                is_caustic: step.depth > 0,
             }
         };
         next.push(PathRay {

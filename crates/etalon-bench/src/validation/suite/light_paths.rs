@@ -16,7 +16,7 @@ use etalon_core::scene::{
     Sphere, builtin,
 };
 use etalon_render::Settings;
-use etalon_render::probe::{Kind, PreparedScene, Start};
+use etalon_render::probe::{Kind, NONE, PreparedScene, Start};
 use etalon_stats::{Directions, Mass, Outcome, Pole, Protocol, Sample, Square, density, examine, sampler};
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::Arc;
@@ -236,7 +236,7 @@ fn environment_place(name: String, targets: [(Vec3, f32); 2]) -> Case {
         let pdf = |place: [f64; 2]| {
             let [x, y] = place.map(|x| (2.0 * x - 1.0) as f32 * HALF);
             let point = centre + x * axes.0 + y * axes.1;
-            f64::from(scene.density_of_light_paths(point, wi)) / of_direction * f64::from(4.0 * HALF * HALF)
+            f64::from(scene.light_path_density(NONE, point, wi, 1.0)) / of_direction * f64::from(4.0 * HALF * HALF)
         };
         Ok(examine(&Square, &sampler(4, draw), &density(pdf), protocol, round)?)
     })
