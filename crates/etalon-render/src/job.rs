@@ -4,7 +4,7 @@ use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
 use super::camera::PreparedCamera;
 use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
 use super::fingerprint;
-use super::kernel::{Buffers, LightPathBuffers, Pixels, trace, trace_light_paths};
+use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::LightTracing;
 use super::prepared::PreparedScene;
@@ -241,13 +241,14 @@ struct Batch<'a> {
     count: usize,
     column: [u32; LANES],
     radiance: Radiance,
-    tracer: Tracer<'a>,
+    buffers: Box<Buffers>,
+    /// What traces the camera paths if the lanes do not.
+    reference: Option<Reference<'a>>,
     light_tracing: bool,
     /// The random numbers of the light paths.
     light_streams: Streams,
     /// Pixel and number of light paths still to be traced.
     waiting: Vec<(u64, u32)>,
-    light_paths: LightPathBuffers,
     splats: Vec<Splat>,
 }
 
@@ -260,12 +261,6 @@ struct Sample {
     slots: Range<usize>,
 }
 
-/// The implementation that traces camera paths.
-enum Tracer<'a> {
-    Lanes(Box<Buffers>),
-    Reference(Reference<'a>),
-}
-
 impl<'a> Batch<'a> {
     fn new(job: &'a Job<'a>, pass: Pass) -> Self {
         let Settings { stream, seed, .. } = job.settings;
@@ -276,14 +271,11 @@ impl<'a> Batch<'a> {
             count: 0,
             column: [0; LANES],
             radiance: Radiance::new(job.scene.classes),
-            tracer: match job.settings.kernel {
-                Kernel::Lanes => Tracer::Lanes(Box::default()),
-                Kernel::Reference => Tracer::Reference(Reference::new(&job.scene, &job.camera)),
-            },
+            buffers: Box::default(),
+            reference: (job.settings.kernel == Kernel::Reference).then(|| Reference::new(&job.scene, &job.camera)),
             light_tracing,
             light_streams: Streams::new(stream, seed),
             waiting: Vec::new(),
-            light_paths: LightPathBuffers::default(),
             splats: Vec::new(),
         }
     }
@@ -303,18 +295,15 @@ impl<'a> Batch<'a> {
     fn trace(&mut self, job: &Job, row: &mut Row) -> u64 {
         let count = std::mem::take(&mut self.count);
         let y = row.y() as u32;
-        match &mut self.tracer {
-            Tracer::Lanes(buffers) => {
-                let pixels = Pixels { columns: &self.column, row: y, count };
-                trace(&job.scene, &job.camera, pixels, &self.streams, buffers, &mut self.radiance);
+        if let Some(reference) = &mut self.reference {
+            self.radiance.clear(count);
+            for slot in 0..count {
+                let add = |class, value| self.radiance.add(slot as u32, class, value);
+                reference.trace(&self.streams, slot as u32, [self.column[slot], y], add);
             }
-            Tracer::Reference(reference) => {
-                self.radiance.clear(count);
-                for slot in 0..count {
-                    let add = |class, value| self.radiance.add(slot as u32, class, value);
-                    reference.trace(&self.streams, slot as u32, [self.column[slot], y], add);
-                }
-            }
+        } else {
+            let pixels = Pixels { columns: &self.column, row: y, count };
+            trace(&job.scene, &job.camera, pixels, &self.streams, &mut self.buffers, &mut self.radiance);
         }
         for sample in &self.samples {
             let paths = sample.slots.clone().map(|slot| (at(&self.radiance.sum, slot), self.radiance.by_class(slot)));
@@ -340,7 +329,7 @@ impl<'a> Batch<'a> {
             for (slot, (pixel, number)) in self.waiting.drain(..count).enumerate() {
                 self.light_streams.assign(slot, pixel, number);
             }
-            let (streams, buffers) = (&self.light_streams, &mut self.light_paths);
+            let (streams, buffers) = (&self.light_streams, &mut self.buffers);
             trace_light_paths(&job.scene, &job.camera, streams, count, buffers, &mut self.splats);
             row.splat(&self.splats);
             self.splats.clear();

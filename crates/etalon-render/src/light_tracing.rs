@@ -29,6 +29,7 @@
 
 use super::environment::EnvironmentSampling;
 use super::geometry::Geometry;
+use super::lanes::Ray;
 use super::light_selection::Lights;
 use super::shaders::{Kind, SurfaceShader, is_sound};
 use super::solids;
@@ -92,6 +93,15 @@ pub struct Start {
     pub density: f32,
     /// The light; `None` for the environment.
     pub light: Option<u32>,
+}
+
+impl Start {
+    /// The ray, which starts off the light.
+    pub fn ray(&self, lights: &Lights) -> Ray {
+        let offset = self.light.map_or(0.0, |light| lights.all[light as usize].offset(self.origin));
+        let offset = offset.copysign(self.normal.dot(self.direction));
+        Ray { origin: self.origin + self.normal * offset, direction: self.direction }
+    }
 }
 
 impl LightTracing {

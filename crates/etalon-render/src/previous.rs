@@ -19,8 +19,9 @@ pub struct PreviousVertex {
     /// The kind of surface: light samples of one that transmits come from both sides. Delta also for the camera and for delta lobes of
     /// other surfaces: light samples cannot find what the ray finds.
     pub kind: Kind,
-    /// The density of light tracing over that of this path, except for the factors that the next vertices contribute; 0 where light
-    /// tracing cannot find the path. See [`super::light_tracing`].
+    /// The density of light tracing over that of this camera path, except for the factors that the next vertices contribute; 0 where
+    /// light tracing cannot find the path. Of a light path the same of all techniques of camera paths, summed. See
+    /// [`super::light_tracing`].
     pub q: f32,
 }
 

@@ -146,7 +146,7 @@ pub(super) fn plain(material: &Material) -> &Material {
 /// camera path finds: |wo·ns| |wi·n| / (|wo·n| |wi·ns|). `wo` points to the light, `wi` to the camera.
 #[inline]
 pub fn adjoint_factor(surface: &Surface, wo: Vec3, wi: Vec3) -> f32 {
-    let normals = [surface.normal, surface.shading];
+    let normals = surface.normals();
     if surface.is_flat() { 1.0 } else { ratio(normals, wo) / ratio(normals, wi) }
 }
 

@@ -4,7 +4,7 @@
 use super::adaptive::allocate;
 use super::film::Splat;
 use super::job::Job;
-use super::kernel::{Buffers, LightPathBuffers, Pixels, trace, trace_light_paths};
+use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
 use super::needs::lone_convex_from_outside;
@@ -191,13 +191,7 @@ impl Job<'_> {
     }
 
     /// Traces the samples of pixels of a row, and a light path for each.
-    fn trace_row(
-        &self,
-        scene: &PreparedScene,
-        columns: &[usize],
-        y: usize,
-        (buffers, light_paths): &mut (Buffers, LightPathBuffers),
-    ) -> Traced {
+    fn trace_row(&self, scene: &PreparedScene, columns: &[usize], y: usize, buffers: &mut Buffers) -> Traced {
         // Samples that are well distributed together say too little of the variance of one.
         let mut streams = Streams::new(StreamKind::Independent, mix64(!self.settings.seed));
         let (mut column, mut count) = ([0; LANES], 0);
@@ -211,7 +205,7 @@ impl Job<'_> {
         trace(scene, &self.camera, pixels, &streams, buffers, &mut radiance);
         let values = (0..count).map(|slot| at(&radiance.sum, slot).as_dvec3()).collect();
         let mut splats = Vec::new();
-        let light_path_rays = trace_light_paths(scene, &self.camera, &streams, count, light_paths, &mut splats);
+        let light_path_rays = trace_light_paths(scene, &self.camera, &streams, count, buffers, &mut splats);
         Traced { values, work: radiance.work, splats, light_path_rays }
     }
 }

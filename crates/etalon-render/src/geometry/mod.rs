@@ -33,6 +33,12 @@ impl Surface {
     /// No surface.
     pub const NONE: Self = Self { position: Vec3::ZERO, normal: Vec3::Z, shading: Vec3::Z, offset: 0.0 };
 
+    /// The normal, and that for shading.
+    #[inline(always)]
+    pub fn normals(&self) -> [Vec3; 2] {
+        [self.normal, self.shading]
+    }
+
     /// Whether the normal for shading is that of the surface.
     #[inline(always)]
     pub fn is_flat(&self) -> bool {

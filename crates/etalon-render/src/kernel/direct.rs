@@ -1,11 +1,10 @@
 //! Direct light: samples of every source of light at the interactions with a material, and the shadow rays towards them.
 
 use super::scatter::next_q;
-use super::state::{Interactions, ShadowRay, ShadowRays, Step, Vertices};
-use super::surfaces::GroupMaterial;
+use super::state::{ShadowRay, ShadowRays, Step, Vertices};
 use crate::bsdf_lanes::{Scattered, eval_many, reverse_pdf_many};
 use crate::environment::SurfaceSampling;
-use crate::lanes::{Hits, LANES, Lane3, NONE, Ray, Rows, at, fill};
+use crate::lanes::{Hits, LANES, NONE, Ray, Rows, at, fill};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
 use crate::light_selection::Round;
@@ -47,31 +46,29 @@ fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Item = 
 
 /// Adds the direct light at interactions with one material.
 pub fn sample_direct_light(
-    step: Step,
-    material: GroupMaterial,
-    vertices: &Vertices,
+    vertices: Vertices,
     scattered: &mut Scattered,
     buffers: &mut DirectLight,
     radiance: &mut Radiance,
 ) {
-    let interactions = &vertices.interactions;
+    let Vertices { step, interactions, .. } = vertices;
     let DirectLight { choices, samples, shadow_rays, hits } = buffers;
-    if material.kind().is_diffuse() {
+    let is_diffuse = vertices.kind().is_diffuse();
+    if is_diffuse {
         // Every interaction has a shadow ray, of no length where its value is 0: copying some only would cost more.
-        let (from, count) = (interactions, interactions.count);
-        shadow_rays.count = count;
-        copy(&from.origin, count, &mut shadow_rays.ray.origin);
-        shadow_rays.slot[..count].copy_from_slice(&from.slot[..count]);
-        shadow_rays.path_class[..count].copy_from_slice(&from.path_class[..count]);
+        shadow_rays.count = interactions.count;
+        shadow_rays.ray.origin = interactions.origin;
+        shadow_rays.slot = interactions.slot;
+        shadow_rays.path_class = interactions.path_class;
     }
-    for (source, count) in sources(step.scene, material.kind()) {
+    for (source, count) in sources(step.scene, vertices.kind()) {
         for index in 0..count {
             let sub = SubSample { index, count };
-            sample_light(step, source, sub, interactions, material.kind(), choices, samples);
-            if material.kind().is_diffuse() {
-                diffuse_shadow_rays(step, interactions, samples, count, shadow_rays);
+            sample_light(vertices, source, sub, choices, samples);
+            if is_diffuse {
+                diffuse_shadow_rays(vertices, samples, count, shadow_rays);
             } else {
-                general_shadow_rays(step, material, vertices, samples, count, scattered, shadow_rays);
+                general_shadow_rays(vertices, samples, count, scattered, shadow_rays);
             }
             radiance.work.rays += shadow_rays.count;
             if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
@@ -87,16 +84,14 @@ pub fn sample_direct_light(
 
 /// Samples a direction towards light from each interaction. The pdf is infinite where no BSDF samples are combined with it.
 fn sample_light(
-    step: Step,
+    vertices: Vertices,
     source: Source,
     sub: SubSample,
-    interactions: &Interactions,
-    kind: Kind,
     choices: &mut Vec<light_lanes::Choice>,
     out: &mut LightSampleLanes,
 ) {
-    let Step { scene, samples, .. } = step;
-    let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
+    let Vertices { step: Step { scene, samples, .. }, interactions, .. } = vertices;
+    let (kind, count, slots) = (vertices.kind(), interactions.count, &interactions.slot[..interactions.count]);
     match source {
         Source::Lights(number, Round { light: Some(light), .. }) => {
             let u = samples.light(number).get_2d_lanes(slots, sub);
@@ -141,22 +136,11 @@ fn sample_light(
     }
 }
 
-fn copy(from: &Lane3, count: usize, to: &mut Lane3) {
-    for (from, to) in from.iter().zip(to) {
-        to[..count].copy_from_slice(&from[..count]);
-    }
-}
-
 /// Directs the rays from diffuse surfaces towards light samples, `n` for each: beta / π · cos · light.
-fn diffuse_shadow_rays(
-    step: Step,
-    interactions: &Interactions,
-    samples: &LightSampleLanes,
-    n: u32,
-    out: &mut ShadowRays,
-) {
+fn diffuse_shadow_rays(vertices: Vertices, samples: &LightSampleLanes, n: u32, out: &mut ShadowRays) {
+    let Vertices { step, interactions, .. } = vertices;
     let (count, n) = (interactions.count, n as f32);
-    copy(&samples.wi, count, &mut out.ray.direction);
+    out.ray.direction = samples.wi;
     let [r, g, b] = &mut out.value;
     fill(
         step.scene.arch,
@@ -179,16 +163,14 @@ fn diffuse_shadow_rays(
 
 /// Rays from any other surface towards light samples, `n` for each, except black ones.
 fn general_shadow_rays(
-    step: Step,
-    material: GroupMaterial,
-    vertices: &Vertices,
+    vertices: Vertices,
     samples: &LightSampleLanes,
     n: u32,
     scattered: &mut Scattered,
     out: &mut ShadowRays,
 ) {
-    let Vertices { interactions, frames } = vertices;
-    let (scene, count, n) = (step.scene, interactions.count, n as f32);
+    let Vertices { step: Step { scene, depth, .. }, bsdfs, interactions, frames, .. } = vertices;
+    let (count, n) = (interactions.count, n as f32);
     fill(
         scene.arch,
         count,
@@ -196,20 +178,20 @@ fn general_shadow_rays(
         #[inline(always)]
         move |i| vertices.frame(i).to_local(at(&samples.wi, i)).to_array(),
     );
-    eval_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
-    if step.needs_reverse_pdf(&material.shader.bsdf) {
-        reverse_pdf_many(scene.arch, material.bsdfs, &frames.local_wo, count, scattered);
+    eval_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
+    if vertices.needs_reverse_pdf() {
+        reverse_pdf_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
     }
     out.count = 0;
     for i in 0..count {
-        let (wi, local, surface) = (at(&samples.wi, i), at(&scattered.wi, i), vertices.surface(i));
+        let (wi, local, surface) = (at(&samples.wi, i), at(&scattered.wi, i), &frames.surface[i]);
         let (f, pdf) = (at(&scattered.weight, i), scattered.pdf[i]);
         let value = at(&interactions.beta, i) * f * at(&samples.weight, i) * (local.z.abs() / n);
         // Skip black samples, and those on whose side the normals disagree.
         if !(value.max_element() > 0.0 && surface.normal.dot(wi) * local.z > 0.0) {
             continue;
         }
-        let by_light_tracing = if interactions.q[i] > 0.0 && step.depth > 0 {
+        let by_light_tracing = if interactions.q[i] > 0.0 && depth > 0 {
             let emission = match samples.light[i] {
                 NONE => scene.light_path_density(NONE, surface.position, wi, 1.0),
                 light => {
@@ -218,8 +200,7 @@ fn general_shadow_rays(
                     scene.light_path_density(light, point, wi, cos)
                 }
             };
-            let reverse_pdf = || scattered.reverse_pdf[i];
-            next_q(step, vertices, i, wi, 1.0, reverse_pdf) * emission
+            next_q(vertices, i, wi, 1.0, scattered.reverse_pdf[i]) * emission
         } else {
             0.0
         };

@@ -15,23 +15,23 @@ mod scatter;
 mod state;
 mod surfaces;
 
-pub use light_paths::{LightPathBuffers, trace_light_paths};
+pub use light_paths::trace_light_paths;
 
-use super::bsdf_lanes::Scattered;
+use super::bsdf_lanes::{Scattered, TransportMode};
 use super::camera::PreparedCamera;
 use super::film::PathClass;
-use super::lanes::{Hits, LANES, NONE, Rows, at, set};
-use super::light_tracing::LightTracing;
+use super::lanes::{Hits, LANES, Rows, at, set};
+use super::light_tracing::Start;
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::previous::PreviousVertex;
 use super::radiance::Radiance;
 use super::ray_samples::{Streams, SubSample};
-use super::shaders::{Kind, SurfaceShader};
+use super::shaders::Kind;
 use direct::{DirectLight, sample_direct_light};
-use etalon_core::bsdf::Bsdf;
+use light_paths::Connections;
 use scatter::sample_bsdf;
-use state::{PathRays, Step, Vertices};
-use surfaces::{ByMaterial, DIFFUSE, evaluate};
+use state::{PathRays, Step, VertexBuffers};
+use surfaces::{ByMaterial, evaluate};
 
 /// The buffers of a thread, which hold nothing between batches.
 #[derive(Default)]
@@ -40,11 +40,12 @@ pub struct Buffers {
     next: Box<PathRays>,
     hits: Box<Hits>,
     by_material: ByMaterial,
-    vertices: Box<Vertices>,
+    vertices: Box<VertexBuffers>,
     scattered: Box<Scattered>,
     direct: DirectLight,
-    /// The BSDFs of interactions with an object that has textures.
-    varying: Vec<Bsdf>,
+    /// Of light paths.
+    starts: Vec<Start>,
+    connections: Box<Connections>,
 }
 
 /// The pixels of camera samples: of each slot the column, all in one row.
@@ -65,7 +66,7 @@ pub fn trace(
     buffers: &mut Buffers,
     radiance: &mut Radiance,
 ) {
-    let Buffers { rays, next, hits, by_material, vertices, scattered, direct, varying } = buffers;
+    let Buffers { rays, next, hits, by_material, vertices, scattered, direct, .. } = buffers;
     radiance.clear(pixels.count);
     generate_camera_rays(scene, camera, pixels, streams, rays);
     for depth in 0..=scene.request.max_depth {
@@ -78,19 +79,15 @@ pub fn trace(
         if depth == scene.request.max_depth {
             break;
         }
-        if depth == 0 && scene.light_tracing.is_some() {
-            set_camera_q(scene, camera, hits, rays);
-        }
-        let step = Step { scene, samples: scene.ray_samples(streams, depth), depth };
+        let samples = scene.ray_samples(streams, depth);
+        let step = Step { scene, camera, mode: TransportMode::Radiance, samples, depth };
         next.count = 0;
-        let group =
-            |i: usize, shader: &SurfaceShader| Some(if shader.kind.is_diffuse() { DIFFUSE } else { hits.object[i] });
-        for group in by_material.sort(scene, hits, rays.count, group) {
-            let material = evaluate(step, rays, hits, group, vertices, varying);
-            if material.kind() != Kind::Delta {
-                sample_direct_light(step, material, vertices, scattered, direct, radiance);
+        for group in by_material.sort(step, hits, rays.count) {
+            let vertices = evaluate(step, rays, hits, group, vertices);
+            if vertices.kind() != Kind::Delta {
+                sample_direct_light(vertices, scattered, direct, radiance);
             }
-            sample_bsdf(step, material, rays, vertices, scattered, next);
+            sample_bsdf(vertices, scattered, next);
         }
         if depth >= ROULETTE_AFTER {
             russian_roulette(step, next);
@@ -127,17 +124,6 @@ fn add_emission(scene: &PreparedScene, rays: &PathRays, hits: &Hits, depth: u32,
         if let Some(light) = scene.light_found(&rays.ray, hits, i, depth, Some(&rays.previous[i])) {
             radiance.add(rays.slot[i], rays.path_class[i], at(&rays.beta, i) * light);
         }
-    }
-}
-
-/// Sets the density of light tracing over that of camera paths at the first hits.
-fn set_camera_q(scene: &PreparedScene, camera: &PreparedCamera, hits: &Hits, rays: &mut PathRays) {
-    for i in (0..rays.count).filter(|&i| hits.object[i] != NONE) {
-        let ray = rays.ray.at(i);
-        rays.previous[i].q = match scene.shaders[hits.object[i] as usize].kind {
-            Kind::Delta => 0.0,
-            _ => LightTracing::q_at_camera(camera.area_at(ray.origin + hits.t[i] * ray.direction)),
-        };
     }
 }
 
