@@ -1,6 +1,6 @@
 //! BSDFs for many hits at once: directions sampled by one, and its values for given ones. Rough surfaces vectorize.
 
-use super::lanes::{BLOCK, LANES, Lane, Lane3, ZERO_BLOCK3, ZERO3, at, block, blocks, fill, put, set, wide};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, at, block, blocks, fill, put, set, wide};
 use super::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use etalon_core::math::circular::Circular;
@@ -44,47 +44,31 @@ impl<'a> Bsdfs<'a> {
     }
 }
 
-/// For each hit a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
-pub struct Scattered {
+/// For each hit, or each of a block, a direction in its own frame, the BSDF times the cosine over the pdf (or alone), and the pdf.
+pub struct Scattered<const N: usize = LANES> {
     /// In the local frame.
-    pub wi: Lane3,
+    pub wi: [[f32; N]; 3],
     /// BSDF times cosine over pdf, or the BSDF.
-    pub weight: Lane3,
+    pub weight: [[f32; N]; 3],
     /// Per solid angle.
-    pub pdf: Lane,
+    pub pdf: [f32; N],
     /// For samples, the lobe, the probability with which it was chosen, and the ratio of the indices of refraction.
-    lobe: [Lobe; LANES],
-    probability: Lane,
-    eta: Lane,
+    lobe: [Lobe; N],
+    probability: [f32; N],
+    eta: [f32; N],
     /// Pdf of the direction back, if light came from `wi`: by [`reverse_pdf_many`].
-    pub reverse_pdf: Lane,
+    pub reverse_pdf: [f32; N],
 }
 
-impl Default for Scattered {
+impl<const N: usize> Default for Scattered<N> {
+    #[inline(always)]
     fn default() -> Self {
-        Self {
-            wi: ZERO3,
-            weight: ZERO3,
-            pdf: [0.0; LANES],
-            lobe: [Lobe::GlossyReflection; LANES],
-            probability: [1.0; LANES],
-            eta: [1.0; LANES],
-            reverse_pdf: [0.0; LANES],
-        }
+        let (zeros, zeros3, lobe) = ([0.0; N], [[0.0; N]; 3], [Lobe::GlossyReflection; N]);
+        Self { wi: zeros3, weight: zeros3, pdf: zeros, lobe, probability: zeros, eta: zeros, reverse_pdf: zeros }
     }
 }
 
-impl Scattered {
-    /// No sample.
-    const NONE: BsdfSample = BsdfSample {
-        wi: Vec3::Z,
-        weight: Rgb::ZERO,
-        pdf: 0.0,
-        lobe: Lobe::GlossyReflection,
-        probability: 1.0,
-        eta: 1.0,
-    };
-
+impl<const N: usize> Scattered<N> {
     /// The sample of a hit by [`sample_many`], if there is one.
     pub fn sample(&self, i: usize) -> Option<BsdfSample> {
         let (wi, weight, pdf) = (at(&self.wi, i), at(&self.weight, i), self.pdf[i]);
@@ -93,7 +77,8 @@ impl Scattered {
         if sample.is_delta() { Some(sample) } else { sample.if_possible() }
     }
 
-    fn set_sample(&mut self, i: usize, sample: BsdfSample) {
+    #[inline(always)]
+    fn set(&mut self, i: usize, sample: BsdfSample) {
         set(&mut self.wi, i, sample.wi);
         set(&mut self.weight, i, sample.weight);
         (self.pdf[i], self.lobe[i]) = (sample.pdf, sample.lobe);
@@ -126,7 +111,8 @@ pub fn sample_many(
     };
     for i in 0..count {
         let found = sample(bsdfs.at(i), at(wo, i), u[0][i], [u[1][i], u[2][i]]);
-        out.set_sample(i, found.unwrap_or(Scattered::NONE));
+        let black = || BsdfSample::reflected(Vec3::Z, Rgb::ZERO, 0.0, Lobe::GlossyReflection);
+        out.set(i, found.unwrap_or_else(black));
     }
 }
 
@@ -197,24 +183,18 @@ impl VectorizedLoop for SampleLoop<'_> {
             move || {
                 for number in 0..blocks(count) {
                     let (wo, [uc, x, y]) = (block(wo, number), u.map(|u| u.as_chunks::<BLOCK>().0[number]));
-                    let (mut wi, mut weight, mut pdf) = (ZERO_BLOCK3, ZERO_BLOCK3, [0.0; BLOCK]);
-                    let (mut probability, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
-                    let mut lobe = [Lobe::GlossyReflection; BLOCK];
+                    let mut found = Scattered::<BLOCK>::default();
                     for i in 0..BLOCK {
                         let sample = bsdf.sample_lane(at(&wo, i), uc[i], [x[i], y[i]]);
                         let is_adjoint = mode == TransportMode::Importance;
-                        let sample = if is_adjoint { sample.adjoint() } else { sample };
-                        set(&mut wi, i, sample.wi);
-                        set(&mut weight, i, sample.weight);
-                        pdf[i] = sample.pdf;
-                        (lobe[i], probability[i], eta[i]) = (sample.lobe, sample.probability, sample.eta);
+                        found.set(i, if is_adjoint { sample.adjoint() } else { sample });
                     }
-                    put(&mut out.wi, number, &wi);
-                    put(&mut out.weight, number, &weight);
-                    put(from_mut(&mut out.pdf), number, &[pdf]);
-                    put(from_mut(&mut out.probability), number, &[probability]);
-                    put(from_mut(&mut out.eta), number, &[eta]);
-                    out.lobe.as_chunks_mut().0[number] = lobe;
+                    put(&mut out.wi, number, &found.wi);
+                    put(&mut out.weight, number, &found.weight);
+                    put(from_mut(&mut out.pdf), number, &[found.pdf]);
+                    put(from_mut(&mut out.probability), number, &[found.probability]);
+                    put(from_mut(&mut out.eta), number, &[found.eta]);
+                    out.lobe.as_chunks_mut().0[number] = found.lobe;
                 }
             },
         );

@@ -19,13 +19,6 @@ const VECTOR: usize = 16;
 /// undefined.
 pub const BLOCK: usize = 2 * VECTOR;
 
-/// One number per path of a block.
-pub type Block = [f32; BLOCK];
-/// A vector or colour per path of a block.
-pub type Block3 = [Block; 3];
-
-pub const ZERO_BLOCK3: Block3 = [[0.0; BLOCK]; 3];
-
 /// How many blocks `count` lanes fill.
 #[inline(always)]
 pub fn blocks(count: usize) -> usize {
@@ -34,7 +27,7 @@ pub fn blocks(count: usize) -> usize {
 
 /// A block of some lanes.
 #[inline(always)]
-pub fn block<const N: usize>(lanes: &[Lane; N], number: usize) -> [Block; N] {
+pub fn block<const N: usize>(lanes: &[Lane; N], number: usize) -> [[f32; BLOCK]; N] {
     let mut out = [[0.0; BLOCK]; N];
     for axis in 0..N {
         out[axis] = lanes[axis].as_chunks().0[number];
@@ -44,7 +37,7 @@ pub fn block<const N: usize>(lanes: &[Lane; N], number: usize) -> [Block; N] {
 
 /// Stores a block.
 #[inline(always)]
-pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[Block; N]) {
+pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[[f32; BLOCK]; N]) {
     for axis in 0..N {
         lanes[axis].as_chunks_mut().0[number] = block[axis];
     }

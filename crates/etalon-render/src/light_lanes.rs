@@ -1,13 +1,10 @@
 //! Light samples for many shading points at once: of one light for all points, or of one for each, which the light tree chooses.
 
-use super::lanes::{
-    BLOCK, Block, Block3, LANES, Lane, Lane3, NONE, Ray, ZERO_BLOCK3, at, block, blocks, put, set, wide,
-};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, NONE, Ray, at, block, blocks, put, set, wide};
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
 use super::light_selection::{Lights, Selection};
-use super::lights::{LightKind, RectangleLight, Sampled, SphereLight};
+use super::lights::{LightKind, Sampled};
 use super::shaders::Kind;
-use super::triangle_light::TriangleLight;
 use pulp::Arch;
 use std::array::from_mut;
 
@@ -44,7 +41,7 @@ fn sample_one(
         #[inline(always)]
         move || {
             for number in 0..blocks(count) {
-                let samples = SampleBlock::of(|_| light, &block(positions, number), &block(u, number));
+                let samples = sample_block(|_| light, &block(positions, number), &block(u, number));
                 put(&mut out.wi, number, &samples.wi);
                 put(&mut out.weight, number, &samples.weight);
                 put(from_mut(&mut out.distance), number, &[samples.distance]);
@@ -55,43 +52,27 @@ fn sample_one(
     );
 }
 
-/// [`LightSample`]s of a block, and the lengths of their shadow rays.
-struct SampleBlock {
-    wi: Block3,
-    weight: Block3,
-    distance: Block,
-    t_max: Block,
-    pdf: Block,
-}
-
-impl SampleBlock {
-    #[inline(always)]
-    fn of<'l, L: SampleLight + 'l>(light: impl Fn(usize) -> &'l L, positions: &Block3, u: &[Block; 2]) -> Self {
-        let zeros = [0.0; BLOCK];
-        let mut out = Self { wi: ZERO_BLOCK3, weight: ZERO_BLOCK3, distance: zeros, t_max: zeros, pdf: zeros };
-        for k in 0..BLOCK {
-            let (light, point) = (light(k), at(positions, k));
-            let sample = light.sample(point, [u[0][k], u[1][k]]);
-            out.t_max[k] = light.t_max(Ray { origin: point, direction: sample.wi }, sample.distance);
-            set(&mut out.wi, k, sample.wi);
-            set(&mut out.weight, k, sample.weight);
-            (out.distance[k], out.pdf[k]) = (sample.distance, sample.pdf);
-        }
-        out
+/// Light samples of a block.
+#[inline(always)]
+fn sample_block<'l, L: SampleLight + 'l>(
+    light: impl Fn(usize) -> &'l L,
+    positions: &[[f32; BLOCK]; 3],
+    u: &[[f32; BLOCK]; 2],
+) -> LightSampleLanes<BLOCK> {
+    let mut out = LightSampleLanes::default();
+    for k in 0..BLOCK {
+        let (light, point) = (light(k), at(positions, k));
+        let sample = light.sample(point, [u[0][k], u[1][k]]);
+        out.set(k, NONE, sample, light.t_max(Ray { origin: point, direction: sample.wi }, sample.distance));
     }
-
-    #[inline(always)]
-    fn at(&self, k: usize) -> LightSample {
-        let (wi, weight) = (at(&self.wi, k), at(&self.weight, k));
-        LightSample { wi, distance: self.distance[k], weight, pdf: self.pdf[k] }
-    }
+    out
 }
 
 /// A direction towards a light of its own, by its number in `all`, from each of some positions; none where the number is
 /// [`NONE`].
-pub fn sample_each(
+pub fn sample_each<'l>(
     arch: Arch,
-    all: &[Sampled],
+    all: &'l [Sampled],
     light: &[u32],
     positions: &Lane3,
     u: &[Lane; 2],
@@ -109,23 +90,19 @@ pub fn sample_each(
         }
     }
     // Loops over one shape, which vectorize.
-    sample_each_of::<RectangleLight>(arch, all, light, positions, u, out);
-    sample_each_of::<TriangleLight>(arch, all, light, positions, u, out);
-    sample_each_of::<SphereLight>(arch, all, light, positions, u, out);
+    let rectangle = |kind: &'l LightKind| if let LightKind::Rectangle(light) = kind { Some(light) } else { None };
+    let triangle = |kind: &'l LightKind| if let LightKind::Triangle(light) = kind { Some(light) } else { None };
+    let sphere = |kind: &'l LightKind| if let LightKind::Sphere(light) = kind { Some(light) } else { None };
+    sample_each_of(arch, all, light, positions, u, out, rectangle);
+    sample_each_of(arch, all, light, positions, u, out, triangle);
+    sample_each_of(arch, all, light, positions, u, out, sphere);
 }
 
 /// The lights that the light tree has chosen for some positions, with their probabilities.
 pub struct Choice {
-    light: [u32; LANES],
+    pub light: [u32; LANES],
     /// Before the choice its random numbers.
-    probability: Lane,
-}
-
-impl Choice {
-    /// A choice that the first of these random numbers will make.
-    pub fn new([u, _]: [Lane; 2]) -> Self {
-        Self { light: [NONE; LANES], probability: u }
-    }
+    pub probability: Lane,
 }
 
 /// Chooses lights for the first `count` positions, on surfaces of this kind and these normals: as many for each as there are choices.
@@ -189,22 +166,17 @@ pub fn sample_chosen(
     );
 }
 
-/// The lights of one shape among those that can be sampled.
-trait OfShape: SampleLight + Copy {
-    /// The light, if it has the shape.
-    fn of(kind: &LightKind) -> Option<&Self>;
-}
-
-/// The loop of [`sample_each`] over the lights of one shape. It gathers them a block at a time.
-fn sample_each_of<L: OfShape>(
+/// The loop of [`sample_each`] over the lights for which `of_shape` has a shape. It gathers them a block at a time.
+fn sample_each_of<'l, L: SampleLight + Copy + 'l>(
     arch: Arch,
-    all: &[Sampled],
+    all: &'l [Sampled],
     light: &[u32],
     positions: &Lane3,
     u: &[Lane; 2],
     out: &mut LightSampleLanes,
+    of_shape: impl Fn(&'l LightKind) -> Option<&'l L>,
 ) {
-    let of_lane = |i: usize| all.get(light[i] as usize).and_then(|light| L::of(&light.kind));
+    let of_lane = |i: usize| all.get(light[i] as usize).and_then(|light| of_shape(&light.kind));
     let (mut lanes, mut count) = ([0; LANES], 0);
     for i in 0..light.len().min(LANES) {
         lanes[count % LANES] = i;
@@ -213,7 +185,7 @@ fn sample_each_of<L: OfShape>(
     for block in lanes[..count].chunks(BLOCK) {
         let Some(&first) = of_lane(block[0]) else { return };
         let mut lights = [first; BLOCK];
-        let (mut points, mut numbers) = (ZERO_BLOCK3, [[0.0; BLOCK]; 2]);
+        let (mut points, mut numbers) = ([[0.0; BLOCK]; 3], [[0.0; BLOCK]; 2]);
         for (k, &i) in block.iter().enumerate() {
             if let Some(&light) = of_lane(i) {
                 lights[k] = light;
@@ -225,31 +197,10 @@ fn sample_each_of<L: OfShape>(
         let samples = wide(
             arch,
             #[inline(always)]
-            move || SampleBlock::of(|k| &lights[k], points, numbers),
+            move || sample_block(|k| &lights[k], points, numbers),
         );
         for (k, &i) in block.iter().enumerate() {
             out.set(i, light[i], samples.at(k), samples.t_max[k]);
         }
-    }
-}
-
-impl OfShape for RectangleLight {
-    #[inline(always)]
-    fn of(kind: &LightKind) -> Option<&Self> {
-        if let LightKind::Rectangle(light) = kind { Some(light) } else { None }
-    }
-}
-
-impl OfShape for TriangleLight {
-    #[inline(always)]
-    fn of(kind: &LightKind) -> Option<&Self> {
-        if let LightKind::Triangle(light) = kind { Some(light) } else { None }
-    }
-}
-
-impl OfShape for SphereLight {
-    #[inline(always)]
-    fn of(kind: &LightKind) -> Option<&Self> {
-        if let LightKind::Sphere(light) = kind { Some(light) } else { None }
     }
 }

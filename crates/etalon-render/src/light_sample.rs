@@ -1,7 +1,7 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
 //! importance sampling.
 
-use super::lanes::{LANES, Lane, Lane3, NONE, Ray, ZERO3, set};
+use super::lanes::{LANES, NONE, Ray, at, set};
 use etalon_core::math::Rgb;
 use glam::Vec3;
 
@@ -34,19 +34,25 @@ pub trait SampleLight {
     fn pdf(&self, point: Vec3) -> f32;
 }
 
-/// [`LightSample`]s from many points.
-pub struct LightSampleLanes {
-    pub wi: Lane3,
-    pub distance: Lane,
-    pub weight: Lane3,
+/// [`LightSample`]s from many points: of all paths, or of a block.
+pub struct LightSampleLanes<const N: usize = LANES> {
+    pub wi: [[f32; N]; 3],
+    pub distance: [f32; N],
+    pub weight: [[f32; N]; 3],
     /// Length of the shadow ray, which ends in front of the light.
-    pub t_max: Lane,
-    pub pdf: Lane,
+    pub t_max: [f32; N],
+    pub pdf: [f32; N],
     /// Numbers of the lights, or [`super::lanes::NONE`].
-    pub light: [u32; LANES],
+    pub light: [u32; N],
 }
 
-impl LightSampleLanes {
+impl<const N: usize> LightSampleLanes<N> {
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> LightSample {
+        let (wi, weight) = (at(&self.wi, i), at(&self.weight, i));
+        LightSample { wi, distance: self.distance[i], weight, pdf: self.pdf[i] }
+    }
+
     /// Sets lane `i` to a sample of that light, or of none in the scene, and the length of its shadow ray.
     #[inline(always)]
     pub fn set(&mut self, i: usize, light: u32, sample: LightSample, t_max: f32) {
@@ -57,10 +63,11 @@ impl LightSampleLanes {
     }
 }
 
-impl Default for LightSampleLanes {
+impl<const N: usize> Default for LightSampleLanes<N> {
+    #[inline(always)]
     fn default() -> Self {
-        let zeros = [0.0; LANES];
-        Self { wi: ZERO3, distance: zeros, weight: ZERO3, t_max: zeros, pdf: zeros, light: [NONE; LANES] }
+        let (zeros, zeros3) = ([0.0; N], [[0.0; N]; 3]);
+        Self { wi: zeros3, distance: zeros, weight: zeros3, t_max: zeros, pdf: zeros, light: [NONE; N] }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::scatter::next_q;
 use super::state::{ShadowRay, ShadowRays, Step, Vertices};
 use crate::bsdf_lanes::{Scattered, eval_many, reverse_pdf_many};
-use crate::environment::SurfaceSampling;
+use crate::environment::{EnvironmentSampling, SurfaceSampling};
 use crate::lanes::{Hits, LANES, NONE, Ray, Rows, at, fill};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
@@ -26,20 +26,20 @@ pub struct DirectLight {
 
 /// A source of directions towards light.
 #[derive(Clone, Copy)]
-enum Source {
+enum Source<'a> {
     /// A round of light samples, by its number.
     Lights(usize, Round),
     /// Light samples of the environment.
-    Environment,
+    Environment(&'a EnvironmentSampling<'a>),
     /// A strategy that ignores the lights: its rays find emitters.
     Surface(SurfaceSampling),
 }
 
 /// The sources for surfaces of a kind, each with its number of samples.
-fn sources<'a>(scene: &'a PreparedScene, surface: Kind) -> impl Iterator<Item = (Source, u32)> + 'a {
+fn sources<'a>(scene: &'a PreparedScene<'a>, surface: Kind) -> impl Iterator<Item = (Source<'a>, u32)> {
     let count = scene.request.light_samples;
     let rounds = scene.lights.rounds().iter().enumerate().map(|(i, &round)| (Source::Lights(i, round), round.count));
-    let environment = scene.environment.iter().map(move |_| (Source::Environment, count));
+    let environment = scene.environment.iter().map(move |environment| (Source::Environment(environment), count));
     let by_surface = SurfaceSampling::of(scene.sampling, surface).into_iter();
     rounds.chain(environment).chain(by_surface.map(move |strategy| (Source::Surface(strategy), count)))
 }
@@ -71,11 +71,11 @@ pub fn sample_direct_light(
                 general_shadow_rays(vertices, samples, count, scattered, shadow_rays);
             }
             radiance.work.rays += shadow_rays.count;
-            if matches!(source, Source::Environment | Source::Lights(_, Round { light: None, .. })) {
+            if matches!(source, Source::Environment(_) | Source::Lights(_, Round { light: None, .. })) {
                 radiance.work.choices += shadow_rays.count;
             }
             match source {
-                Source::Lights(..) | Source::Environment => trace_shadow_rays(step.scene, shadow_rays, radiance),
+                Source::Lights(..) | Source::Environment(_) => trace_shadow_rays(step.scene, shadow_rays, radiance),
                 Source::Surface(_) => trace_to_emitters(step, shadow_rays, hits, radiance),
             }
         }
@@ -106,7 +106,8 @@ fn sample_light(
             // With the first sample, choose the lights of all.
             if sub.index == 0 {
                 let choice = |index| {
-                    light_lanes::Choice::new(samples.light_choice.get_2d_lanes(slots, SubSample { index, ..sub }))
+                    let [probability, _] = samples.light_choice.get_2d_lanes(slots, SubSample { index, ..sub });
+                    light_lanes::Choice { light: [NONE; LANES], probability }
                 };
                 choices.clear();
                 choices.extend((0..sub.count).map(choice));
@@ -116,8 +117,7 @@ fn sample_light(
             let (choice, u) = (&choices[sub.index as usize], samples.light(number).get_2d_lanes(slots, sub));
             light_lanes::sample_chosen(scene.arch, &scene.lights, choice, &interactions.origin, count, &u, out);
         }
-        Source::Environment => {
-            let Some(environment) = &scene.environment else { return };
+        Source::Environment(environment) => {
             let u = samples.environment.get_2d_lanes(slots, sub);
             environment.sample_many(&u, &interactions.ns, kind, count, out);
         }
@@ -235,10 +235,9 @@ fn trace_shadow_rays(scene: &PreparedScene, rays: &ShadowRays, radiance: &mut Ra
 
 /// Traces rays and adds the emission that they find, times their values.
 fn trace_to_emitters(step: Step, rays: &ShadowRays, hits: &mut Hits, radiance: &mut Radiance) {
-    let scene = step.scene;
-    scene.geometry.nearest(&rays.ray, rays.count, hits);
+    step.scene.geometry.nearest(&rays.ray, rays.count, hits);
     for i in 0..rays.count {
-        if let Some(light) = scene.light_found(&rays.ray, hits, i, step.depth + 1, None) {
+        if let Some(light) = step.scene.light_found(&rays.ray, hits, i, step.depth + 1, None) {
             radiance.add(rays.slot[i], rays.path_class[i], at(&rays.value, i) * light);
         }
     }

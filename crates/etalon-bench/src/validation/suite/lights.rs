@@ -16,7 +16,7 @@ use etalon_core::scene::{
 use etalon_render::Settings;
 use etalon_render::probe::light_lanes::{sample_each, sample_many};
 use etalon_render::probe::{
-    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection, at,
+    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection,
 };
 use etalon_stats::bsdf::{
     Bsdf, BsdfSample, DeltaLobe, Density, Direction, Hit, Kind, Properties, Spectrum, is_edge_on, places,
@@ -248,13 +248,9 @@ fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample
             sample_each(Arch::new(), from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
         }
         let of_lane = |i| {
-            let of = |lanes: &LightSampleLanes| {
-                let (wi, weight) = (at(&lanes.wi, i), at(&lanes.weight, i));
-                LightSample { wi, distance: lanes.distance[i], weight, pdf: lanes.pdf[i] }
-            };
-            let sample = of(&out);
+            let sample = out.at(i);
             let is_radiance_one = (sample.pdf * sample.weight - Rgb::ONE).abs().max_element() < 1e-6;
-            (is_radiance_one && sample == of(&each)).then(|| place(sample))
+            (is_radiance_one && sample == each.at(i)).then(|| place(sample))
         };
         (0..count).map(of_lane).collect()
     })
