@@ -144,21 +144,14 @@ impl Dimension<'_> {
 
     /// The pair of one slot.
     #[inline]
-    pub fn get_2d_f64(self, slot: u32, SubSample { index, count }: SubSample) -> [f64; 2] {
-        let (key, sample) = (self.streams.key[slot as usize % LANES], self.streams.sample[slot as usize % LANES]);
-        match self.streams.kind {
-            StreamKind::Sobol => Sobol::join(key, sample).pair_of(self.dimension, index, count),
-            StreamKind::Independent => Independent::join(key, sample).pair_of(self.dimension, index, count),
-        }
-    }
-
-    /// [`Dimension::get_2d_f64`] rounded down to 24 bits.
-    #[inline]
-    pub fn get_2d(self, slot: u32, SubSample { index, count }: SubSample) -> [f32; 2] {
-        let (key, sample) = (self.streams.key[slot as usize % LANES], self.streams.sample[slot as usize % LANES]);
-        match self.streams.kind {
-            StreamKind::Sobol => Sobol::join(key, sample).short_pair_of(self.dimension, index, count),
-            StreamKind::Independent => Independent::join(key, sample).short_pair_of(self.dimension, index, count),
+    pub fn get_2d<T: Precision>(self, slot: u32, sub: SubSample) -> [T; 2] {
+        let Self { streams, dimension } = self;
+        let (key, sample) = (streams.key[slot as usize % LANES], streams.sample[slot as usize % LANES]);
+        match streams.kind {
+            StreamKind::Sobol => T::pair::<Sobol>(Sobol::in_dimension(key, dimension), sample, dimension, sub),
+            StreamKind::Independent => {
+                T::pair::<Independent>(Independent::in_dimension(key, dimension), sample, dimension, sub)
+            }
         }
     }
 }

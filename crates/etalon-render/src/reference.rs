@@ -209,7 +209,7 @@ impl<'a> Reference<'a> {
         for index in 0..count {
             let sub = SubSample { index, count };
             // Sample the environment.
-            let u = samples.environment.get_2d_f64(slot, sub);
+            let u = samples.environment.get_2d(slot, sub);
             if let Some(sample) = scene.environment.as_ref().and_then(|map| map.sample(u, normal, kind)) {
                 let (wi, density) = (sample.wi.as_vec3(), count as f32 * sample.pdf as f32);
                 let (f, pdf) = vertex.eval(wi);
@@ -218,7 +218,7 @@ impl<'a> Reference<'a> {
                 sum += self.unoccluded(NONE, vertex.ray(wi), f32::INFINITY, value);
             }
             // Sample directions without regard to light: by the BSDF of a diffuse surface, or uniformly.
-            let u = samples.direct.get_2d_f64(slot, sub);
+            let u = samples.direct.get_2d(slot, sub);
             let sampled = match (scene.sampling, kind) {
                 (Sampling::Bsdf, Kind::Diffuse) => {
                     let local = warp::cosine_hemisphere(u);

@@ -123,7 +123,7 @@ fn sample_light(
         }
         Source::Surface(strategy) => {
             for i in 0..count {
-                let local = strategy.sample(samples.direct.get_2d_f64(slots[i], sub));
+                let local = strategy.sample(samples.direct.get_2d(slots[i], sub));
                 let wi = Frame::from_normal(at(&interactions.ns, i)).to_world(local.as_vec3());
                 let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
                 let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };

@@ -49,7 +49,7 @@ pub fn trace_light_paths(
     splats: &mut Vec<Splat>,
 ) -> usize {
     let Some(tracing) = &scene.light_tracing else { return 0 };
-    let Buffers { rays, next, hits, by_material, vertices, scattered, starts, connections, .. } = buffers;
+    let Buffers { rays, next, hits, by_material, vertex_buffers, scattered, starts, connections, .. } = buffers;
     generate_light_rays(scene, tracing, streams, count, starts, rays);
     let mut traced = 0;
     for depth in 1..=scene.request.max_depth {
@@ -62,7 +62,7 @@ pub fn trace_light_paths(
         let step = Step { scene, camera, mode: TransportMode::Importance, samples, depth };
         (next.count, connections.count) = (0, 0);
         for group in by_material.sort(step, hits, rays.count) {
-            let vertices = evaluate(step, rays, hits, group, vertices);
+            let vertices = evaluate(step, rays, hits, group, vertex_buffers);
             if depth > 1 && vertices.kind() != Kind::Delta {
                 connect_to_camera(vertices, scattered, connections);
             }
@@ -90,7 +90,7 @@ fn generate_light_rays(
     starts.clear();
     rays.count = 0;
     for slot in 0..count as u32 {
-        let u = [samples.choice, samples.direct, samples.bsdf].map(|numbers| numbers.get_2d_f64(slot, SubSample::ONLY));
+        let u = [samples.choice, samples.direct, samples.bsdf].map(|numbers| numbers.get_2d(slot, SubSample::ONLY));
         let Some(start) = tracing.start(&scene.lights, scene.environment.as_deref(), u) else { continue };
         rays.push(PathRay {
             ray: start.ray(&scene.lights),
@@ -155,7 +155,7 @@ fn sample_bsdf(vertices: Vertices, starts: &[Start], scattered: &mut Scattered, 
         }
         // Russian roulette by the weight of this scattering, which keeps the power of a path
         let survival = sample.weight.max_element().min(1.0);
-        let [_, u] = step.samples.choice.get_2d(interactions.slot[i], SubSample::ONLY);
+        let [_, u]: [f32; 2] = step.samples.choice.get_2d(interactions.slot[i], SubSample::ONLY);
         if u >= survival {
             continue;
         }

@@ -40,7 +40,7 @@ pub struct Buffers {
     next: Box<PathRays>,
     hits: Box<Hits>,
     by_material: ByMaterial,
-    vertices: Box<VertexBuffers>,
+    vertex_buffers: Box<VertexBuffers>,
     scattered: Box<Scattered>,
     direct: DirectLight,
     /// Of light paths.
@@ -66,7 +66,7 @@ pub fn trace(
     buffers: &mut Buffers,
     radiance: &mut Radiance,
 ) {
-    let Buffers { rays, next, hits, by_material, vertices, scattered, direct, .. } = buffers;
+    let Buffers { rays, next, hits, by_material, vertex_buffers, scattered, direct, .. } = buffers;
     radiance.clear(pixels.count);
     generate_camera_rays(scene, camera, pixels, streams, rays);
     for depth in 0..=scene.request.max_depth {
@@ -83,7 +83,7 @@ pub fn trace(
         let step = Step { scene, camera, mode: TransportMode::Radiance, samples, depth };
         next.count = 0;
         for group in by_material.sort(step, hits, rays.count) {
-            let vertices = evaluate(step, rays, hits, group, vertices);
+            let vertices = evaluate(step, rays, hits, group, vertex_buffers);
             if vertices.kind() != Kind::Delta {
                 sample_direct_light(vertices, scattered, direct, radiance);
             }
@@ -133,7 +133,7 @@ fn russian_roulette(step: Step, rays: &mut PathRays) {
     rays.retain(|rays, i| {
         let beta = at(&rays.beta, i);
         let survival = (rays.eta_scale[i] * beta.max_element() * ROULETTE_BELOW.recip()).min(1.0);
-        let [_, u] = step.samples.choice.get_2d(rays.slot[i], SubSample::ONLY);
+        let [_, u]: [f32; 2] = step.samples.choice.get_2d(rays.slot[i], SubSample::ONLY);
         set(&mut rays.beta, i, beta / survival);
         u < survival
     });

@@ -45,11 +45,11 @@ lanes! {
         ns: Vec3,
         /// Where rays to the side of the ray's origin start.
         origin: Vec3,
-        /// Throughput of the path; at diffuse surfaces times the albedo.
+        /// Throughput of the path; of camera paths at diffuse surfaces times the albedo.
         beta: Rgb,
         /// The class of the path if it is scattered here, not by a delta lobe.
         path_class: PathClass,
-        /// [`PreviousVertex::q`] of the path up to here; at diffuse surfaces with the factor of the direction to the viewer.
+        /// [`PreviousVertex::q`] of the path up to here; of camera paths at diffuse surfaces with the factor of the direction to the viewer.
         q: f32,
     }
 }
@@ -122,12 +122,12 @@ pub struct Vertices<'a> {
     pub step: Step<'a>,
     /// The surface of the first one; others that are diffuse may have another albedo.
     pub shader: &'a SurfaceShader,
-    /// In the order of the interactions; of diffuse ones their throughput has the albedo.
+    /// In the order of the interactions; not those whose throughput has the albedo.
     pub bsdfs: Bsdfs<'a>,
     /// The rays that have hit the surfaces.
     pub rays: &'a PathRays,
     pub interactions: &'a Interactions,
-    /// In the same order, unless the surfaces are diffuse.
+    /// In the same order, unless the paths are camera paths and the surfaces diffuse.
     pub frames: &'a ShadingFrames,
 }
 

@@ -4,7 +4,7 @@ use super::state::{Interaction, Interactions, PathRays, ShadingFrame, ShadingFra
 use crate::bsdf_lanes::{Bsdfs, TransportMode};
 use crate::lanes::{Hits, Rows, at};
 use crate::light_tracing::projected;
-use crate::shaders::{Kind, SurfaceShader, is_sound};
+use crate::shaders::{Kind, is_sound};
 use etalon_core::bsdf::{Bsdf, Scatter};
 use std::f32::consts::FRAC_1_PI;
 
@@ -59,11 +59,11 @@ pub fn evaluate<'a>(
     let VertexBuffers { interactions, frames, varying } = buffers;
     let shader = &step.scene.shaders[hits.object[group[0] as usize] as usize];
     (interactions.count, frames.count) = (0, 0);
-    match step.mode {
-        TransportMode::Radiance if shader.kind.is_diffuse() => {
-            group.iter().for_each(|&i| evaluate_diffuse(step, rays, hits, i as usize, interactions));
+    for i in group.iter().map(|&i| i as usize) {
+        match step.mode {
+            TransportMode::Radiance if shader.kind.is_diffuse() => evaluate_diffuse(step, rays, hits, i, interactions),
+            _ => evaluate_general(step, rays, hits, i, interactions, frames),
         }
-        _ => group.iter().for_each(|&i| evaluate_general(step, rays, hits, shader, i as usize, interactions, frames)),
     }
     let bsdfs = Bsdfs::of(shader, &frames.uv[..frames.count], varying);
     Vertices { step, shader, bsdfs, rays, interactions, frames }
@@ -98,16 +98,15 @@ fn evaluate_general(
     step: Step,
     rays: &PathRays,
     hits: &Hits,
-    shader: &SurfaceShader,
     i: usize,
     interactions: &mut Interactions,
     frames: &mut ShadingFrames,
 ) {
-    let scene = step.scene;
+    let (scene, shader) = (step.scene, &step.scene.shaders[hits.object[i] as usize]);
     let wo = -at(&rays.ray.direction, i);
     let surface = shader.facing(scene.geometry.surface(&rays.ray, hits, i), wo);
     let is_back = shader.kind == Kind::Reflecting && surface.normal.dot(wo) < 0.0;
-    // The normals must agree about the light that arrives.
+    // The back of what only reflects is black. On light paths the normals must agree about the light that arrives.
     if is_back || step.mode == TransportMode::Importance && !is_sound(surface.normals(), wo) {
         return;
     }
