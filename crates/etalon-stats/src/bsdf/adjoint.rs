@@ -7,6 +7,8 @@ use super::subject::{Comparison, Subject, channel_of, same_side, sphere};
 use crate::diagnosis::tuple;
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::mistakes::{EQUAL, common_factor, number};
+use crate::named_mistake::NamedMistake;
 use crate::outcome::Outcome;
 
 /// Exchanges the two directions, for samples and for directions all over the sphere; for delta lobes it compares the power
@@ -52,11 +54,31 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
         if !found.equal(&numbers, |i| subject.last_places(numbers[i][1]), rounding, message)? {
             let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&subject.swapped(pairs), &[])?, channel));
             let exchanged = Values { subject, function, channel, is_exchanged: true };
-            let mistake = exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?;
+            let mistake = match undeclared_eta(subject, &directions, &numbers) {
+                None => exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?,
+                some => some,
+            };
             found.named_in([channel, subject.properties.channels], mistake);
         }
     }
     Ok(())
+}
+
+/// Where reflected light is reciprocal, transmitted light up to a factor, and no index of refraction is declared: that with which all is.
+fn undeclared_eta(subject: &Subject, directions: &[Direction], numbers: &[[f64; 2]]) -> Option<NamedMistake> {
+    let lit = directions.iter().zip(numbers).filter(|(_, both)| **both != [0.0; 2]);
+    let ratios = lit.map(|(&wi, [there, back])| (same_side(subject.wo, wi), there / back));
+    let (reflected, transmitted): (Vec<_>, Vec<_>) = ratios.partition(|(is_reflected, _)| *is_reflected);
+    let factor = common_factor(&transmitted.iter().map(|(_, ratio)| *ratio).collect::<Vec<f64>>())?;
+    let is_usable = subject.properties.eta == 1.0 && factor.is_finite() && factor > 0.0;
+    if !is_usable || reflected.iter().any(|(_, ratio)| (ratio - 1.0).abs() > EQUAL) {
+        return None;
+    }
+    let eta = if subject.wo[2] > 0.0 { factor.sqrt().recip() } else { factor.sqrt() };
+    let [factor, eta] = [factor, eta].map(number);
+    Some(NamedMistake::from(format!(
+        "f(wo, wi) η² is {factor} times f(wi, wo) where light is transmitted, as of an index of refraction, eta, of {eta} that is not declared"
+    )))
 }
 
 fn reciprocal_lobe(subject: &Subject, lobe: &DeltaLobe, found: &mut Comparison) -> Result<()> {

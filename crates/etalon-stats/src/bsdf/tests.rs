@@ -253,6 +253,37 @@ impl Bsdf for SaidToTransmit {
     }
 }
 
+/// Diffuse transmission alone, into a medium of this index, whose radiance is larger by its square; `eta` is not declared.
+struct IntoGlass(f64);
+
+impl Bsdf for IntoGlass {
+    fn properties(&self) -> Properties {
+        Properties { transmission: true, energy: Energy::MayExceedOne("radiance"), ..Properties::default() }
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, _: &[f64]) -> Spectrum {
+        let scale = if wo[2] > 0.0 { 1.0 } else { self.0 * self.0 };
+        [if wo[2] * wi[2] < 0.0 { 0.3 * scale / PI } else { 0.0 }; 3]
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        if wo[2] * wi[2] < 0.0 { wi[2].abs() / PI } else { 0.0 }
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let (r, phi) = (u[0].sqrt(), 2.0 * PI * u[1]);
+        let wi = [r * phi.cos(), r * phi.sin(), -wo[2].signum() * (1.0 - u[0]).sqrt()];
+        let pdf = self.pdf(wo, wi);
+        Some(BsdfSample::new(wi, self.eval(wo, wi, u).map(|f| f * wi[2].abs() / pdf), Density::Pdf(pdf)))
+    }
+}
+
+#[test]
+fn an_eta_that_is_not_declared_is_named() {
+    let report = test("under test", &IntoGlass(1.5), &[towards(40.0), towards(130.0)], &quick()).unwrap().to_string();
+    assert!(report.contains("transmitted, as of an index of refraction, eta, of 1.5 that is not declared"), "{report}");
+}
+
 #[test]
 fn a_side_that_is_declared_and_dark_is_a_remark() {
     let report = test("under test", &SaidToTransmit, &[towards(40.0), towards(130.0)], &quick()).unwrap();
