@@ -38,7 +38,7 @@ impl Page {
         let image = Rgb8::new(w as usize, h as usize, rgb);
         let covers = |item: &Item| matches!(item, Item::Image { rect, .. } if rect.width >= self.width);
         let file = match self.items.first() {
-            _ if self.few_colours => indexed(&image),
+            _ if self.few_colours => indexed(&image, self.items.iter().any(|item| matches!(item, Item::Image { .. }))),
             Some(first) if covers(first) => image.png().to_vec(),
             _ => image.chart_png(),
         };
@@ -47,8 +47,8 @@ impl Page {
 }
 
 /// The image as a PNG file with a palette. Neighbours in it are no neighbours in colour, so that filters would only add to it.
-fn indexed(image: &Rgb8) -> Vec<u8> {
-    let (colours, places) = palette(image);
+fn indexed(image: &Rgb8, has_shades: bool) -> Vec<u8> {
+    let (colours, places) = palette(image, has_shades);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, image.width() as u32, image.height() as u32);
     encoder.set_color(png::ColorType::Indexed);

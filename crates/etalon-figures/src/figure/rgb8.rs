@@ -167,8 +167,9 @@ impl Group {
 /// At most 256 colours for an image, and the number of the colour of each pixel. An image of that few colours keeps them.
 ///
 /// A group of colours is cut at its mean along the axis of the largest variance, the group with the largest first (Wan, Wong and
-/// Prusinkiewicz 1988), each colour with the square root of its number of pixels.
-pub fn palette(image: &Rgb8) -> (Vec<[u8; 3]>, Vec<u8>) {
+/// Prusinkiewicz 1988), each colour with the square root of its number of pixels. If asked for, the error of a pixel goes to its neighbours
+/// (Floyd and Steinberg 1976), without which smooth shades turn into rings; colours of the palette itself stay as they are.
+pub fn palette(image: &Rgb8, is_dithered: bool) -> (Vec<[u8; 3]>, Vec<u8>) {
     let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
     image.pixels().pixels().for_each(|pixel| *counts.entry(pixel.0).or_default() += 1);
     let mut colours: Vec<([u8; 3], u32)> = counts.into_iter().collect();
@@ -186,8 +187,53 @@ pub fn palette(image: &Rgb8) -> (Vec<[u8; 3]>, Vec<u8>) {
         .enumerate()
         .flat_map(|(i, group)| group.colours.iter().map(move |(colour, _)| (*colour, i as u8)))
         .collect();
-    (groups.iter().map(Group::colour).collect(), image.pixels().pixels().map(|pixel| place[&pixel.0]).collect())
+    let palette: Vec<[u8; 3]> = groups.iter().map(Group::colour).collect();
+    let places = match is_dithered {
+        true => dithered(image, &palette),
+        false => image.pixels().pixels().map(|pixel| place[&pixel.0]).collect(),
+    };
+    (palette, places)
 }
+
+/// The number of the colour of each pixel, row by row from left to right, of errors that are passed on.
+fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
+    let width = image.width();
+    let own: HashMap<[u8; 3], u8> = palette.iter().enumerate().map(|(i, colour)| (*colour, i as u8)).collect();
+    let mut known: HashMap<[u8; 3], u8> = HashMap::new();
+    let mut nearest = |wanted: [u8; 3]| {
+        let distance = |colour: &[u8; 3]| (0..3).map(|c| u32::from(colour[c].abs_diff(wanted[c])).pow(2)).sum::<u32>();
+        let find = || (0..palette.len()).min_by_key(|&i| distance(&palette[i])).unwrap_or(0) as u8;
+        *known.entry(wanted).or_insert_with(find)
+    };
+    // Errors of this row and of the next one, with room at both ends
+    let mut errors = [vec![[0.0f32; 3]; width + 2], vec![[0.0f32; 3]; width + 2]];
+    let mut places = Vec::with_capacity(width * image.height());
+    for y in 0..image.height() {
+        for x in 0..width {
+            let pixel = image.pixel(x, y);
+            if let Some(own) = own.get(&pixel) {
+                places.push(*own);
+                continue;
+            }
+            let wanted: [f32; 3] = std::array::from_fn(|c| f32::from(pixel[c]) + errors[0][x + 1][c]);
+            let found = nearest(wanted.map(|v| v.round().clamp(0.0, 255.0) as u8));
+            for c in 0..3 {
+                let error = (wanted[c] - f32::from(palette[usize::from(found)][c])).clamp(-FURTHEST, FURTHEST);
+                errors[0][x + 2][c] += error * 7.0 / 16.0;
+                errors[1][x][c] += error * 3.0 / 16.0;
+                errors[1][x + 1][c] += error * 5.0 / 16.0;
+                errors[1][x + 2][c] += error / 16.0;
+            }
+            places.push(found);
+        }
+        errors.swap(0, 1);
+        errors[1].fill([0.0; 3]);
+    }
+    places
+}
+
+/// The largest error that is passed on: no pixel is far from its own colour.
+const FURTHEST: f32 = 12.0;
 
 #[cfg(test)]
 mod tests {
@@ -208,17 +254,36 @@ mod tests {
     #[test]
     fn few_colours_are_kept_and_many_are_near() {
         let few = Rgb8::from_fn(40, 20, |x, y| [(x % 16) as u8, (y % 16) as u8, 7]);
-        let (colours, places) = palette(&few);
+        let (colours, places) = palette(&few, true);
         assert_eq!(colours.len(), 256);
         assert!(places.iter().zip(few.pixels().pixels()).all(|(place, pixel)| colours[usize::from(*place)] == pixel.0));
         // A ramp of 65536 colours beside a white half: the white stays white
         let many = Rgb8::from_fn(512, 256, |x, y| if x < 256 { [x as u8, y as u8, 100] } else { [255; 3] });
-        let (colours, places) = palette(&many);
+        let (colours, places) = palette(&many, false);
         assert_eq!(colours.len(), 256);
         for (place, pixel) in places.iter().zip(many.pixels().pixels()) {
             let near = colours[usize::from(*place)].iter().zip(pixel.0).all(|(a, b)| a.abs_diff(b) <= 16);
             assert!(near && (pixel.0 != [255; 3] || colours[usize::from(*place)] == [255; 3]), "{pixel:?}");
         }
-        assert_eq!(palette(&Rgb8::new(1, 1, vec![1, 2, 3])), (vec![[1, 2, 3]], vec![0]));
+        assert_eq!(palette(&Rgb8::new(1, 1, vec![1, 2, 3]), true), (vec![[1, 2, 3]], vec![0]));
+    }
+
+    #[test]
+    fn a_dithered_shade_has_no_rings() {
+        // A ramp of 65536 colours: squares of 16 pixels a side have the mean of their own
+        let many = Rgb8::from_fn(512, 256, |x, y| if x < 256 { [x as u8, y as u8, 100] } else { [255; 3] });
+        let mean_error = |is_dithered: bool| {
+            let (colours, places) = palette(&many, is_dithered);
+            let square = |i: usize| {
+                let (left, top) = (16 * (i % 16), 16 * (i / 16));
+                let of = |x: usize, y: usize| f64::from(colours[usize::from(places[512 * y + x])][0]) - x as f64;
+                (0..256).map(|j| of(left + j % 16, top + j / 16)).sum::<f64>() / 256.0
+            };
+            (0..256).map(|i| square(i).abs()).sum::<f64>() / 256.0
+        };
+        assert!(mean_error(true) < 0.6 * mean_error(false), "{} {}", mean_error(true), mean_error(false));
+        let (colours, places) = palette(&many, true);
+        let is_white = |x: usize, y: usize| colours[usize::from(places[512 * y + x])] == [255; 3];
+        assert!((0..256).all(|y| (256..512).all(|x| is_white(x, y))), "flat areas stay flat");
     }
 }
