@@ -4,7 +4,7 @@ use super::frame::{self, Axes, Sides};
 use super::legend::{Legend, Occupancy};
 use super::page::Page;
 use super::panel::{Mark, Panel};
-use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
+use super::shapes::{Anchor, Colour, Level, Marker, Paint, Point, Rect, Stroke, Text};
 use super::{heatmap, text, theme};
 
 /// Distance of labels from curves and from each other.
@@ -21,6 +21,8 @@ const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.9
 /// Distance of places along a curve, and how far the curve must be from the others where a line to its name ends.
 const STEP: f64 = 3.0;
 const APART: f64 = 3.0;
+/// How far it should be from them, and from the ends of other lines to names.
+const PLAIN: f64 = 9.0;
 /// Places along a curve where a line to its name may end.
 const ENDS: usize = 24;
 /// Largest distance of a name from its curve: of one beside it, and of one with a line to it.
@@ -42,6 +44,8 @@ pub(super) struct Chart {
     pub room: Sides,
     /// The legend, when it found no free place inside the frame.
     pub legend: Option<Legend>,
+    /// Whether every curve has its name where it runs.
+    pub is_named: bool,
 }
 
 impl Chart {
@@ -56,6 +60,7 @@ impl Chart {
             beside: Occupancy::new(Rect::new(width, 0.0, OUTSIDE, height)),
             outside: Sides::default(),
             labels: Vec::new(),
+            ends: Vec::new(),
             axes,
         };
         // Grid or heat map below, marks above it
@@ -77,11 +82,11 @@ impl Chart {
         panel.marks.iter().for_each(|mark| sketch.label(mark, is_map));
         room = room.union(sketch.axes.draw(&mut sketch.drawing, sketch.outside));
         // The legend of what is not named where it runs, where it covers nothing
-        let named = if panel.names_curves { sketch.name_curves(&panel.marks, has_own.leads) } else { Vec::new() };
-        let legend =
-            Legend::new(&panel.marks).and_then(|legend| legend.without(&named)).map(|legend| legend.within(limit));
-        let legend = legend.filter(|_| has_own.legend).and_then(|legend| sketch.legend(legend));
-        Self { drawing: sketch.drawing, room, legend }
+        let named = if has_own.names { sketch.name_curves(&panel.marks, has_own.leads) } else { None };
+        let legend = Legend::new(&panel.marks).and_then(|legend| legend.without(named.as_deref().unwrap_or_default()));
+        let legend = legend.filter(|_| has_own.legend).map(|legend| legend.within(limit));
+        let legend = legend.and_then(|legend| sketch.legend(legend));
+        Self { drawing: sketch.drawing, room, legend, is_named: named.is_some() }
     }
 }
 
@@ -90,7 +95,9 @@ impl Chart {
 pub(super) struct Parts {
     pub legend: bool,
     pub bar: bool,
-    /// Whether lines lead to names of curves that have no room beside them.
+    /// Whether curves have their names where they run, if there is room for all of them; and whether lines lead to those that have none
+    /// beside their curves.
+    pub names: bool,
     pub leads: bool,
 }
 
@@ -105,6 +112,18 @@ pub(super) struct Sketch<'a> {
     /// Room taken by labels outside the frame, and the places of those within.
     outside: Sides,
     labels: Vec<Rect>,
+    /// Where lines to names end.
+    ends: Vec<Point>,
+}
+
+/// A curve that has a name.
+struct Curve {
+    label: String,
+    stroke: Stroke,
+    marker: Option<(Marker, Colour)>,
+    /// Places along it, and those that tell where it runs.
+    places: Vec<Point>,
+    few: Vec<Point>,
 }
 
 impl Sketch<'_> {
@@ -191,8 +210,9 @@ impl Sketch<'_> {
     }
 
     /// Writes the names of curves, each with a sample of its line, beside them wherever its own curve is the nearest one, else further off
-    /// with a line to the curve; returns the names that have a place.
-    fn name_curves(&mut self, marks: &[Mark], leads: bool) -> Vec<String> {
+    /// with a line to the curve, which crosses others only where there is no other way; returns the names. Where one of them has no
+    /// place nothing is written: names at some of the curves and a legend of the others would be read as two lists.
+    fn name_curves(&mut self, marks: &[Mark], leads: bool) -> Option<Vec<String>> {
         let curve = |mark: &Mark| match mark {
             Mark::Line { label, stroke, points } if !label.is_empty() => {
                 let places = points.windows(2).flat_map(|ends| self.between(ends));
@@ -208,57 +228,31 @@ impl Sketch<'_> {
                         few.push(*place);
                     }
                 }
-                Some((label.clone(), *stroke, marks.iter().find_map(of_label), places, few))
+                let marker = marks.iter().find_map(of_label);
+                Some(Curve { label: label.clone(), stroke: *stroke, marker, places, few })
             }
             _ => None,
         };
-        let curves: Vec<_> = marks.iter().filter_map(curve).collect();
-        let mut named = Vec::new();
-        for (i, (label, stroke, marker, places, few)) in curves.iter().enumerate() {
-            // Indices stand lower than letters
-            let high = theme::NOTE_SIZE + 8.0;
-            let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
-            let others = || curves.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, curve)| &*curve.4);
-            let is_own = |place: &Rect| {
-                let distance =
-                    |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
-                others().all(|other| distance(other) > 1.5 * distance(few))
-            };
-            let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
-            let mut near = |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);
-            let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
-            let beside = beside.into_iter().find(is_own);
-            let mut led = || {
-                let is_clear = |end: &Point| others().flatten().all(|other| apart(*other, *end) > APART);
-                let ends = (1..ENDS).filter_map(|i| at(i as f64 / ENDS as f64));
-                let around = |end: Point| SIDES.map(|[x, y]| ([end[0] + LED * x, end[1] + LED * y], end));
-                let far: Vec<_> = ends
-                    .filter(is_clear)
-                    .flat_map(around)
-                    .filter_map(|(at, end)| near(LED, at).map(|place| (place, end)))
-                    .collect();
-                // No other curve lies between, and no label
-                let is_free = |(place, end): &(Rect, Point)| {
-                    let line = leader(place, *end);
-                    let meets = |other: &[Point]| other.iter().any(|p| line.iter().any(|q| apart(*p, *q) < STEP));
-                    let over = self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
-                    !over && !others().any(meets)
-                };
-                let length = |(place, end): &(Rect, Point)| place.distance(*end);
-                let free = far.into_iter().filter(is_free);
-                free.min_by(|a, b| length(a).total_cmp(&length(b)))
-            };
-            let Some((place, end)) = beside
-                .map(|place| (place, None))
-                .or_else(|| if leads { led().map(|(p, end)| (p, Some(end))) } else { None })
-            else {
-                continue;
-            };
-            self.take_label(&place);
+        let curves: Vec<Curve> = marks.iter().filter_map(curve).collect();
+        let (space, labels) = (self.space.clone(), self.labels.clone());
+        let found: Option<Vec<(Rect, Option<Point>)>> = (0..curves.len())
+            .map(|i| {
+                let (place, end) = self.place_of_name(&curves, i, leads)?;
+                self.take_label(&place);
+                if let Some(end) = end {
+                    self.space.add_line(&leader(&place, end), CLEAR);
+                    self.ends.push(end);
+                }
+                Some((place, end))
+            })
+            .collect();
+        let Some(found) = found.filter(|found| !found.is_empty()) else {
+            (self.space, self.labels) = (space, labels);
+            return None;
+        };
+        for (Curve { label, stroke, marker, .. }, (place, end)) in curves.iter().zip(found) {
             if let Some(end) = end {
-                let line = leader(&place, end);
-                self.space.add_line(&line, CLEAR);
-                self.drawing.line(line, Stroke::solid(stroke.colour, LEADER));
+                self.drawing.line(leader(&place, end), Stroke::solid(stroke.colour, LEADER));
                 self.drawing.circle(end, LEADER_END, stroke.colour);
             }
             let [x, y] = [place.x + 2.0, place.centre()[1]];
@@ -268,9 +262,53 @@ impl Sketch<'_> {
             }
             let text = Text::new([x + NAME_SAMPLE + NAME_GAP, y], theme::NOTE_SIZE, label.clone());
             self.drawing.text(text.held(Anchor::Start, Level::Middle));
-            named.push(label.clone());
         }
-        named
+        Some(curves.into_iter().map(|curve| curve.label).collect())
+    }
+
+    /// A free place for the name of a curve, and where on the curve a line to it ends, if it has one.
+    fn place_of_name(&mut self, curves: &[Curve], i: usize, leads: bool) -> Option<(Rect, Option<Point>)> {
+        let Curve { label, places, few, .. } = &curves[i];
+        // Indices stand lower than letters
+        let high = theme::NOTE_SIZE + 8.0;
+        let long = NAME_SAMPLE + NAME_GAP + text::width(label, theme::NOTE_SIZE, false) + 4.0;
+        let others = || curves.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, curve)| &*curve.few);
+        let is_own = |place: &Rect| {
+            let distance = |places: &[Point]| places.iter().map(|p| place.distance(*p)).fold(f64::INFINITY, f64::min);
+            others().all(|other| distance(other) > 1.5 * distance(few))
+        };
+        let at = |share: f64| places.get((share * places.len() as f64) as usize).copied();
+        let mut near = |reach: f64, at: Point| self.space.nearest_free(at, [long, high], CLEAR + 3.5, reach);
+        let beside: Vec<_> = ALONG.into_iter().filter_map(at).filter_map(|end| near(BESIDE, end)).collect();
+        let beside = beside.into_iter().find(is_own).map(|place| (place, None));
+        if beside.is_some() || !leads {
+            return beside;
+        }
+        let is_clear = |end: &Point| others().flatten().all(|other| apart(*other, *end) > APART);
+        let ends = (1..ENDS).filter_map(|i| at(i as f64 / ENDS as f64));
+        let around = |end: Point| SIDES.map(|[x, y]| ([end[0] + LED * x, end[1] + LED * y], end));
+        let far: Vec<_> = ends
+            .filter(is_clear)
+            .flat_map(around)
+            .filter_map(|(at, end)| near(LED, at).map(|place| (place, end)))
+            .collect();
+        let crossed = |line: &[Point]| {
+            let meets = |other: &&[Point]| other.iter().any(|p| line.iter().any(|q| apart(*p, *q) < STEP));
+            others().filter(meets).count()
+        };
+        let over = |line: &[Point]| self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
+        let lines = far.into_iter().map(|(place, end)| (leader(&place, end), place, end));
+        // Rather where it is plain which curve a line ends at
+        let is_plain = |end: &Point| {
+            let away = |other: &Point| apart(*other, *end) > PLAIN;
+            others().flatten().all(away) && self.ends.iter().all(away)
+        };
+        let ranked = lines.filter(|(line, ..)| !over(line)).map(|(line, place, end)| {
+            let length = place.distance(end);
+            ((crossed(&line), !is_plain(&end)), length, place, end)
+        });
+        let best = ranked.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        best.map(|(.., place, end)| (place, Some(end)))
     }
 
     /// Places along a part of a curve, those within the frame.

@@ -136,6 +136,7 @@ const CELL: f64 = 2.0;
 
 /// A panel's frame divided into small cells, each taken or free. A cell that anything touches is taken, so what is
 /// reported free is free.
+#[derive(Clone)]
 pub(super) struct Occupancy {
     frame: Rect,
     columns: usize,

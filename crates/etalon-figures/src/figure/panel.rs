@@ -29,7 +29,7 @@ pub struct Panel {
     pub(super) marks: Vec<Mark>,
     /// Drawn below the marks, in place of the grid lines.
     pub(super) heatmap: Option<Heatmap>,
-    /// Curves have their names beside them, if there is room.
+    /// Curves have their names where they run, if there is room.
     pub(super) names_curves: bool,
 }
 
@@ -117,7 +117,7 @@ impl Panel {
         self.with(Mark::Note { at, text: text.into(), colour })
     }
 
-    /// Writes the names of curves where they run; those that no line reaches without crossing another curve are in a legend.
+    /// Writes the names of curves where they run, if there is room for all; else all are in a legend.
     pub fn with_names_on_curves(self) -> Self {
         Self { names_curves: true, ..self }
     }

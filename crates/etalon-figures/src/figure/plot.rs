@@ -13,9 +13,9 @@ use super::{text, theme};
 
 /// Panels that make up one figure.
 ///
-/// Every panel's legend goes into a corner that is free of data, or else below the panel, or below its row if no other panel of the row has
-/// one there. Panels with the same legend share one, below all of them, and so do heat maps of one scale with their colour bar; neighbours
-/// share the title of the y axis.
+/// Curves have their names where they run, or a legend, never some of them this and others that. A legend goes into a corner of its panel
+/// that is free of data, or else below the panel. Panels with the same legend share one below all of them, or below their row, and so do heat
+/// maps of one scale with their colour bar; neighbours share the title of the y axis.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Plot {
@@ -201,21 +201,44 @@ impl Plot {
 
     /// A page of rows with frames of one size; titles and legends are broken within the width `limit`.
     fn page(&self, rows: &[Row], [width, height]: [f64; 2], limit: f64, leads: bool) -> Page {
-        let (legend, bar) = (self.shared_legend(), self.shared_bar());
-        // The last of the panels with the same legend shows it
-        let legends: Vec<Option<Legend>> =
-            rows.iter().flat_map(|row| &row.panels).map(|p| Legend::new(&p.marks)).collect();
-        let is_last = |i: usize| legends[i].is_some() && !legends[i + 1..].contains(&legends[i]);
+        let bar = self.shared_bar();
+        let is_named = |panel: &Panel| {
+            let parts = Parts { legend: false, bar: false, names: true, leads };
+            panel.names_curves && Chart::new(panel, [width, height], parts, limit).is_named
+        };
+        // Names and legends are not mixed in a row
+        let of_row = |row: &Row| {
+            let are_named = row.panels.iter().filter(|panel| panel.names_curves).all(is_named);
+            row.panels.iter().map(|panel| panel.names_curves && are_named).collect()
+        };
+        let named: Vec<Vec<bool>> = rows.iter().map(of_row).collect();
+        // Panels with the same legend share it, unless all of them name their curves
+        let shared = |panels: Vec<&Panel>, are_named: bool| {
+            let legends: Vec<Option<Legend>> = panels.iter().map(|panel| Legend::new(&panel.marks)).collect();
+            let is_one = legends.len() > 1 && legends.windows(2).all(|pair| pair[0] == pair[1]);
+            if is_one && !are_named { legends[0].clone() } else { None }
+        };
+        let are_all = |named: &[bool]| named.iter().all(|is_named| *is_named);
+        let legend = shared(rows.iter().flat_map(|row| &row.panels).collect(), named.iter().all(|row| are_all(row)));
+        let of_rows: Vec<Option<Legend>> = rows
+            .iter()
+            .zip(&named)
+            .map(|(row, named)| match legend {
+                Some(_) => None,
+                None => shared(row.panels.iter().collect(), are_all(named)),
+            })
+            .collect();
         let draw_row = |(number, row): (usize, &Row), width: f64| -> Vec<Chart> {
-            let before: usize = rows[..number].iter().map(|row| row.panels.len()).sum();
+            let shares = legend.is_some() || of_rows[number].is_some();
             let draw = |(column, panel): (usize, &Panel)| {
                 let next = row.panels.get(column + 1);
                 let is_shared = |map: &Heatmap| {
                     next.and_then(|panel| panel.heatmap.as_ref()).is_some_and(|next| next.has_scale_of(map))
                 };
                 let has_own = Parts {
-                    legend: legend.is_none() && is_last(before + column),
+                    legend: !shares,
                     bar: bar.is_none() && !panel.heatmap.as_ref().is_some_and(is_shared),
+                    names: !shares && named[number][column],
                     leads,
                 };
                 // Names of places and titles of axes stand once in a row
@@ -228,14 +251,11 @@ impl Plot {
                     }
                 }
                 let is_narrow = limit.is_finite() && row.panels.len() > 1;
-                chart(&panel, [width, height], has_own, limit, is_narrow)
+                let mut chart = chart(&panel, [width, height], has_own, limit, is_narrow);
+                chart.legend_below([width, height]);
+                chart
             };
-            let mut charts: Vec<Chart> = row.panels.iter().enumerate().map(draw).collect();
-            let legends = charts.iter().filter(|chart| chart.legend.is_some()).count();
-            if charts.len() == 1 || legends > 1 {
-                charts.iter_mut().for_each(|chart| chart.legend_below([width, height]));
-            }
-            charts
+            row.panels.iter().enumerate().map(draw).collect()
         };
         let charts: Vec<Vec<Chart>> = rows.iter().enumerate().map(|row| draw_row(row, width)).collect();
         // Frames line up: those of a column share what is left and right of them, those of a row what is above and below
@@ -260,7 +280,7 @@ impl Plot {
         let whole = columns.iter().map(|column| (column.left + width + column.right + BETWEEN).ceil()).sum::<f64>()
             - BETWEEN
             + 2.0 * EDGE;
-        for (mut charts, Row { heading, .. }) in charts.into_iter().zip(rows) {
+        for ((charts, Row { heading, .. }), of_row) in charts.into_iter().zip(rows).zip(&of_rows) {
             if !heading.is_empty() {
                 for line in text::wrapped(heading, theme::TITLE_SIZE, true, limit * count as f64) {
                     let text = Text::new([EDGE, y + theme::TITLE_SIZE], theme::TITLE_SIZE, line).bold();
@@ -270,7 +290,6 @@ impl Plot {
                 }
             }
             let room = around(&mut charts.iter());
-            let of_row = charts.iter_mut().find_map(|chart| chart.legend.take());
             let mut x = EDGE;
             for (chart, column) in charts.into_iter().zip(&columns) {
                 let (left, width) = (if is_usual(&chart) { usual } else { column.left }, chart.drawing.width);
@@ -280,6 +299,7 @@ impl Plot {
             page.width = page.width.max(x - BETWEEN + EDGE);
             y += (room.top + height + room.bottom + BETWEEN).ceil();
             if let Some(legend) = of_row {
+                let legend = legend.clone().within(whole - 2.0 * EDGE);
                 let columns = legend.columns_within(whole - 2.0 * EDGE);
                 let [w, h] = legend.size(columns);
                 legend.draw(&mut page, [((whole - w) / 2.0).max(EDGE), y - BETWEEN + LEGEND_GAP], columns);
@@ -310,16 +330,6 @@ impl Plot {
 
     fn panels(&self) -> impl Iterator<Item = &Panel> {
         self.rows.iter().flat_map(|row| &row.panels)
-    }
-
-    /// The legend of all panels, if there are several and all have the same.
-    fn shared_legend(&self) -> Option<Legend> {
-        if self.panels().any(|panel| panel.names_curves) {
-            return None;
-        }
-        let mut legends = self.panels().map(|panel| Legend::new(&panel.marks));
-        let first = legends.next()??;
-        (self.panels().count() > 1 && legends.all(|legend| legend.as_ref() == Some(&first))).then_some(first)
     }
 
     /// A heat map whose colour bar serves all panels, if there are several and all have the same scale.
@@ -494,6 +504,30 @@ mod tests {
         let count = |plot: Plot| texts(&plot.laid(Room::UNLIMITED)).iter().filter(|t| t.markup == "only once").count();
         assert_eq!(count(Plot::new([panel(), panel()])), 1);
         assert_eq!(count(Plot::new([panel(), panel().line("more", theme::series(1), wave(1))])), 2);
+    }
+
+    #[test]
+    fn all_curves_of_a_panel_have_names_where_they_run_or_none() {
+        let panel = |heights: [f64; 3]| {
+            let axes = (Axis::linear("x").range(0.0, 1.0), Axis::linear("y").range(0.0, 1.0));
+            let panel = Panel::new(axes.0, axes.1).with_names_on_curves();
+            heights
+                .into_iter()
+                .enumerate()
+                .fold(panel, |panel, (i, y)| panel.line(format!("curve {i}"), theme::series(i), [[0.0, y], [1.0, y]]))
+        };
+        let parts = Parts { legend: true, bar: true, names: true, leads: true };
+        let is_named = |heights| Chart::new(&panel(heights), [300.0, 200.0], parts, f64::INFINITY).is_named;
+        assert!(is_named([0.2, 0.5, 0.8]));
+        // Two curves that coincide: nobody could tell which of them a name is of
+        assert!(!is_named([0.2, 0.8, 0.8]));
+        let names = |plot: Plot| {
+            let page = plot.laid(Room::UNLIMITED);
+            texts(&page).iter().filter(|t| t.markup.starts_with("curve")).map(|t| t.at).collect::<Vec<_>>()
+        };
+        let legend = names(Plot::new([panel([0.2, 0.8, 0.8])]));
+        assert_eq!(legend.len(), 3, "all are in the legend");
+        assert_eq!(names(Plot::new([panel([0.2, 0.5, 0.8]), panel([0.2, 0.8, 0.8])])).len(), 3, "a row shares it");
     }
 
     #[test]

@@ -227,12 +227,12 @@ fn curves(rows: &[AlbedoRow]) -> Drawing {
             };
             let stroke = Stroke { dash: theme::SOLID, ..theme::series(i) };
             panel = panel.line(format!("single scattering, /{{θ}} = {theta}°"), stroke, of(|row| row.single)).line(
-                "",
+                if i == 0 { "with multiple scattering, each /{θ}" } else { "" },
                 multiple,
                 of(|row| row.multiple),
             );
         }
-        panel.line("with multiple scattering, each /{θ}", multiple, Vec::new())
+        panel
     };
     Plot::new(DISTRIBUTIONS.map(panel)).draw()
 }
