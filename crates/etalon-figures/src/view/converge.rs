@@ -5,6 +5,7 @@ use super::text::{duration, rounded};
 use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
+use etalon_bench::converge::contender::Contender;
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use etalon_bench::converge::strategy::DEFAULT;
 use etalon_bench::table::Table;
@@ -242,41 +243,53 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
     }
 }
 
-/// A strategy's name in words, for legends: "mis-cosine+lt" is "MIS, map × cosine, light paths". Others keep their names.
+/// Methods, samplers of environment maps and suffixes of strategies in words. The first that fits is taken.
+const METHODS: [(&str, &str); 5] = [
+    ("default", "default"),
+    ("light", "light sampling"),
+    ("bsdf", "BSDF sampling"),
+    ("hemisphere", "uniform directions"),
+    ("mis", "MIS"),
+];
+const SAMPLERS: [(&str, &str); 2] =
+    [("cosine-compensated", ", compensated map × cosine"), ("cosine", ", map × cosine")];
+const CUTS: [(&str, &str); 2] = [("median-cut", "fixed lights"), ("variance-cut", "fixed lights by variance")];
+const SUFFIXES: [(&str, &str); 4] = [
+    ("lt", " and light paths"),
+    ("adaptive", ", adaptive"),
+    ("independent", ", independent numbers"),
+    ("all-normals", ", all normals"),
+];
+
+/// A strategy's name in words, as all figures have it: "mis-cosine+lt" is "MIS, map × cosine and light paths".
 pub fn label(strategy: &str) -> String {
+    let in_words = |list: &[(&str, &'static str)], name: &str| {
+        list.iter().find(|(known, _)| *known == name).map_or_else(|| format!(", {name}"), |(_, words)| (*words).into())
+    };
     let mut parts = strategy.split('+');
     let base = parts.next().unwrap_or_default();
-    let (method, map) =
-        base.split_once('-').filter(|(method, _)| ["light", "mis"].contains(method)).unwrap_or((base, ""));
-    let of_map = match map {
-        "" => String::new(),
-        "cosine" => ", map × cosine".into(),
-        "cosine-compensated" => ", compensated map × cosine".into(),
-        other => format!(", {other}"),
+    let cut = CUTS.iter().find_map(|(name, words)| Some((base.strip_prefix(name)?.strip_prefix('-')?, words)));
+    let method = METHODS.iter().find_map(|(name, words)| Some((base.strip_prefix(name)?, words)));
+    let method = match (cut, method) {
+        (Some((count, words)), _) => format!("{count} {words}"),
+        (_, Some(("", words))) => (*words).to_owned(),
+        (_, Some((map, words))) => format!("{words}{}", in_words(&SAMPLERS, map.trim_start_matches('-'))),
+        _ => base.to_owned(),
     };
-    let lights = base.strip_prefix("median-cut-").filter(|count| count.parse::<u32>().is_ok());
-    let method = match method {
-        "mis" => "MIS".into(),
-        "bsdf" => "BSDF".into(),
-        "hemisphere" => "uniform directions".into(),
-        _ => lights.map_or_else(|| method.to_owned(), |count| format!("{count} fixed lights")),
-    };
-    let added = parts.map(|suffix| match suffix {
-        "lt" => ", light paths".to_owned(),
-        "independent" => ", independent".into(),
-        other => format!(", {}", other.replace('-', " ")),
-    });
-    format!("{method}{of_map}{}", added.collect::<String>())
+    method + &parts.map(|suffix| in_words(&SUFFIXES, suffix)).collect::<String>()
 }
 
-/// What a contender is called in figures: as in tables and on the command line, and whether it is biased.
-fn shown(curve: &Curve) -> String {
-    let is_biased = curve.verdict == CurveVerdict::Biased;
-    format!("{}{}", curve.strategy, if is_biased { " (biased)" } else { "" })
+/// What a contender is called in figures, strategies in words, and whether it is biased.
+pub fn shown(curve: &Curve) -> String {
+    let name = match &curve.contender {
+        Contender::Strategy(strategy) => label(&strategy.name),
+        other => other.name().to_owned(),
+    };
+    format!("{name}{}", if curve.verdict == CurveVerdict::Biased { " (biased)" } else { "" })
 }
 
 /// The strokes of all curves: a colour for each strategy, solid for Sobol' points, dashed for independent random numbers. The default, which does
-/// what one of the others does, is wider.
+/// what one of the others does, is wider, and so is a curve on which a later one lies.
 fn strokes(result: &Convergence) -> Vec<Stroke> {
     let name = |curve: &Curve| match curve.contender.is_independent() {
         true => curve.strategy.replace("+independent", ""),
@@ -287,7 +300,7 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
     distinct.sort_unstable();
     distinct.dedup();
     let colours = theme::strategies(&distinct);
-    let stroke = |(curve, name): (&Curve, &String)| {
+    let stroke = |(i, (curve, name)): (usize, (&Curve, &String))| {
         let place = distinct.binary_search(&name.as_str()).unwrap_or(0);
         let colour = colours[place];
         // A second strategy of a colour has another pattern.
@@ -298,10 +311,22 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
             (false, false) => theme::SOLID,
             (false, true) => theme::DASH_DOT,
         };
-        let width = if curve.contender.is_default() { 3.0 * theme::LINE } else { theme::LINE };
+        let times = match curve.contender.is_default() {
+            true => 3.0,
+            false if result.curves[i + 1..].iter().any(|later| is_beneath(curve, later)) => 2.2,
+            false => 1.0,
+        };
+        let width = times * theme::LINE;
         Stroke { dash, ..Stroke::solid(colour, width) }
     };
-    result.curves.iter().zip(&names).map(stroke).collect()
+    result.curves.iter().zip(&names).enumerate().map(stroke).collect()
+}
+
+/// Whether two curves can hardly be told apart: their errors differ by less than a tenth at all samples that both have.
+fn is_beneath(curve: &Curve, later: &Curve) -> bool {
+    let pair = |level: &Level| Some((level.rmse(), later.levels.iter().find(|other| other.spp == level.spp)?.rmse()));
+    let mut pairs = curve.levels.iter().filter_map(pair).peekable();
+    pairs.peek().is_some() && pairs.all(|(a, b)| (a / b).ln().abs() < 0.1)
 }
 
 /// Error against processor time and against samples; below, efficiency at equal time and the slopes, a row for each strategy.
@@ -317,6 +342,7 @@ pub fn curves(result: &Convergence) -> Drawing {
             Some(facts) if !facts.exact => panel.horizontal(facts.rmse, "error of the reference"),
             _ => panel,
         }
+        .with_names_on_curves()
     };
     let time = against("Error against time", Axis::log("processor time (s)"), &|l| l.cpu_seconds);
     let samples = against("Error against samples", Axis::log("samples per pixel"), &|l| f64::from(l.spp));
@@ -325,7 +351,7 @@ pub fn curves(result: &Convergence) -> Drawing {
 }
 
 /// What the axis of a value says of its interval.
-const INTERVALS: &str = "95 % interval or in the mark";
+const INTERVALS: &str = "bars: 95\u{a0}% intervals";
 /// Size of the frames of [`curves`].
 const FRAME: [f64; 2] = [350.0, 250.0];
 /// The name of the guide.
@@ -356,10 +382,9 @@ fn efficiency_after(curve: &Curve, seconds: f64) -> Option<[f64; 3]> {
 fn efficiency(result: &Convergence) -> Panel {
     let seconds = result.common_seconds();
     let at_equal_time = |curve: &Curve| efficiency_after(curve, seconds);
-    let title = format!("Efficiency after about {}", duration(seconds));
-    let axis = Axis::log(format!("1/(MSE · processor time) (1/s), {INTERVALS}"));
-    let panel = by_strategy(drawn(result), axis, &at_equal_time, &shown);
-    with_legend(panel.title(title), result)
+    let title = format!("Efficiency after about {} (larger is better)", duration(seconds));
+    let axis = Axis::log(format!("1/(MSE · time) (1/s); {INTERVALS}"));
+    by_strategy(drawn(result), axis, &at_equal_time, &shown).title(title)
 }
 
 /// The exponent of the error over the samples, of strategies without bias.
@@ -369,9 +394,10 @@ fn slopes(result: &Convergence) -> Panel {
         known.then_some([curve.slope.low(), curve.slope.value, curve.slope.high()])
     };
     let count = result.curves.len() as f64;
-    let axis = Axis::linear(format!("/{{p}} of RMSE ∝ spp^{{/{{p}}}}, {INTERVALS}"));
-    let panel = by_strategy(drawn(result), axis, &slope, &shown).title("Slope of the error");
-    with_legend(panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]]), result)
+    let axis = Axis::linear(format!("slope over samples; {INTERVALS}"));
+    let panel =
+        by_strategy(drawn(result), axis, &slope, &shown).title("Slope of the error (−1/2: independent samples)");
+    panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]])
 }
 
 /// The curves with their strokes, the default first: it lies beneath the others, with which it may coincide.
@@ -404,14 +430,6 @@ fn by_strategy(
         panel = panel.horizontal(border, "");
     }
     panel
-}
-
-/// A panel with the legend of the curves.
-fn with_legend(mut panel: Panel, result: &Convergence) -> Panel {
-    for (curve, stroke) in drawn(result) {
-        panel = panel.line(shown(curve), stroke, Vec::new());
-    }
-    panel.line(GUIDE, theme::GUIDE, Vec::new())
 }
 
 /// The cost of a strategy on a scene. Field names are the CSV columns.
@@ -459,12 +477,14 @@ pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
         curves.sort_by(|(a, _), (b, _)| of(a).total_cmp(&of(b)));
         let count = curves.len() as f64;
         let named = |curve: &Curve| format!("{}: {}", shown(curve), rounded(of(curve), 2));
-        let axis = Axis::log("time × MSE, default = 1").range(0.8 * least, 1.25 * most);
+        let axis = Axis::log(format!("time × MSE, default = 1; {INTERVALS}")).range(0.8 * least, 1.25 * most);
         by_strategy(curves, axis, &value, &named).title(*title).line("", theme::GUIDE, [[1.0, 0.0], [1.0, count]])
     };
     let panels: Vec<Panel> = scenes.iter().map(panel).collect();
     let rows = panels.chunks(2).map(|row| (String::new(), row.to_vec()));
-    Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw()
+    let plot = Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw();
+    let line = "a strategy has one colour in all panels".to_owned();
+    plot.headed("Time for the same error, over that of the default: less is better", vec![line])
 }
 
 /// The next of 1, 2, 5 times a power of ten.
@@ -537,7 +557,7 @@ pub fn images(result: &Convergence, most: usize) -> Drawing {
     } else {
         "reference, and the regions shown; grey is not compared"
     };
-    let mut cells = vec![(caption.to_owned(), framed(&toned, &regions, (WIDTH / truth.width()).max(1), theme::MARKER))];
+    let mut cells = vec![(caption.to_owned(), framed(&toned, &regions, (WIDTH / truth.width()).max(1), theme::INSET))];
     for ((curve, level, image), errors) in levels.iter().zip(errors) {
         let caption = format!(
             "{}: {}\u{a0}spp, {}, RMSE\u{a0}{}",
@@ -668,6 +688,19 @@ mod tests {
             assert!(!colours.contains(&own[0]), "{name} shares its colour");
             colours.push(own[0]);
         }
+    }
+
+    #[test]
+    fn every_strategy_has_a_name_in_words() {
+        let methods: Vec<String> = methods().into_iter().map(|(name, _)| name.replace('K', "64")).collect();
+        let suffixed = etalon_bench::converge::strategy::SUFFIXES.map(|(suffix, ..)| format!("mis+{suffix}"));
+        for name in methods.iter().chain(&suffixed).filter(|name| *name != DEFAULT) {
+            let words = label(name);
+            assert!(!words.contains(['-', '+']) && words != *name, "{name}: {words}");
+        }
+        assert_eq!(label("mis-cosine-compensated+lt"), "MIS, compensated map × cosine and light paths");
+        assert_eq!(label("light-cosine+adaptive"), "light sampling, map × cosine, adaptive");
+        assert_eq!(label("median-cut-64"), "64 fixed lights");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Error against run time by sampling strategy: `error-time-sphere`, `error-time-cornell`; and what the default chooses on scenes
 //! of different kinds, beside what the alternatives cost: `choice`.
 
+use crate::gallery::figure::Numbers;
 use crate::gallery::prelude::*;
 use crate::view::converge as view;
 use crate::view::converge::sheet;
@@ -9,6 +10,7 @@ use etalon_bench::converge::contender::Contender;
 use etalon_bench::converge::curve::Curve;
 use etalon_bench::converge::strategy::Strategy;
 use etalon_bench::converge::{Convergence, Plan, measure};
+use etalon_bench::table::Table;
 use etalon_core::scene::{Environment, Request, Scene, builtin};
 
 /// Standard errors beyond which a bias is seen.
@@ -78,7 +80,23 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))
+    let content = Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))?;
+    Ok(Content { numbers: names([&*result]), ..content })
+}
+
+/// What strategies are called in figures and on the command line.
+fn names<'a>(results: impl IntoIterator<Item = &'a Convergence>) -> Numbers {
+    let mut curves: Vec<&Curve> = Vec::new();
+    for curve in results.into_iter().flat_map(|result| &result.curves) {
+        if !curves.iter().any(|known| known.strategy == curve.strategy) {
+            curves.push(curve);
+        }
+    }
+    Numbers::of(
+        &Table::of(&curves)
+            .words("Strategy", |curve| view::shown(curve))
+            .words("On the command line", |curve| &curve.strategy),
+    )
 }
 
 /// The curves of mirror and glass in the box, in images large enough to recognize in print what each strategy renders.
@@ -101,7 +119,8 @@ fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))
+    let content = Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))?;
+    Ok(Content { numbers: names([&*result]), ..content })
 }
 
 /// Why checks are skipped of what [`LIMIT`] has cut short.
@@ -171,7 +190,8 @@ fn choice(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         checks.map(|check| Check { name: format!("{title}: {}", check.name), ..check }).collect::<Vec<_>>()
     };
     let checks = scenes.iter().flat_map(named).collect();
-    Content::new(view::costs(&scenes), &view::cost_rows(&scenes), checks)
+    let content = Content::new(view::costs(&scenes), &view::cost_rows(&scenes), checks)?;
+    Ok(Content { numbers: names(scenes.iter().map(|(_, result)| &**result)), ..content })
 }
 
 /// The curves of some strategies on a scene.

@@ -30,8 +30,8 @@ fn shot(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Rc<SphereRen
 }
 
 fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> {
-    // The noisiest one has the scale of all
-    let noisiest = shot(inputs, studies, SPP[0])?;
+    // One scale for all; the noisiest of them reaches beyond it
+    let [noisiest, of_scale] = [shot(inputs, studies, SPP[0])?, shot(inputs, studies, SPP[1])?];
     let shot = shot(inputs, studies, spp)?;
     let mut checks = vec![
         Check::within("relative bias", 0.0, shot.row.rel_bias, 2e-3),
@@ -48,7 +48,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, spp: u32) -> Result<Content> 
         let check = Check::at_most("relative RMSE (half of PBRT-v2's)", shot.row.rel_rmse, rmse / 2.0);
         checks.push(check.unless(inputs.other_map()));
     }
-    let content = Content::new(image_and_error(&shot, &noisiest), &[shot.row], checks)?;
+    let content = Content::new(image_and_error(&shot, &of_scale), &[shot.row], checks)?;
     Ok(content.with_image(&shot.image, ToneMap::LinearMax))
 }
 
@@ -86,19 +86,23 @@ fn radiance(at: &AtNormal) -> [Check; 3] {
     })
 }
 
-/// The render and its relative error, side by side; the scale is that of the `noisiest` of a series.
-fn image_and_error(shot: &SphereRender, noisiest: &SphereRender) -> Drawing {
+/// The render and its relative error, side by side, on the scale of the errors of another one.
+fn image_and_error(shot: &SphereRender, of_scale: &SphereRender) -> Drawing {
     let image = &shot.image;
     let rendered = Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops: 1.0 }));
     let row = &shot.row;
-    let limit = 100.0 * round(largest_of_most(&noisiest.relative_error));
+    let limit = 100.0 * round(largest_of_most(&of_scale.relative_error));
     let percent = shot.relative_error.iter().map(|error| 100.0 * error).collect();
     let errors = Heatmap::new(image.width(), percent, Shading::Diverging, ERROR_LABEL).range(-limit, limit);
-    let title = format!(
-        "{} samples per pixel, {:.2} camera paths in each, {} light samples",
-        row.spp, row.camera_paths_per_sample, row.light_samples
+    let paths = f64::from(row.spp) * row.camera_paths_per_sample;
+    let title = match paths.round() > f64::from(row.spp) {
+        true => format!("{} samples per pixel (adaptive: {paths:.0} camera paths)", row.spp),
+        false => format!("{} samples per pixel", row.spp),
+    };
+    let error = format!(
+        "relative error, RMSE {:.2}\u{a0}%; grey: the rim, and where the camera touches the sphere",
+        100.0 * row.rel_rmse
     );
-    let error = format!("relative error; RMSE {:.2}\u{a0}%", 100.0 * row.rel_rmse);
     let cells = [("rendered, shown one stop brighter".into(), rendered), (error, errors.image())];
     Drawing::stacked(vec![contact_sheet(&title, 2, &cells), errors.bar(420.0)], 0.5)
 }
@@ -134,12 +138,13 @@ fn curves(series: &[Series], with_pbrt: bool) -> Drawing {
         let stroke = Stroke { colour: theme::REFERENCE, width: theme::LINE, dash: theme::DOTTED };
         let points: Vec<Point> = PBRT_RMSE.iter().map(|&(spp, e)| [f64::from(spp), e]).collect();
         by_paths = by_paths.dotted_line("PBRT-v2", stroke, points);
-        by_time = by_time.dotted_line("PBRT-v2", stroke, Vec::new());
     }
     // From above all curves at the first level
     let start = series.iter().filter_map(|s| s.rows.first()).map(|row| 1.5 * row.rel_rmse).fold(0.0, f64::max);
-    let guide = [8.0, 128.0].map(|paths: f64| [paths, start * (8.0 / paths).sqrt()]);
-    by_paths = by_paths.line(GUIDE, theme::GUIDE, guide);
-    by_time = by_time.line(GUIDE, theme::GUIDE, Vec::new());
+    let guide = |from: f64, to: f64| [from, to].map(|at: f64| [at, start * (from / at).sqrt()]);
+    let times = || series.iter().flat_map(|s| &s.rows).map(|row| row.seconds);
+    let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
+    by_paths = by_paths.line(GUIDE, theme::GUIDE, guide(8.0, 128.0));
+    by_time = by_time.line(GUIDE, theme::GUIDE, guide(first, last));
     Plot::new([by_paths, by_time].map(Panel::with_names_on_curves)).draw()
 }
