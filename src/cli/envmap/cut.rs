@@ -74,12 +74,12 @@ impl Cut {
         let one = |(&n, rows): (&usize, Vec<RegionRow>)| -> Result<Output> {
             interrupt::check()?;
             let stem = target.stem(&format!("{name}-cut"), &format!("-{n}"), &output::STUDY)?;
-            let style = style.clone().or_title(&format!("{} of {name}", counted(rows.len(), "region")));
-            let mut files = output::write(&stem, &display.partition(&rows), &style, &output::csv(&rows)?)?;
+            let titled = |what: &str| style.clone().or_title(&format!("{} of {name}", counted(rows.len(), what)));
+            let mut files = output::write(&stem, &display.partition(&rows), &titled("region"), &output::csv(&rows)?)?;
             // Half a million regions take seconds to draw.
             interrupt::check()?;
             let lights = target.stem(&format!("{name}-cut"), &format!("-lights-{n}"), &output::DRAWING)?;
-            files.extend(display.lights(&rows, self.look.window as usize).write(&lights, &style)?);
+            files.extend(display.lights(&rows, self.look.window as usize).write(&lights, &titled("light"))?);
             let (flux_error, imbalance) = (median_cut::flux_error(&rows, flux), median_cut::imbalance(&rows));
             Ok(Output { n, flux_error, imbalance, lights: rows, written: target.written(files) })
         };

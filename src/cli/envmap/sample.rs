@@ -107,13 +107,18 @@ impl Sample {
             }
             let window = self.look.window as usize;
             let stem = target.stem(&format!("{name}-samples"), &format!("-{n}"), &output::STUDY)?;
-            let style = style.clone().or_title(&format!("{} of {name}", counted(samples.rows.len(), "sample")));
-            let mut files =
-                output::write(&stem, &display.samples(&samples.rows, window), &style, &output::csv(&samples.rows)?)?;
+            let count = counted(samples.rows.len(), "sample");
+            let titled = |ending: &str| style.clone().or_title(&format!("{count} of {name}{ending}"));
+            let mut files = output::write(
+                &stem,
+                &display.samples(&samples.rows, window),
+                &titled(""),
+                &output::csv(&samples.rows)?,
+            )?;
             // Many markers take seconds to draw.
             interrupt::check()?;
             let only = target.stem(&format!("{name}-samples"), &format!("-only-{n}"), &output::DRAWING)?;
-            files.extend(display.samples_only(&samples.rows, window).write(&only, &style)?);
+            files.extend(display.samples_only(&samples.rows, window).write(&only, &titled(", alone"))?);
             let flux_estimate = (complete && !samples.rows.is_empty()).then_some(samples.flux_estimate);
             let flux_standard_error = flux_estimate.and(Some(samples.flux_standard_error)).filter(|e| e.is_finite());
             let (samples, written) = (samples.rows, target.written(files));

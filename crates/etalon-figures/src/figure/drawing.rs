@@ -120,6 +120,10 @@ impl Drawing {
                 groups.map(|rows| Self::stacked(rows.to_vec(), *align)).collect()
             }
             Self::Beside(columns) if columns.len() > 1 => columns.clone(),
+            // Every page has the title
+            Self::Headed { title, lines, below } => {
+                below.pieces().into_iter().map(|piece| piece.headed(title.clone(), lines.clone())).collect()
+            }
             Self::Plot(plot) if plot.has_headings() => plot.rows_apart().into_iter().map(Self::Plot).collect(),
             _ => {
                 let parts = self.names().len();
@@ -130,7 +134,9 @@ impl Drawing {
                         (from..to).contains(&(index - 1))
                     })
                 };
-                [half(0, parts.div_ceil(2)), half(parts.div_ceil(2), parts)].into_iter().flatten().collect()
+                let unit = if let Self::Sheet(sheet) = self { sheet.unit() } else { 1 };
+                let middle = parts.div_ceil(2).next_multiple_of(unit).min(parts);
+                [half(0, middle), half(middle, parts)].into_iter().flatten().collect()
             }
         }
     }

@@ -33,6 +33,6 @@ pub use picture::Picture;
 pub use plot::Plot;
 pub use rgb8::Rgb8;
 pub use shapes::{Anchor, Colour, Level, Marker, Point, Rect, Stroke, Text};
-pub use sheet::contact_sheet;
+pub use sheet::{contact_sheet, image_rows};
 pub use style::Style;
 pub use svg::{escape, with_dark_colours};

@@ -14,8 +14,11 @@ pub struct Picture {
     pub key: Vec<(f64, Colour, String)>,
 }
 
-/// Height of a line of the key, space at its left end, between a mark and its text, and after the text.
+/// Height of a line of the key, of a further line of a text, space at its left end, between a mark and its text, and after the text.
 const LINE: f64 = 24.0;
+const FURTHER: f64 = 15.0;
+/// The rims of a mark, a dark one around a white one, over its side.
+const RIM: f64 = 0.4;
 const LEFT: f64 = 12.0;
 const GAP: f64 = 6.0;
 const AFTER: f64 = 28.0;
@@ -26,28 +29,31 @@ impl Picture {
         let factor = |height: f64| if room.width.is_finite() { fit(height) } else { 1.0 };
         let lines = |factor: f64| self.lines(factor, self.page.width * factor);
         // The height of the key depends on the width of the picture
-        let below = |lines: usize| LINE * lines as f64;
-        let first = lines(factor(room.height)).len();
-        let factor = factor(room.height - below(first));
+        let below = |lines: Vec<Line>| lines.iter().map(|line| line.height).sum::<f64>();
+        let factor = factor(room.height - below(lines(factor(room.height))));
         let mut page = self.page.clone().scaled(factor);
-        for line in lines(factor) {
-            let (mut x, middle) = (LEFT, page.height + 0.5 * LINE);
-            for (side, colour, name, width) in line {
+        for Line { height, texts } in lines(factor) {
+            let (mut x, middle) = (LEFT, page.height + height - 0.5 * LINE);
+            for (side, colour, name, width) in texts {
                 if side > 0.0 {
-                    page.rect(Rect::new(x, middle - 0.5 * side, side, side), colour);
+                    let mark = Rect::new(x, middle - 0.5 * side, side, side);
+                    // On dark paper, too, a mark stands out as it does on the picture
+                    page.rect(mark.grown(RIM * side), theme::MARKER_SHADE);
+                    page.rect(mark.grown(0.5 * RIM * side), theme::BORDER);
+                    page.rect(mark, colour);
                     x += side + GAP;
                 }
                 page.text(Text::new([x, middle], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Middle));
                 x += width + AFTER;
             }
-            page.height += LINE;
+            page.height += height;
         }
         page
     }
 
-    /// The key in lines of this width, with the widths of its texts.
-    fn lines(&self, factor: f64, width: f64) -> Vec<Vec<(f64, Colour, String, f64)>> {
-        let mut lines: Vec<Vec<(f64, Colour, String, f64)>> = Vec::new();
+    /// The key in lines of this width.
+    fn lines(&self, factor: f64, width: f64) -> Vec<Line> {
+        let mut lines: Vec<Line> = Vec::new();
         let mut x = f64::INFINITY;
         for (side, colour, name) in &self.key {
             let limit = width - 2.0 * LEFT - side * factor - GAP;
@@ -55,13 +61,19 @@ impl Picture {
                 let side = if i == 0 { side * factor } else { 0.0 };
                 let long = text::width(&part, theme::NOTE_SIZE, false);
                 if x + side + GAP + long > width || i > 0 {
-                    lines.push(Vec::new());
+                    lines.push(Line { height: if i > 0 { FURTHER } else { LINE }, texts: Vec::new() });
                     x = LEFT;
                 }
                 x += side + GAP + long + AFTER;
-                lines.last_mut().expect("a line was begun").push((side, *colour, part, long));
+                lines.last_mut().expect("a line was begun").texts.push((side, *colour, part, long));
             }
         }
         lines
     }
+}
+
+/// A line of the key: marks and their texts, with the widths of these.
+struct Line {
+    height: f64,
+    texts: Vec<(f64, Colour, String, f64)>,
 }

@@ -28,6 +28,8 @@ pub struct Sheet {
     pub title: String,
     pub columns: usize,
     pub images: Vec<(String, Rgb8)>,
+    /// Rows are not divided: each row of a page has one of them, several, or one image.
+    pub keeps_rows: bool,
 }
 
 /// Captioned images in rows of at most `columns` (at least one), with an optional title. Captions may carry the markup of
@@ -37,7 +39,16 @@ pub fn contact_sheet(title: &str, columns: usize, images: &[(String, Rgb8)]) -> 
         title: title.into(),
         columns: columns.clamp(1, images.len().max(1)),
         images: images.to_vec(),
+        keeps_rows: false,
     })
+}
+
+/// The same, of images that belong together row by row.
+pub fn image_rows(title: &str, columns: usize, images: &[(String, Rgb8)]) -> Drawing {
+    match contact_sheet(title, columns, images) {
+        Drawing::Sheet(sheet) => Drawing::Sheet(Sheet { keeps_rows: true, ..sheet }),
+        other => other,
+    }
 }
 
 impl Sheet {
@@ -47,7 +58,17 @@ impl Sheet {
             |(caption, _): &&(String, Rgb8)| keep(&[groups, &[self.title.as_str(), caption.as_str()]].concat());
         let images: Vec<_> = self.images.iter().filter(&mut is_kept).cloned().collect();
         let columns = self.columns.min(images.len());
-        (!images.is_empty()).then_some(Self { title: self.title.clone(), columns, images })
+        (!images.is_empty()).then_some(Self { columns, images, ..self.clone() })
+    }
+
+    /// The images that pages are divided between.
+    pub(super) fn unit(&self) -> usize {
+        if self.keeps_rows { self.columns } else { 1 }
+    }
+
+    /// The columns that rows of a page may have.
+    fn is_whole(&self, columns: usize) -> bool {
+        !self.keeps_rows || columns == 1 || columns.is_multiple_of(self.columns)
     }
 
     /// The page for a room: in limited room images fill its width, or are as large as its height allows.
@@ -62,12 +83,17 @@ impl Sheet {
         let pixels = room.pixels.unwrap_or(PIXELS);
         let page = |columns: usize, high: f64| self.page(columns, cell(columns) * pixels, [cell(columns), high], room);
         if room.height.is_infinite() {
-            let columns = (1..=self.columns).rev().find(|&columns| cell(columns) >= NARROWEST).unwrap_or(1);
-            return page(columns, f64::INFINITY);
+            let fits = |columns: &usize| cell(*columns) >= NARROWEST && self.is_whole(*columns);
+            let columns = (1..=self.columns).rev().find(fits).unwrap_or(1);
+            // In even rows
+            let rows = self.images.len().div_ceil(columns).max(1);
+            let even = self.images.len().div_ceil(rows).max(1);
+            return page(if self.is_whole(even) { even } else { columns }, f64::INFINITY);
         }
         // The largest images that fit
         let highs = (0..20).map(|i| room.height * 0.9f64.powi(i)).filter(|&high| high >= LOWEST);
-        let fit = |high: f64| (1..=self.images.len()).filter(move |&n| cell(n) >= NARROWEST).map(move |n| (n, high));
+        let fits = |n: &usize| cell(*n) >= NARROWEST && self.is_whole(*n);
+        let fit = |high: f64| (1..=self.images.len()).filter(fits).map(move |n| (n, high));
         let mut pages = highs.flat_map(fit).map(|(columns, high)| page(columns, high));
         pages.find(|page| page.height <= room.height).unwrap_or_else(|| page(self.columns, LOWEST))
     }
@@ -77,7 +103,9 @@ impl Sheet {
         let pixels = room.pixels.unwrap_or(PIXELS);
         let fit = |image: &Rgb8| limit.min(high * pixels * image.width() as f64 / image.height() as f64) as usize;
         let shown: Vec<Rgb8> = self.images.iter().map(|(_, image)| reduced(image, fit(image).max(1))).collect();
-        let size = |image: &Rgb8| size(image, fit(image), pixels);
+        // On a page of limited width images fill their cells
+        let is_filled = width.is_finite();
+        let size = |image: &Rgb8| size(image, fit(image), pixels, is_filled);
         let widest = shown.iter().map(|image| size(image)[0]).fold(60.0, f64::max);
         let title_width = text::width(&self.title, theme::TITLE_SIZE, true);
         let natural = widest.max(title_width / columns as f64 - GAP);
@@ -129,9 +157,11 @@ fn reduced(image: &Rgb8, widest: usize) -> Rgb8 {
     imageops::resize(image.pixels(), widest as u32, height as u32, FilterType::Triangle).into()
 }
 
-/// Size on the sheet in units: a whole number of PNG pixels for each pixel.
-fn size(image: &Rgb8, widest: usize, pixels: f64) -> [f64; 2] {
-    let zoom = (widest / image.width()).max(1) as f64;
+/// Size on the sheet in units: a whole number of PNG pixels for each pixel; where images fill their cells, of small ones only.
+fn size(image: &Rgb8, widest: usize, pixels: f64, is_filled: bool) -> [f64; 2] {
+    const SMALL: f64 = 4.0;
+    let zoom = (widest as f64 / image.width() as f64).max(1.0);
+    let zoom = if is_filled && zoom < SMALL { zoom } else { zoom.floor() };
     [image.width() as f64 * zoom / pixels, image.height() as f64 * zoom / pixels]
 }
 

@@ -84,7 +84,7 @@ pub const MARKER: Colour = Colour::rgb(30, 90, 255);
 /// Dark lines around white ones, so that these stand out from bright windows.
 pub const MARKER_SHADE: Colour = Colour::rgb(16, 16, 24);
 /// The rim of a marker on black, whose own colour may be nearly black.
-pub const MARKER_RIM: Colour = Colour::rgb(110, 110, 110);
+pub const MARKER_RIM: Colour = Colour::rgb(175, 175, 178);
 /// The frame of the place where images differ most, on maps of blue and red.
 pub const DIFFERS: Colour = GREEN;
 /// The frame of what an inset shows, among markers with white rims.
@@ -122,11 +122,10 @@ pub fn strategies(names: &[&str]) -> Vec<Colour> {
 }
 
 /// Colours of ink, lines and marks, and what they become on dark paper.
-pub(super) const EXCHANGED: [(Colour, Colour); 14] = [
+pub(super) const EXCHANGED: [(Colour, Colour); 13] = [
     (Colour::BLACK, Colour::rgb(242, 242, 242)),
     (INK, Colour::rgb(228, 228, 230)),
     (RULE.colour, Colour::rgb(180, 184, 190)),
-    (MARKER_RIM, Colour::rgb(168, 173, 180)),
     (GUIDE.colour, Colour::rgb(152, 158, 166)),
     (GRID.colour, Colour::rgb(58, 63, 70)),
     // The darkest of the palettes become lighter.

@@ -3,7 +3,7 @@
 use super::converge::{Region, all_regions, framed, round};
 use super::text::{LINE, capitalized, clauses, counted, finding, p_is, p_value, power_of_ten, rounded, wrapped};
 use crate::figure::{
-    Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, theme,
+    Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, image_rows, theme,
 };
 use etalon_bench::compare::{
     Answer, Bias, Compared, Explanation, Family, FamilyResult, Functional, METRICS, Measured, Metric, Needed,
@@ -36,14 +36,15 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
     let cells = [cell("A", 0, measured.numbers.mean_a), cell("B", 1, measured.numbers.mean_b)];
     let metrics = METRICS[..5].iter().map(|metric| (metric, metric.of(measured))).filter(|(_, v)| v.is_finite());
     let metrics: Vec<String> = metrics.map(|(metric, v)| of_metric(metric, v)).collect();
-    let panel = difference_panel(a, b, relative).title(format!("A − B: {}", metrics.join(", ")));
+    let darker = format!("A ({}) is darker than B ({})", names[0], names[1]);
+    let panel = difference_panel(a, b, relative, &darker).title(format!("A − B: {}", metrics.join(", ")));
     let plot = Plot::new([panel]).frame_size(width * longer, height * longer).draw();
     let title = if measured.identical {
         "A and B are the same values".into()
     } else {
         measured.explanation.as_ref().map_or(String::new(), headline)
     };
-    Drawing::stacked(vec![contact_sheet(&title, 2, &cells), plot], 0.5)
+    Drawing::stacked(vec![image_rows(&title, 2, &cells), plot], 0.5)
 }
 
 /// A metric and its value: "PSNR 17.5 dB".
@@ -232,7 +233,7 @@ pub fn explained(explanation: &Explanation) -> String {
     format!("{}: undone, this leaves {left}", explanation.told())
 }
 
-fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
+fn difference_panel(a: &Image, b: &Image, relative: bool, darker: &str) -> Panel {
     let (width, height) = (a.width(), a.height());
     // Large images are averaged over squares of pixels.
     let side = width.max(height).div_ceil(LONGEST_SIDE);
@@ -249,11 +250,8 @@ fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
     let rows = (0..height).step_by(side);
     let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
     let limit = robust_limit(&values);
-    let label = if relative {
-        "(A − B) / (|B| + 0.01) of (R + G + B)/3; blue: A is darker"
-    } else {
-        "A − B of (R + G + B)/3; blue: A is darker"
-    };
+    let difference = if relative { "(A − B) / (|B| + 0.01)" } else { "A − B" };
+    let label = format!("{difference} of (R + G + B)/3; blue: {darker}");
     let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
     pixels_panel(width, height).title("A − B").heatmap(map)
 }
@@ -337,7 +335,7 @@ pub fn drawing(compared: &Compared) -> Drawing {
     let mut tiles = tiles(compared);
     let map = if tiles.is_empty() {
         let [a, b] = &compared.means;
-        difference_panel(a, b, false)
+        difference_panel(a, b, false, "A is darker")
     } else {
         z_map(compared, &tiles)
     };
@@ -359,9 +357,16 @@ pub fn drawing(compared: &Compared) -> Drawing {
     let rows = std::iter::once(plots).chain((!tiles.is_empty()).then(|| crops(compared, &tiles)));
     let sentence = sentence(compared);
     let (verdict, why) = sentence.split_once([':', ';']).unwrap_or((&sentence, ""));
-    let lines = clauses(why.trim()).iter().take(1).map(|line| finding(line)).collect();
-    let title = Drawing::stacked(Vec::new(), 0.5).headed(capitalized(verdict), lines);
-    Drawing::stacked(std::iter::once(title).chain(rows).collect(), 0.5)
+    let words = [
+        ("most at image,", "in the mean of the image,"),
+        ("channel R", "red"),
+        ("channel G", "green"),
+        ("channel B", "blue"),
+        (" -", " −"),
+    ];
+    let in_words = |line: &str| words.iter().fold(finding(line), |line, (name, word)| line.replace(name, word));
+    let lines = clauses(why.trim()).iter().take(1).map(|line| in_words(line)).collect();
+    Drawing::stacked(rows.collect(), 0.5).headed(capitalized(verdict), lines)
 }
 
 fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
@@ -404,20 +409,19 @@ fn p_values(compared: &Compared) -> Panel {
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }
     }
-    let label = if foot <= LEAST {
-        "/{p}-value, not corrected (those below 10^{−12} stand there)"
-    } else {
-        "/{p}-value, not corrected"
+    let title = match foot <= LEAST {
+        true => "/{p}-values of all tests, not corrected (the lowest: 10^{−12} or less)",
+        false => "/{p}-values of all tests, not corrected",
     };
     let foot = 10f64.powf(foot.log10().floor() - 0.5);
     let panel = Panel::new(
         Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0),
         // Points at 1 keep off the frame
-        Axis::log(label).range(foot, 2.0),
+        Axis::log("/{p}-value").range(foot, 2.0),
     )
-    .title("/{p}-values of all tests")
+    .title(title)
     .line(
-        "uniform: one expectation",
+        "expected of equal images",
         Stroke::solid(theme::EXPECTED, theme::THIN),
         [[first * 0.8, first * 0.8], [1.0, 1.0]],
     );
@@ -449,7 +453,7 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         let p = compared.families[2].adjusted(worst);
         cells.push((format!("A − B, ±{}; corrected {}", rounded(limit, 2), p_value(p)), map.image()));
     }
-    contact_sheet("The tiles that differ most, with their surroundings", 3, &cells)
+    image_rows("The tiles that differ most, with their surroundings", 3, &cells)
 }
 
 fn percent(share: f64) -> String {

@@ -1,7 +1,7 @@
 //! Images of a Cornell box at increasing path depth, and their differences by path class; and renders in a grid, at one exposure.
 
 use super::text::{capitalized, rounded};
-use crate::figure::{Drawing, Page, Rgb8, contact_sheet};
+use crate::figure::{Drawing, Page, Rgb8, contact_sheet, image_rows};
 use etalon_bench::depth::{ALL, ClassRow, DEPTHS, Depths};
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
 
@@ -93,5 +93,5 @@ pub fn grid(title: &str, columns: usize, stops: f32, images: &[(String, &Image)]
     let shown = |(caption, image): &(String, &Image)| {
         (caption.clone(), Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::Srgb { stops })))
     };
-    contact_sheet(title, columns, &images.iter().map(shown).collect::<Vec<_>>())
+    image_rows(title, columns, &images.iter().map(shown).collect::<Vec<_>>())
 }

@@ -66,6 +66,11 @@ fn quantity(names: &[String]) -> String {
     }
 }
 
+/// The same beside a value.
+fn symbol(names: &[String]) -> String {
+    quantity(names).replace("roughness ", "")
+}
+
 /// A number in as few digits as tell it.
 fn short(value: f64) -> String {
     let text = rounded(value, 3);
@@ -75,7 +80,7 @@ fn short(value: f64) -> String {
 
 /// Parameters with their value, in one line.
 fn equation(names: &[String], value: f64) -> String {
-    format!("{} = {}", quantity(names), short(value)).replace(' ', "\u{a0}")
+    format!("{} = {}", symbol(names), short(value)).replace(' ', "\u{a0}")
 }
 
 /// What the table has: the surface, and the parameters that do not vary.
@@ -92,7 +97,7 @@ fn title(table: &Table) -> String {
 }
 
 fn angle_axis([from, to]: [f64; 2]) -> Axis {
-    Axis::linear("angle of /{ω}o with the normal (degrees)").range(from, to)
+    Axis::linear("angle of /{ω}_{o} with the normal (degrees)").range(from, to)
 }
 
 /// The albedos of one BSDF over the angle.
@@ -135,7 +140,18 @@ fn spheres(table: &Table) -> Vec<(String, Image)> {
     let (angles, rows) = (table.thetas_deg.len(), table.parameters.len());
     let albedos = table.largest_channels();
     let count = SPHERES.min(rows);
-    let numbers = (0..count).map(|i| if count > 1 { i * (rows - 1) / (count - 1) } else { 0 });
+    // At equal steps of the parameter: most of a logarithmic table may look alike
+    let ends = [table.parameters[0], table.parameters[rows - 1]];
+    let number = |i: usize| match count {
+        0 | 1 => 0,
+        _ => {
+            let wanted = ends[0] + (ends[1] - ends[0]) * i as f64 / (count - 1) as f64;
+            let off = |row: &usize| (table.parameters[*row] - wanted).abs();
+            (0..rows).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+        }
+    };
+    let mut numbers: Vec<usize> = (0..count).map(number).collect();
+    numbers.dedup();
     let sphere = |row: usize| {
         let albedos = &albedos[row * angles..(row + 1) * angles];
         let radiance =
@@ -154,7 +170,7 @@ fn spheres(table: &Table) -> Vec<(String, Image)> {
         };
         (caption, Image::from_fn(PIXELS, PIXELS, pixel))
     };
-    numbers.map(sphere).collect()
+    numbers.into_iter().map(sphere).collect()
 }
 
 /// The value at `x` between ascending places.

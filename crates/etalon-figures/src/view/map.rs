@@ -40,8 +40,10 @@ const PAGE: [usize; 2] = [512, 2048];
 /// The map's height over the sides of the inset and of the part that it shows.
 const INSET_SIDE: usize = 4;
 const INSET_PART: usize = 24;
-/// The side of the marker of a light of average flux, in those of a sample; no marker is smaller than half of one.
+/// The side of the marker of a light of average flux, in those of a sample; no marker is smaller than half of one. Few lights have larger
+/// ones, up to this part of the map's height.
 const AVERAGE: f64 = 1.4;
+const LARGEST_PART: f64 = 24.0;
 /// Most of the map that the markers of its samples cover; but no marker has a smaller side than the least.
 const COVERED: f64 = 0.012;
 const LEAST: usize = 3;
@@ -226,7 +228,9 @@ impl Display {
     /// The brightest light is shown at full scale, the others in proportion before the power law of 1/2.2.
     pub fn lights(&self, rows: &[median_cut::RegionRow], side: usize) -> Drawing {
         // Part of the map's brightness on the page
-        const DIMMED: f64 = 0.3;
+        const DIMMED: f64 = 0.4;
+        let covering = (COVERED * (self.width * self.height) as f64 / rows.len().max(1) as f64).sqrt();
+        let side = side.max(covering.min(self.height as f64 / LARGEST_PART / AVERAGE) as usize);
         let flux = |r: &median_cut::RegionRow| r.flux_r + r.flux_g + r.flux_b;
         let mean = rows.iter().map(flux).sum::<f64>() / rows.len().max(1) as f64;
         let wide = |r: &median_cut::RegionRow| match (flux(r) / mean).sqrt() {
@@ -241,7 +245,10 @@ impl Display {
         let colour = |r: &median_cut::RegionRow| Colour::rgb(byte(r.flux_r), byte(r.flux_g), byte(r.flux_b));
         let markers: Vec<_> = rows.iter().map(|r| ((r.centroid_x, r.centroid_y), wide(r), colour(r))).collect();
         self.markers(&mut page, &markers, &[(1.5, theme::MARKER_RIM)]);
-        said(page, "a square for each region, at its centroid, as large as its flux and in its colour")
+        said(
+            page,
+            "a square at the centroid of each region: its area is in proportion to the flux (nearly equal for all), its colour that of the flux",
+        )
     }
 }
 

@@ -27,7 +27,7 @@ pub fn figures() -> Vec<Maker> {
     let partition =
         |n: usize| maker(format!("median-cut-{n}"), move |inputs, studies| cut(inputs, studies, n, Display::partition));
     let radiance = maker("median-cut-radiance-64", |inputs, studies| {
-        cut(inputs, studies, 64, |display, rows| display.lights(rows, LIGHT_MARKER))
+        cut(inputs, studies, 64, |display, rows| display.lights(rows, SAMPLE_MARKER))
     });
     let samples = [64, 256, 1024].map(on_the_map).into_iter().chain([alone]);
     let cuts = [2, 4, 16, 64].map(partition).into_iter().chain([radiance, maker("median-cut-error", error_of_lights)]);
@@ -50,9 +50,6 @@ fn samples(
     ];
     Content::new(draw(&*studies.map_display(inputs)?, &result.rows, SAMPLE_MARKER), &result.rows, checks)
 }
-
-/// Side of a light's marker in texels.
-const LIGHT_MARKER: usize = 11;
 
 fn cut(
     inputs: &Inputs,
