@@ -9,9 +9,9 @@ use serde::Serialize;
 /// One scale for all panels: from below the rounding of f32 to a relative error of 1. Errors beyond stand at its ends, with a grey band behind
 /// them.
 const SCALE: [f64; 2] = [1e-8, 1.0];
-/// The title of an axis of errors, and what its ends are.
+/// The title of an axis of errors, and what its grey ends are.
 const ERROR: &str = "largest relative error";
-const BEYOND: &str = "at the line or beyond";
+const BEYOND: &str = "off the scale, drawn at its end";
 /// Half a unit of f32's last place: how far rounding an input moves it.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 /// The name of what rounding an input explains.
@@ -19,6 +19,21 @@ const INPUT_ALONE: &str = "rounding of the input alone";
 /// Panels in a row, and the size of a frame.
 const COLUMNS: usize = 3;
 const FRAME: [f64; 2] = [250.0, 150.0];
+/// Families whose rendered formula is worse somewhere than rounding of the input and another formula, and why.
+const REMARKS: [(&str, &str); 3] = [
+    (
+        "conductor",
+        "Where both /{η} and /{k} are far below 1, as of no metal, the formula that renders loses /{η}² and /{k}² beside cos² /{θ}.",
+    ),
+    (
+        "refraction",
+        "The formula that renders takes /{ω}_{o} as a unit vector; next to the critical angle its rounded length decides.",
+    ),
+    (
+        "half-vector",
+        "Half vector: the formula that renders removes the rounding of both lengths, which the exact value and the textbook keep.",
+    ),
+];
 
 /// A panel for every grid of the sweeps: the largest error in f32 along that axis of the grid which tells more of it. Grids on which no
 /// variant errs are named, and are shown where there are no others.
@@ -37,7 +52,11 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
             Plot::grid(rows).frame_size(FRAME[0], FRAME[1])
         }
     };
-    let plot = plot.draw();
+    let is_remarked = |name: &str| shown.iter().any(|(sweep, _)| sweep.family.name == name);
+    let remarks = REMARKS.into_iter().filter(|(name, _)| is_remarked(name)).map(|(_, remark)| remark.to_owned());
+    let pale = "Errors below the pale line are smaller than what rounding of the input may cause.".to_owned();
+    let lines = std::iter::once(pale).chain(remarks).collect();
+    let plot = plot.draw().headed("Largest relative error in single precision (f32)", lines);
     if others.is_empty() {
         return plot;
     }
@@ -66,7 +85,7 @@ fn errs(sweep: &Sweep, number: usize) -> bool {
 
 fn heading(sweep: &Sweep, number: usize) -> String {
     let title = sweep.family.sections[number].title.replace(" = ", "\u{a0}=\u{a0}");
-    capitalized(&format!("{} ({title})", sweep.family.about))
+    capitalized(&format!("{} ({title})", in_words(sweep.family.name)))
 }
 
 /// The largest errors of one grid along one of its axes.
@@ -76,7 +95,8 @@ fn panel(sweep: &Sweep, number: usize, names: &[&'static str]) -> Panel {
     let ends = [SCALE[0] / 3.0, SCALE[1] * 3.0];
     let error = Axis::log(ERROR).range(ends[0], ends[1]);
     let beyond = |low: f64, high: f64| [[*from, low, high], [*to, low, high]];
-    let panel = Panel::new(Axis::log(*label).range(*from, *to), error).title(heading(sweep, number));
+    let label = if *label == "/{α}" { "roughness /{α}" } else { label };
+    let panel = Panel::new(Axis::log(label).range(*from, *to), error).title(heading(sweep, number));
     let panel =
         panel.band(BEYOND, theme::INK, beyond(ends[0], SCALE[0])).band("", theme::INK, beyond(SCALE[1], ends[1]));
     // All panels have the same legend
@@ -159,9 +179,9 @@ const VARIANTS: [&str; 3] = [TEXTBOOK, REPORT, STABLE];
 /// What a variant is, where a figure stands alone.
 fn formula(variant: &str) -> String {
     match variant {
-        STABLE => "stable formula".into(),
+        STABLE => "formula that renders".into(),
         TEXTBOOK => "textbook formula".into(),
-        REPORT => "formula of the first report".into(),
+        REPORT => "formula of a report".into(),
         other => other.into(),
     }
 }
@@ -172,7 +192,7 @@ const ERRORS: [(Precision, &str, [f64; 2]); 2] = [
     (Precision::Double, "Double precision (f64)", [1e-17, 1e2]),
 ];
 /// Height of a family's line.
-const LINE: f64 = 22.0;
+const LINE: f64 = 24.0;
 
 /// A panel for each precision, a line for each family, a marker for each variant. Functions at special directions have lines if there is
 /// nothing else.
@@ -180,13 +200,20 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let only_special = rows.iter().all(ErrorRow::is_special);
     let is_shown = |row: &&ErrorRow| row.is_compared() && row.is_special() == only_special;
     let rows: Vec<&ErrorRow> = rows.iter().filter(is_shown).collect();
-    let mut families: Vec<&str> = rows.iter().map(|row| row.family.as_ref()).collect();
-    families.dedup();
+    // What else the renderer's code is asked for has a line of its own
+    let name = |row: &ErrorRow| format!("{}{}", row.family, row.variant.strip_prefix(STABLE).unwrap_or_default());
+    let mut families: Vec<String> = Vec::new();
+    for row in &rows {
+        if !families.contains(&name(row)) {
+            let after = families.iter().rposition(|known| known.split(',').next() == Some(&*row.family));
+            families.insert(after.map_or(families.len(), |last| last + 1), name(row));
+        }
+    }
     // The markers of a line stand above each other if there are several variants
     let is_alone = rows.windows(2).all(|pair| look(pair[0].variant) == look(pair[1].variant));
     let aside = |variant: &str| if is_alone { 0.0 } else { look(variant).1 };
     let line = |row: &ErrorRow| {
-        families.iter().position(|family| *family == row.family).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
+        families.iter().position(|family| *family == name(row)).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
     };
     let names: Vec<String> = families.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
     // The legend's entries in the same order on both sides
@@ -196,7 +223,7 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let panel = |(precision, title, [least, most]): (Precision, &str, [f64; 2])| {
         let of_precision = || rows.iter().filter(|row| row.precision == precision);
         let ends = [least / 3.0, most * 3.0];
-        let x = Axis::log(format!("{ERROR} (grey: {BEYOND})")).range(ends[0], ends[1]);
+        let x = Axis::log(ERROR).range(ends[0], ends[1]);
         let panel = Panel::new(x, Axis::named("", names.clone())).title(title);
         let panel = panel.shade(ends[0], least, theme::INK).shade(most, ends[1], theme::INK);
         // Rounding of the input by half a last place may move the result by as many as the condition number
@@ -214,7 +241,16 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
             panel.markers(formula(variant), look(variant).0, *marker, places)
         })
     };
-    Plot::new(ERRORS.map(panel)).frame_size(380.0, LINE * families.len() as f64).draw()
+    let title = match only_special {
+        true => "Largest relative error at special directions, indices and widths",
+        false => "Largest relative error over all inputs",
+    };
+    let lines = [
+        "pale bar: how far rounding of the input alone may move the result of the formula that renders",
+        "no mark: not computed in that precision; grey: off the scale, drawn at its end",
+    ];
+    let plot = Plot::new(ERRORS.map(panel)).frame_size(380.0, LINE * families.len() as f64).draw();
+    plot.headed(title, lines.map(str::to_owned).into())
 }
 
 /// A family's name as people read it: "ggx-pdf" is "GGX, pdf of normals".
@@ -235,13 +271,15 @@ fn in_words(family: &str) -> String {
         "schlick" => "Schlick's approximation".into(),
         "refraction" => "refracted direction".into(),
         "dielectric-pdf" => "rough glass, pdf of directions".into(),
-        "half-cosine" => "half vector, its cosine".into(),
-        "refraction-half-vector" => "refraction, half vector".into(),
-        "refraction-jacobian" => "refraction, Jacobian".into(),
+        "half-vector" => "half vector of reflection".into(),
+        "half-cosine" => "cosine with that half vector".into(),
+        "refraction-half-vector" => "half vector of refraction".into(),
+        "refraction-jacobian" => "Jacobian of that half vector".into(),
         "sphere" => "distance to a sphere".into(),
         "triangle" => "distance to a triangle".into(),
         "offsets" => "offsets of ray origins".into(),
-        "tables" => "sampling tables of a map".into(),
+        "tables" => "probabilities of a map's texels".into(),
+        "tables, drawn" => "shares of samples of a map's texels".into(),
         "areas" => "summed areas of a map".into(),
         "areas-extreme" => "summed areas, 2^{40} among 2^{−40}".into(),
         "film" => "mean of a pixel's samples".into(),
@@ -258,8 +296,8 @@ fn in_words(family: &str) -> String {
 /// The colour of a variant, and the vertical offset of its markers in lines, so that none hides another.
 fn look(variant: &str) -> (Colour, f64) {
     match variant {
-        REPORT => (theme::ERRATUM_VARIANT, 0.24),
-        _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -0.24),
+        REPORT => (theme::ERRATUM_VARIANT, 0.18),
+        _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -0.18),
         _ => (theme::TEXTBOOK_VARIANT, 0.0),
     }
 }
