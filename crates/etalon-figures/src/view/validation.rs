@@ -90,12 +90,31 @@ pub fn drawing(validation: &Validation) -> Drawing {
             let told: Vec<&Tested> = causes.iter().filter_map(of).collect();
             // The headline is of the test whose counts are shown
             let shown = told.iter().copied().chain(tests).find(is_shown);
-            let all = checks(validation).unwrap_or_else(|| p_values(validation));
+            let all = checks(validation).unwrap_or_else(|| match tests.len() {
+                ..MANY => verdicts(validation),
+                _ => p_values(validation),
+            });
             let why = validation_cells::reasons(validation, shown.or(told.first().copied()));
             let rows = why.into_iter().chain(shown.map(validation_cells::pictured)).chain([all]);
             Drawing::stacked(rows.collect(), 0.5)
         }
     }
+}
+
+/// Tests from which on the distribution of their p-values tells something.
+const MANY: usize = 10;
+
+/// A line for each of a few tests: what it said.
+fn verdicts(validation: &Validation) -> Drawing {
+    let lines = validation.tests.iter().map(validation_cells::of_test).collect();
+    let count = [
+        (validation.accepted, "accepted"),
+        (validation.rejected, "rejected"),
+        (validation.inconclusive, "inconclusive"),
+    ];
+    let count = count.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}"));
+    let title = format!("{}: {}", counted(validation.tests.len(), "test"), count.collect::<Vec<_>>().join(", "));
+    Drawing::stacked(Vec::new(), 0.5).headed(title, lines)
 }
 
 /// The frame of the verdicts: its width, and the height of a row.
@@ -125,7 +144,7 @@ fn checks(validation: &Validation) -> Option<Drawing> {
         "{} accepted, {} rejected, {} inconclusive",
         validation.accepted, validation.rejected, validation.inconclusive
     );
-    let x = Axis::linear("angle of /{ω}o with the normal (degrees)").range(-10.0, 160.0).at(angles);
+    let x = Axis::linear("angle of /{ω}_{o} with the normal (degrees)").range(-10.0, 160.0).at(angles);
     let height = ROW * (names.len() + 1) as f64;
     let panel = Panel::new(x, Axis::named("", names)).title(title);
     let kinds = [
@@ -154,8 +173,8 @@ fn p_values(validation: &Validation) -> Drawing {
     let holm: Vec<Point> = tests.iter().map(|t| [t.expected, t.threshold]).collect();
     let panel = |x: Axis, y: Axis, least: f64| {
         let panel = Panel::new(x, y)
-            .band("99 % of true claims at each rank", theme::INTERVAL, band.clone())
-            .line("expected", Stroke::solid(theme::EXPECTED, theme::THIN), line.clone())
+            .band("99 % of correct samplers at each rank", theme::INTERVAL, band.clone())
+            .line("expected of correct samplers", Stroke::solid(theme::EXPECTED, theme::THIN), line.clone())
             .line(
                 "rejected below",
                 Stroke { dash: theme::DASHED, ..Stroke::solid(theme::REJECTED, theme::THIN) },
@@ -172,9 +191,15 @@ fn p_values(validation: &Validation) -> Drawing {
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
     let first = tests.first().map_or(1.0, |test| test.expected);
     let uniformity = validation.uniformity;
+    let title = match total == n {
+        true => counted(n, "test"),
+        false => {
+            format!("{n} of {total} tests: the others have exact checks alone, or /{{p}}-values of few possible values")
+        }
+    };
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
-            .title(format!("{n} /{{p}}-values of {total} tests: uniformity {}", p_value(uniformity.p))),
+            .title(format!("/{{p}}-values along the diagonal: correct samplers (uniform: {})", p_value(uniformity.p))),
         panel(Axis::log("rank / (tests + 1)").range(0.8 * first, 1.0), Axis::log("/{p}-value").range(foot, 1.0), foot)
             .title(format!(
                 "{} accepted, {} rejected, {} inconclusive",
@@ -182,6 +207,7 @@ fn p_values(validation: &Validation) -> Drawing {
             )),
     ])
     .draw()
+    .headed(title, Vec::new())
 }
 
 /// One fault. Field names are the CSV columns.

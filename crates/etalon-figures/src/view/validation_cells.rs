@@ -49,13 +49,38 @@ fn residual(observed: f64, expected: f64) -> f64 {
 
 /// The drawing of a test: what is wrong, and what shows it.
 pub fn drawing(tested: &Tested) -> Drawing {
-    let verdict = format!("{}: {}", tested.name, verdict(&tested.outcome));
     let told = said(&tested.outcome);
     let picture = picture(&tested.outcome);
     // Names are as their owner spells them
-    let Some((first, others)) = told.split_first() else { return picture.headed(verdict, Vec::new()) };
-    let lines = others.iter().take(LINES - 1).cloned().chain([verdict]);
+    let Some((first, others)) = told.split_first() else {
+        let would_find = would_find(&tested.outcome).map(|found| capitalized(&found));
+        return picture.headed(agreement(&tested.outcome), [of_test(tested)].into_iter().chain(would_find).collect());
+    };
+    let lines = others.iter().take(LINES - 1).cloned().chain([of_test(tested)]);
     picture.headed(capitalized(first), lines.collect())
+}
+
+/// What a test that found nothing says.
+fn agreement(outcome: &Outcome) -> &'static str {
+    match (outcome.verdict, &outcome.counts) {
+        (Verdict::Accept, Some(_)) => "Samples follow the pdf",
+        (Verdict::Accept, None) => "Nothing wrong was found",
+        _ => "Not decided",
+    }
+}
+
+/// The error of the pdf that an accepted test would have found.
+fn would_find(outcome: &Outcome) -> Option<String> {
+    let error = outcome.detectable.filter(|error| outcome.is_accepted() && error.is_finite())?;
+    let percent = rounded(100.0 * error, 2);
+    Some(format!(
+        "an error of the pdf of {percent}\u{a0}% (root mean square) would have been found with 90\u{a0}% probability"
+    ))
+}
+
+/// A test by its name, and its verdict.
+pub fn of_test(Tested { name, outcome }: &Tested) -> String {
+    format!("{name}: {}", verdict(outcome))
 }
 
 /// The drawing of the test of a planted fault, under a sentence that says what the fault is.
