@@ -81,7 +81,7 @@ fn figures_have_the_style_that_is_asked_for() {
     assert!(dark.contains("Glass &amp; air") && !dark.contains("fill=\"#fff\""));
     assert!(dir.path().join("b-2.pdf").exists(), "three panels are too many for a slide");
     let one = svg(&["--panels", "RELATIVE", "-o", "c.svg"], "c.svg");
-    assert!(one.contains("relative error") && !one.contains("share of the power"));
+    assert!(one.contains("Relative error") && !one.contains("share of the power"));
     let wide = svg(&["--width", "120mm", "-o", "d.svg"], "d.svg");
     assert!((attribute(&wide, "width").parse::<f64>().unwrap() - 120.0 * 96.0 / 25.4).abs() < 1.5);
     for (args, words) in [

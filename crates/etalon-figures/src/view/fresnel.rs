@@ -50,12 +50,13 @@ fn with_special_angles(panel: Panel, curves: &fresnel::DielectricCurves, in_word
     })
 }
 
-/// A side of an interface in words: air, or the medium with its index.
+/// A side of an interface in words: air, or the medium with its index, unless that is its name.
 fn side(eta: f64, medium: &str) -> String {
-    match (eta, medium.parse::<f64>()) {
-        (1.0, _) => "air".into(),
-        (_, Ok(_)) => format!("/{{η}} = {}", index(eta)),
-        (_, Err(_)) => format!("{medium} (/{{η}} = {})", index(eta)),
+    let is_name = |name: &str| name.parse::<f64>().is_ok() || name.contains('=');
+    match eta {
+        1.0 => "air".into(),
+        _ if is_name(medium) => format!("/{{η}} = {}", index(eta)),
+        _ => format!("{medium} (/{{η}} = {})", index(eta)),
     }
 }
 
@@ -104,10 +105,18 @@ fn schlick_errors(curves: &fresnel::DielectricCurves) -> [Panel; 2] {
     let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
         curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
     };
-    let whose = if curves.model == "exact" && curves.critical_deg.is_some() { " (angle of refraction)" } else { "" };
+    let whose = match curves.critical_deg {
+        None => "",
+        Some(_) if curves.model == "exact" => " with the angle of refraction",
+        Some(_) => " with the angle of incidence",
+    };
     [
-        panel(&format!("Schlick's error{whose}"), "Schlick − exact", points(&error)),
-        panel(&format!("Schlick's relative error{whose}"), "(Schlick − exact) / exact (%)", points(&relative)),
+        panel(&format!("Error of Schlick's approximation{whose}"), "Schlick − exact", points(&error)),
+        panel(
+            &format!("Relative error of Schlick's approximation{whose}"),
+            "(Schlick − exact) / exact (%)",
+            points(&relative),
+        ),
     ]
 }
 
@@ -124,34 +133,37 @@ fn total_reflection(panel: Panel, critical: f64, end: f64) -> Panel {
 
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
 pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
-    let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c)).collect();
+    // Metals reflect most of the light: the part of the axis where something happens, the same for all
+    let rows = curves.channels.iter().flat_map(|c| &c.rows);
+    let lowest = rows.map(|r| r.r_parallel.min(r.r_parallel_approximate)).fold(1.0, f64::min);
+    let ends = [(lowest * 10.0).floor() / 10.0, 1.0];
+    let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c, ends)).collect();
     panels.push(errors(curves));
     let panels: Vec<Panel> = panels.into_iter().map(Panel::with_names_on_curves).collect();
     Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).frame_size(420.0, 320.0).draw()
 }
 
-fn channel(metal: &str, c: &metal::Channel) -> Panel {
+fn channel(metal: &str, c: &metal::Channel, [from, to]: [f64; 2]) -> Panel {
     let of =
         |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
-    // Metals reflect most of the light: show the part of the axis where something happens.
-    let lowest = of(|r| r.r_parallel.min(r.r_parallel_approximate)).iter().map(|p| p[1]).fold(1.0, f64::min);
     let title = if c.name.contains("nm") {
-        format!("{}, {}: /{{η}}\u{a0}=\u{a0}{}, /{{k}}\u{a0}=\u{a0}{}", capitalized(metal), c.name, c.eta, c.k)
+        let [eta, k] = [c.eta, c.k].map(index);
+        format!("{}, {}: /{{η}}\u{a0}=\u{a0}{eta}, /{{k}}\u{a0}=\u{a0}{k}", capitalized(metal), c.name)
     } else {
         c.name.clone()
     };
-    Panel::new(angle_axis(), Axis::linear("reflectance").range((lowest * 10.0).floor() / 10.0, 1.0))
+    Panel::new(angle_axis(), Axis::linear("reflectance").range(from, to))
         .title(title)
         .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
         .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
         .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
-        .line("/{R}_{∥} approximate", stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
+        .line("/{R}_{∥} for ∣/{n}∣² ≫ 1", stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
         .line(
-            "/{R}_{⊥} approximate",
+            "/{R}_{⊥} for ∣/{n}∣² ≫ 1",
             stroke(theme::R_PERPENDICULAR, theme::DOTTED),
             of(|r| r.r_perpendicular_approximate),
         )
-        .line("/{R} approximate", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
+        .line("/{R} for ∣/{n}∣² ≫ 1", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
         .line("Schlick", stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
         .vertical(c.pseudo_brewster_deg, format!("pseudo-Brewster angle {:.1}°", c.pseudo_brewster_deg))
 }
@@ -166,7 +178,11 @@ fn errors(curves: &metal::ConductorCurves) -> Panel {
         };
         let name = if c.name.contains("nm") { c.name.as_str() } else { "" };
         panel = panel
-            .line(format!("approximate {name}"), stroke(colour, theme::SOLID), of(|r| r.r_unpolarized_approximate))
+            .line(
+                format!("for ∣/{{n}}∣² ≫ 1 {name}"),
+                stroke(colour, theme::SOLID),
+                of(|r| r.r_unpolarized_approximate),
+            )
             .line(format!("Schlick {name}"), stroke(colour, theme::DASHED), of(|r| r.r_schlick));
     }
     panel
@@ -227,10 +243,10 @@ impl Curve {
 
     fn label(self) -> &'static str {
         match self {
-            Self::Unpolarized => "/{R}",
+            Self::Unpolarized => "/{R} unpolarized",
             Self::Parallel => "/{R}_{∥}",
             Self::Perpendicular => "/{R}_{⊥}",
-            Self::Transmittance => "1 − /{R}",
+            Self::Transmittance => "/{T} = 1 − /{R}",
             Self::Schlick => "Schlick",
             Self::Error => "Schlick − exact",
             Self::Brewster => "Brewster's angle /{θ}_{B}",
@@ -245,6 +261,15 @@ impl Curve {
             Self::Perpendicular | Self::Critical => theme::DOTTED,
             Self::Transmittance => theme::DASH_DOT,
             Self::Schlick => theme::LONG_DASH,
+        }
+    }
+
+    /// The same where there is one medium, as in its own figure.
+    fn dash_of_one(self) -> &'static [f64] {
+        match self {
+            Self::Parallel | Self::Perpendicular => theme::SOLID,
+            Self::Schlick => theme::DASHED,
+            other => other.dash(),
         }
     }
 
@@ -275,7 +300,9 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
     let mut panels = Vec::new();
     let from = side(curves.eta_i, &curves.eta_i.to_string());
     let side = match &*curves.media {
+        [only] if only.name == "η = 1" => format!("From {from} into air"),
         [only] => format!("From {from} into {}", only.name),
+        _ if *shares == [Curve::Unpolarized] => format!("Reflectance, light from {from}"),
         _ => format!("Light from {from}"),
     };
     if let [only] = *shares {
@@ -285,7 +312,7 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
         panels.push(panel(&shares, share_axis()).title(side.clone()));
     }
     if show.contains(&Curve::Error) {
-        let title = if shares.is_empty() { side } else { "Schlick's error".to_owned() };
+        let title = if shares.is_empty() { side } else { "Error of Schlick's approximation".to_owned() };
         let axis = Axis::linear(axis_name(Curve::Error));
         panels.push(panel(&[Curve::Error], axis).title(title).horizontal(0.0, ""));
     }
@@ -334,9 +361,12 @@ fn panel(curves: &MediaCurves, show: &[Curve], y: Axis) -> Panel {
                 (1, _) => curve.label().to_owned(),
                 _ => format!("{}, {}", medium.name, curve.label()),
             };
-            let colour = if curves.media.len() == 1 { curve.colour() } else { theme::series(i).colour };
+            let stroke = match curves.media.len() {
+                1 => stroke(curve.colour(), curve.dash_of_one()),
+                _ => stroke(theme::series(i).colour, curve.dash()),
+            };
             let points: Vec<Point> = medium.rows.iter().map(|r| [r.theta_deg, curve.value(r)]).collect();
-            panel = panel.line(label, stroke(colour, curve.dash()), points);
+            panel = panel.line(label, stroke, points);
         }
     }
     panel.with_names_on_curves()
@@ -378,21 +408,21 @@ pub fn of_special_angles(angles: &AngleCurves) -> Drawing {
     ];
     let degrees = |label| Axis::linear(label).range(0.0, 90.0).every(15.0);
     let mut curves = Panel::new(Axis::linear("index of refraction /{η} of the medium"), degrees("angle (degrees)"))
-        .title("Over the index of refraction");
+        .title("Special angles over the index of refraction");
     let names = angles.media.iter().map(|row| match row.medium.strip_prefix("η = ") {
         Some(_) => format!("/{{η}} = {}", row.eta_t),
         None => format!("{} ({:.3})", row.medium, row.eta_t),
     });
     let mut media = Panel::new(degrees("angle (degrees)"), Axis::named("", names.collect::<Vec<_>>()))
-        .title("Of some media (index at 587.56 nm)");
+        .title("Special angles of some media (index at 587.56 nm)");
     for Angle { label, of, colour, dash, marker } in kinds {
         let at = |row: &AnglesRow| of(row).unwrap_or(f64::NAN);
         let line: Vec<Point> = angles.curves.iter().map(|row| [row.eta_t, at(row)]).collect();
         let marked: Vec<Point> = angles.media.iter().map(|row| [row.eta_t, at(row)]).collect();
         let named: Vec<Point> = angles.media.iter().enumerate().map(|(i, row)| [at(row), i as f64 + 0.5]).collect();
         let stroke = Stroke { colour, width: theme::BOLD, dash };
-        curves = curves.line(label.clone(), stroke, line).markers(label, colour, marker, marked);
-        media = media.markers("", colour, marker, named);
+        curves = curves.line(label.clone(), stroke, line).markers(label.clone(), colour, marker, marked);
+        media = media.markers(label, colour, marker, named);
     }
     let curves = curves.with_names_on_curves();
     Plot::new(if angles.media.is_empty() { vec![curves] } else { vec![curves, media] }).frame_size(400.0, 320.0).draw()

@@ -36,11 +36,11 @@ fn content() -> Result<Content> {
 fn drawing(metals: &MetalTable) -> Drawing {
     let curves = &metals.curves;
     let exact = curves.iter().enumerate().map(|(i, metal)| {
-        let y = Axis::linear(of_first(i, "reflectance")).range(0.4, 1.0).every(0.2);
+        let y = Axis::linear(of_first(i, "reflectance")).range(0.3, 1.0).every(0.2);
         panel(metal, y, "", |r| r.r_unpolarized).title(capitalized(&metal.metal))
     });
     let errors = curves.iter().enumerate().map(|(i, metal)| {
-        let y = Axis::linear(of_first(i, "approximation − exact")).range(0.0, 0.008).every(0.002);
+        let y = Axis::linear(of_first(i, "error for ∣/{n}∣² ≫ 1")).range(0.0, 0.008).every(0.002);
         panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
     });
     let rows = [exact.collect(), errors.collect()];
