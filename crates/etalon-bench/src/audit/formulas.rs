@@ -153,7 +153,7 @@ fn over_determinant(d: f64, cos: f64) -> f64 {
 const FORMULAS: [Formula; 9] = [
     Formula {
         name: "radiance",
-        title: "radiance over n²",
+        title: "radiance into glass: 1/n² for n²",
         report: "second report",
         nature: Nature::Error,
         formula: ["T(1 − r²)/(nᵣ² (eᵢ·n)), nᵣ = index of eᵣ over that of eᵢ", "T(1 − r²) nᵣ²/(eᵢ·n)"],
@@ -173,7 +173,7 @@ const FORMULAS: [Formula; 9] = [
     },
     Formula {
         name: "far-side",
-        title: "far side's r",
+        title: "reflectance by the refracted angle",
         report: "second report",
         nature: Nature::Error,
         formula: [

@@ -80,7 +80,7 @@ fn right_share(y: usize) -> f64 {
 pub fn pole_rows() -> Suspect {
     let total: f64 = (0..HEIGHT).map(|y| row_weight(y, HEIGHT)).sum();
     let erratum = Erratum {
-        title: "rows at the poles",
+        title: "weights of rows at the poles",
         report: "first report",
         printed: "row h weighs sin(hπ/(H − 1)), for the samples and again for the cuts",
         right: "row h weighs cos θₕ − cos θₕ₊₁",
@@ -114,7 +114,7 @@ pub fn corners() -> Suspect {
         (0..160).map(at).collect()
     };
     let erratum = Erratum {
-        title: "corners of texels",
+        title: "samples at corners of texels alone",
         report: "first report (its course)",
         printed: "the direction of the sampled texel's corner",
         right: "a direction anywhere in the texel, uniformly by solid angle",
@@ -159,7 +159,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
     let gaussian: Vec<f64> = (0..HEIGHT).map(|y| share(ends[y], ends[y + 1])).collect();
     let floor: f64 = (0..HEIGHT).map(|y| of_floor(y) * gaussian[y] / rows[y]).sum();
     let erratum = Erratum {
-        title: "Gaussian random numbers",
+        title: "inversion of Gaussian random numbers",
         report: "first report",
         printed: "rows sampled by inversion of Gaussian random numbers",
         right: "rows sampled by inversion of uniform random numbers",

@@ -145,7 +145,7 @@ fn printed_density() -> Result<Suspect> {
     // The estimator divides by the printed pdf: its mean has a factor cos θₘ.
     let lost = albedo(|wi| brdf(wo, wi) * facet(wo, wi).z)? / albedo(|wi| brdf(wo, wi))?;
     let erratum = Erratum {
-        title: "pdf without cos θₘ",
+        title: "pdf of facets without cos θₘ",
         report: "second report",
         printed: "p(ωᵢ) = D(m)/(4 ωₒ·m)",
         right: "p(ωᵢ) = D(m) cos θₘ/(4 ωₒ·m)",
@@ -181,7 +181,7 @@ fn fresnel_at_normal() -> Result<Suspect> {
     let of_facet = move |wi: DVec3| reflectance(wo.dot(facet(wo, wi)));
     let changed = albedo(|wi| brdf(wo, wi) * reflectance(wi.z))? / albedo(|wi| brdf(wo, wi) * of_facet(wi))?;
     let erratum = Erratum {
-        title: "F at the surface's normal",
+        title: "Fresnel at the surface's normal, not the facet's",
         report: "second report",
         printed: "F(ωᵢ·n)",
         right: "F(ωᵢ·m)",
@@ -275,7 +275,7 @@ fn approximate_fresnel() -> Suspect {
         [|c, eta, k| fresnel_approximate(c, eta, k).unpolarized(), |c, eta, k| fresnel(c, eta, k).unpolarized()];
     let (eta, k) = (COPPER.eta[BLUE], COPPER.k[BLUE]);
     let erratum = Erratum {
-        title: "conductors by |n|² ≫ 1",
+        title: "conductors approximated for ∣n∣² ≫ 1",
         report: "second report (its course)",
         nature: Nature::Approximation,
         printed: "sin² θ dropped against η² + k²",

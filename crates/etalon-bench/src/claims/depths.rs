@@ -140,7 +140,7 @@ pub fn depth_claims(scene: &Scene, depths: &Depths, paths: usize, seed: u64) -> 
     let mut done = DepthClaims { claims, agreement: tracer.agreement(light), ..DepthClaims::default() };
     let gone = tracer.measure(REFLECTION, 3);
     if gone.whole.sum[0] > 0.0 {
-        done.pictures.push(tracer.picture("the reflection that is “gone”", &gone));
+        done.pictures.push(tracer.picture("the reflection that the report calls gone", &gone));
     }
     for (feature, measured) in FEATURES.iter().zip(&measured) {
         match feature.picture {

@@ -135,9 +135,13 @@ pub fn places(pictures: &[PlacePicture], depths: &Depths) -> Drawing {
             let title = format!("({letter}) {title}: image of depth\u{a0}{depth}");
             let factor = brightening(&cut(class, &part));
             let share = with_error([share.value, share.error()], Unit::Percent);
-            let alone = format!("{} alone, ×\u{a0}{factor}: {share} of the light in the frame", in_words(word));
+            let alone =
+                format!("{} alone, exposure ×\u{a0}{factor}: {share} of the light in the frame", in_words(word));
             let class = cut(class, &part).map(|p| p * factor);
-            [(title, framed(&tone_mapped(&cut(image, &part)), place, &part)), (alone, tone_mapped(&class))]
+            [
+                (title, framed(&tone_mapped(&cut(image, &part)), place, &part)),
+                (alone, framed(&tone_mapped(&class), place, &part)),
+            ]
         },
     );
     contact_sheet("Places in the image, and the paths that light them", 4, &cells.collect::<Vec<_>>())

@@ -76,7 +76,7 @@ fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>]) -> Panel {
         let label = named(shape);
         let at = |i: usize| edge(i, count, count);
         panel = if *shape == Shape::Map {
-            panel.bars(label, theme::OBSERVED, (0..=values.len()).map(at).collect(), values)
+            panel.bars(label, theme::GUIDE.colour, (0..=values.len()).map(at).collect(), values)
         } else {
             let middle = |i: usize| 0.5 * (at(i) + at(i + 1));
             let line: Vec<Point> = values.iter().enumerate().map(|(i, value)| [middle(i), *value]).collect();
@@ -100,6 +100,7 @@ fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64) -> Panel {
     ];
     let x = Axis::log("samples for a relative standard error of 1 %");
     let mut panel = Panel::new(x, Axis::named("proposal", SHAPES.iter().map(named).collect::<Vec<_>>())).title(title);
+    let mut least = f64::INFINITY;
     for (along, label, colour, marker) in marks {
         let place =
             |cost: &Cost| SHAPES.iter().position(|shape| shape.name() == cost.proposal).unwrap_or(0) as f64 + 0.5;
@@ -108,7 +109,14 @@ fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64) -> Panel {
             |cost: &&Cost| cost.along == along && (along == Along::Both || cost.proposal != Shape::Map.name());
         let mine = costs.costs.iter().filter(is_mine).filter(|cost| variance(cost) > 1e-9);
         let points: Vec<Point> = mine.map(|cost| [samples(variance(cost)), place(cost)]).collect();
+        least = points.iter().map(|[x, _]| *x).fold(least, f64::min);
         panel = panel.markers(label, colour, marker, points);
     }
-    panel
+    // A proposal without variance has no place on the axis
+    let exact = costs.costs.iter().find(|cost| cost.proposal == Shape::Map.name() && variance(cost) <= 1e-9);
+    let row = SHAPES.iter().position(|shape| *shape == Shape::Map).unwrap_or(0) as f64 + 0.5;
+    match exact {
+        Some(_) if least.is_finite() => panel.note([least, row - 0.35], "1 sample: all weights are equal", theme::INK),
+        _ => panel,
+    }
 }

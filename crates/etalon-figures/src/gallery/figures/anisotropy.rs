@@ -42,10 +42,14 @@ fn content(inputs: &Inputs) -> Result<Content> {
         }
     }
     let caption = |PairRow { alpha_x, alpha_y, .. }: &PairRow| {
-        format!("α = {alpha_x} along the grooves, {alpha_y} across").replace(" = ", "\u{a0}=\u{a0}")
+        format!("/{{α}} = {alpha_x} along the grooves, {alpha_y} across").replace(" = ", "\u{a0}=\u{a0}")
     };
     let cells: Vec<_> = renders.iter().map(|render| (caption(&render.row), &render.image)).collect();
-    Content::new(view::grid("Highlights on brushed copper follow its grooves", 3, 0.0, &cells), &rows, checks)
+    Content::new(
+        view::grid("Highlights on brushed copper stretch along the larger /{α}", 3, 0.0, &cells),
+        &rows,
+        checks,
+    )
 }
 
 fn widths(row: &PairRow) -> String {

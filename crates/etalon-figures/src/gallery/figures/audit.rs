@@ -106,9 +106,12 @@ fn panel(erratum: &Erratum, letter: char) -> Page {
     let curves = &erratum.curves;
     // Scattered are places on a map, whose first row is at the top.
     let y = Axis::linear(curves.y);
-    let y = if curves.scattered { y.range(8.0, 4.0).every(1.0) } else { beyond(y, curves) };
-    let panel = Panel::new(Axis::linear(curves.x).every(curves.every), y)
-        .title(format!("{letter}  {}", capitalized(erratum.title)));
+    let x = Axis::linear(curves.x).every(curves.every);
+    let [x, y] = match curves.scattered {
+        true => [x.range(-0.2, 4.2), y.range(8.2, 3.8).every(1.0)],
+        false => [x, beyond(y, curves)],
+    };
+    let panel = Panel::new(x, y).title(format!("{letter}  {}", capitalized(erratum.title)));
     let panel = if curves.scattered {
         let dots = panel.dots("", CORRECTED.colour, curves.right.clone());
         dots.dots("", PRINTED.colour, curves.printed.clone())

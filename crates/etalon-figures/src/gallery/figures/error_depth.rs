@@ -156,12 +156,19 @@ fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
 fn depths(scenes: &[DepthCurve]) -> Drawing {
     let share = || Axis::log("missing light (share of all)");
     let mut over_depth = Panel::new(Axis::linear("maximum depth").range(-0.4, 10.4).every(1.0), share());
-    let mut over_time = Panel::new(Axis::linear("processor time (1: that of the deepest)").range(0.0, 1.1), share());
+    let mut over_time = Panel::new(
+        Axis::linear(format!("processor time, relative to depth {}", DEPTHS[DEPTHS.len() - 1])).range(0.0, 1.1),
+        share(),
+    );
     for (i, depths) in scenes.iter().enumerate() {
         let stroke = theme::series(i);
         // The deepest level misses nothing by definition: 0 has no place on a logarithmic axis
         let Some((deepest, levels)) = depths.levels.split_last() else { continue };
-        let scene = depths.scene.replace('-', " ");
+        let scene = match &*depths.scene {
+            "cornell-lambert" => "diffuse spheres".to_owned(),
+            "cornell-spheres" => "mirror and glass spheres".into(),
+            other => other.replace('-', " "),
+        };
         let label = format!("{scene} (depth {}: {})", deepest.depth, duration(deepest.cpu_seconds.value));
         let over =
             |at: &dyn Fn(&DepthLevel) -> f64| levels.iter().map(|l| [at(l), l.missing.value]).collect::<Vec<_>>();

@@ -201,14 +201,20 @@ fn roughness(levels: &[RoughnessLevel]) -> Drawing {
             let panel = mine().fold(panel, |panel, (x, [low, _, high])| {
                 panel.line("", interval, [[shift * x, low], [shift * x, high]])
             });
-            panel.dotted_line(*name, stroke, line)
+            let label = if *name == "hemisphere" { "uniform directions" } else { name };
+            panel.dotted_line(label, stroke, line)
         };
         let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
         noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));
         efficiency = add(efficiency, &|l| with_ends(l.efficiency));
     }
     let spp = levels.first().map_or(0, |l| l.spp);
-    Plot::new([noise.title(format!("Noise at {spp} samples per pixel")), efficiency.title("Efficiency")]).draw()
+    let titled = [
+        noise.title(format!("Noise at {spp} samples per pixel")),
+        efficiency.title("Efficiency of the way to sample directions"),
+    ];
+    let bars = "bars: 95 % intervals; marks of one /{α} stand side by side".to_owned();
+    Plot::new(titled.map(Panel::with_names_on_curves)).draw().headed("A golden statue by its roughness", vec![bars])
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ fn all() -> Vec<Mistaken> {
             follows: "a uniform density",
         },
         Mistaken {
-            mistake: "the sign of g",
+            mistake: "the sign of g of Henyey and Greenstein",
             domain: sphere(),
             sampler: directions(|u| {
                 let s = (1.0 - G * G) / (1.0 - G + 2.0 * G * u);
@@ -183,6 +183,11 @@ fn bars(outcome: &Outcome, mistake: &'static str, said: &str) -> Vec<Row> {
     strips.chunks(strips.len().div_ceil(BARS)).map(bar).collect()
 }
 
+/// A finding without its remark in brackets at the end, which says the mistake again.
+fn without_aside(text: &str) -> &str {
+    text.split_once(" (").map_or(text, |(start, _)| start)
+}
+
 fn panel(axis: &str, mistake: &str, follows: &str, bars: &[Row]) -> Panel {
     let edges = bars.iter().map(|bar| bar.x_from).chain(bars.last().map(|bar| bar.x_to)).collect();
     let per_width = |count: f64, bar: &Row| count / (bar.x_to - bar.x_from) / 1000.0;
@@ -190,7 +195,7 @@ fn panel(axis: &str, mistake: &str, follows: &str, bars: &[Row]) -> Panel {
     let expected: Vec<Point> =
         bars.iter().flat_map(|bar| [bar.x_from, bar.x_to].map(|x| [x, per_width(bar.expected, bar)])).collect();
     Panel::new(Axis::linear(finding(axis)).range(0.0, 1.0), Axis::linear("1000 samples per unit"))
-        .title(format!("{}: samples follow {}", capitalized(mistake), finding(follows)))
+        .title(format!("{}: samples follow {}", capitalized(mistake), finding(without_aside(follows))))
         .bars("samples", theme::OBSERVED, edges, observed)
-        .line("pdf", Stroke::solid(theme::EXPECTED, theme::LINE), expected)
+        .line("expected by the pdf", Stroke::solid(theme::EXPECTED, theme::LINE), expected)
 }

@@ -73,7 +73,8 @@ fn maps(result: &StrategyComparison) -> Drawing {
         let (x, y) = (Axis::linear("pixel column").range(0.0, width), Axis::linear("pixel row").range(height, 0.0));
         Panel::new(x, y).title(title).heatmap(map)
     };
-    let panels = [panel(&result.importance, "Noise: visible normals"), panel(&result.hemisphere, "Noise: hemisphere")];
+    let panels =
+        [panel(&result.importance, "Noise: visible normals"), panel(&result.hemisphere, "Noise: uniform directions")];
     Plot::new(panels).frame_size(400.0, 300.0).draw()
 }
 
@@ -84,11 +85,12 @@ fn profile(result: &StrategyComparison) -> Drawing {
     let middle = |b: &ProfileBin| (b.from_px + b.to_px) / 2.0;
     let of = |f: fn(&ProfileBin) -> f64| -> Vec<Point> { result.profile.iter().map(|b| [middle(b), f(b)]).collect() };
     let panel = |title: &str, y: Axis, importance: fn(&ProfileBin) -> f64, hemisphere: fn(&ProfileBin) -> f64| {
-        Panel::new(Axis::linear("distance inside the silhouette (pixels)"), y)
+        Panel::new(Axis::linear("pixels inside the silhouette (< 0: outside)"), y)
             .title(title)
             .line("visible normals", strokes[0], of(importance))
-            .line("hemisphere", strokes[1], of(hemisphere))
+            .line("uniform directions", strokes[1], of(hemisphere))
             .vertical(0.0, "")
+            .with_names_on_curves()
     };
     let band = |mean: fn(&ProfileBin) -> f64, error: fn(&ProfileBin) -> f64| -> Vec<[f64; 3]> {
         let around = |b: &ProfileBin| [middle(b), mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
