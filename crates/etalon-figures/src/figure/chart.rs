@@ -21,7 +21,7 @@ const ALONG: [f64; 11] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9, 0.05, 0.9
 /// Distance of places along a curve, and how far the curve must be from the others where a line to its name ends.
 const STEP: f64 = 3.0;
 const APART: f64 = 3.0;
-/// How far it should be from them, and from the ends of other lines to names.
+/// How far it should be from them, and half as far as from the ends of other lines to names.
 const PLAIN: f64 = 9.0;
 /// Places along a curve where a line to its name may end.
 const ENDS: usize = 24;
@@ -298,14 +298,13 @@ impl Sketch<'_> {
         };
         let over = |line: &[Point]| self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
         let lines = far.into_iter().map(|(place, end)| (leader(&place, end), place, end));
-        // Rather where it is plain which curve a line ends at
-        let is_plain = |end: &Point| {
-            let away = |other: &Point| apart(*other, *end) > PLAIN;
-            others().flatten().all(away) && self.ends.iter().all(away)
-        };
+        // Rather where no other line ends, and where it is plain which curve this one ends at
+        let near = |end: Point, reach: f64| move |other: &Point| apart(*other, end) < reach;
+        let doubts =
+            |end: Point| [self.ends.iter().any(near(end, 2.0 * PLAIN)), others().flatten().any(near(end, PLAIN))];
         let ranked = lines.filter(|(line, ..)| !over(line)).map(|(line, place, end)| {
             let length = place.distance(end);
-            ((crossed(&line), !is_plain(&end)), length, place, end)
+            ((crossed(&line), doubts(end)), length, place, end)
         });
         let best = ranked.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         best.map(|(.., place, end)| (place, Some(end)))

@@ -77,3 +77,21 @@ struct Line {
     height: f64,
     texts: Vec<(f64, Colour, String, f64)>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::page::Item;
+    use super::*;
+
+    #[test]
+    fn lines_of_one_text_stand_close_together() {
+        let key = vec![(0.0, theme::INK, "word ".repeat(40)), (4.0, theme::MARKER, "another".to_owned())];
+        let picture = Picture { page: Page::new(300.0, 100.0, 1.0), key };
+        let page = picture.laid(Room { width: 300.0, height: f64::INFINITY, pixels: None });
+        let height = |item: &Item| if let Item::Text(text) = item { Some(text.at[1]) } else { None };
+        let heights: Vec<f64> = page.items.iter().filter_map(height).collect();
+        let steps: Vec<f64> = heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let (last, first) = steps.split_last().unwrap();
+        assert!(first.len() > 2 && first.iter().all(|step| *step == FURTHER) && *last == LINE, "{steps:?}");
+    }
+}

@@ -182,6 +182,37 @@ mod tests {
         assert_eq!(sheet.items.iter().find_map(width), Some(480.0), "rows of many images stay on the page");
     }
 
+    /// The numbers of images in the rows of a page.
+    fn rows(page: &Page) -> Vec<usize> {
+        let top = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.bottom()) } else { None };
+        let tops: Vec<f64> = page.items.iter().filter_map(top).collect();
+        tops.chunk_by(|a, b| a == b).map(<[f64]>::len).collect()
+    }
+
+    #[test]
+    fn images_that_belong_together_stay_in_a_row_and_others_stand_in_even_rows() {
+        let images = |count: usize| {
+            let one = (String::new(), Rgb8::from_fn(48, 36, |_, _| [99; 3]));
+            vec![one; count]
+        };
+        let slide = Room { width: 672.0, height: 378.0, pixels: Some(2.857) };
+        let triples = rows(&image_rows("", 3, &images(9)).laid(slide));
+        assert!(triples.iter().all(|count| count % 3 == 0), "{triples:?}");
+        let column = Room { width: 386.0, height: f64::INFINITY, pixels: Some(2.57) };
+        assert_eq!(rows(&image_rows("", 3, &images(6)).laid(column)), [3, 3]);
+        assert_eq!(rows(&contact_sheet("", 5, &images(4)).laid(column)), [2, 2]);
+    }
+
+    #[test]
+    fn images_fill_their_cells_on_a_page_of_limited_width() {
+        let image = Rgb8::from_fn(480, 360, |_, _| [99; 3]);
+        let pair = [(String::new(), image.clone()), (String::new(), image)];
+        let page = image_rows("", 2, &pair).laid(Room { width: 672.0, height: 378.0, pixels: Some(2.857) });
+        let width = |item: &Item| if let Item::Image { rect, .. } = item { Some(rect.width) } else { None };
+        let widths: Vec<f64> = page.items.iter().filter_map(width).collect();
+        assert!(widths.iter().all(|width| *width > 300.0), "{widths:?}");
+    }
+
     #[test]
     fn an_empty_sheet_can_be_painted() {
         assert!(contact_sheet("", 0, &[]).laid(Room::UNLIMITED).png().is_ok());

@@ -427,3 +427,14 @@ pub fn of_special_angles(angles: &AngleCurves) -> Drawing {
     let curves = curves.with_names_on_curves();
     Plot::new(if angles.media.is_empty() { vec![curves] } else { vec![curves, media] }).frame_size(400.0, 320.0).draw()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_side_has_its_index_once() {
+        let sides = [side(1.0, "glass"), side(1.45, "η = 1.45"), side(1.45, "1.45"), side(1.5, "glass")];
+        assert_eq!(sides, ["air", "/{η} = 1.45", "/{η} = 1.45", "glass (/{η} = 1.5)"]);
+    }
+}

@@ -301,3 +301,30 @@ fn look(variant: &str) -> (Colour, f64) {
         _ => (theme::TEXTBOOK_VARIANT, 0.0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Item;
+
+    #[test]
+    fn two_results_of_one_variant_have_a_line_each() {
+        let row = |variant| {
+            let mut row = ErrorRow::new("tables", variant, Precision::Double);
+            row.compare(1.0, 1.5, 1.0, || String::new());
+            row
+        };
+        let page = worst_cases(&[row(STABLE), row("stable, drawn"), row(TEXTBOOK)]).natural();
+        let text = |item: &Item| if let Item::Text(text) = item { Some(text.markup.clone()) } else { None };
+        let texts: Vec<String> = page.items.iter().filter_map(text).collect();
+        for name in ["probabilities of a map's texels", "shares of samples of a map's texels"] {
+            assert_eq!(texts.iter().filter(|text| *text == name).count(), 1, "{name}: {texts:?}");
+        }
+    }
+
+    #[test]
+    fn every_remark_is_of_a_family() {
+        let names: Vec<&str> = etalon_bench::stability::REGISTRY.iter().map(|entry| entry.name()).collect();
+        assert!(REMARKS.iter().all(|(name, _)| names.contains(name)), "{names:?}");
+    }
+}
