@@ -215,25 +215,6 @@ fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
                 places.push(*own);
                 continue;
             }
-            let [left, above] = [x.checked_sub(1).map(|x| (x, y)), y.checked_sub(1).map(|y| (x, y))];
-            let is = |at: Option<(usize, usize)>, is: &dyn Fn([u8; 3]) -> bool| {
-                at.is_some_and(|(x, y)| is(image.pixel(x, y)))
-            };
-            // Enlarged pixels stay squares: what is passed to one goes on beyond it
-            let same = |other: [u8; 3]| other == pixel;
-            if is(left, &same) || is(above, &same) {
-                let (row, next, from) = if is(left, &same) { (0, x + 2, 1) } else { (1, x + 1, width) };
-                let passed = errors[0][x + 1];
-                errors[row][next].iter_mut().zip(passed).for_each(|(sum, error)| *sum += error);
-                places.push(places[places.len() - from]);
-                continue;
-            }
-            // In noise and at edges there are no rings, and dithering would only add to the file
-            let like = |other: [u8; 3]| (0..3).all(|c| other[c].abs_diff(pixel[c]) <= SMOOTH);
-            if !(is(left, &like) && is(above, &like)) {
-                places.push(nearest(pixel));
-                continue;
-            }
             let wanted: [f32; 3] = std::array::from_fn(|c| f32::from(pixel[c]) + errors[0][x + 1][c]);
             let found = nearest(wanted.map(|v| v.round().clamp(0.0, 255.0) as u8));
             for c in 0..3 {
@@ -251,8 +232,6 @@ fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
     places
 }
 
-/// The largest difference from both neighbours, in each channel, of a pixel in a smooth shade.
-const SMOOTH: u8 = 1;
 /// The largest error that is passed on: no pixel is far from its own colour.
 const FURTHEST: f32 = 12.0;
 
