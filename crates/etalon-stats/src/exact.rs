@@ -165,9 +165,15 @@ impl Carried {
     }
 }
 
-/// A share in percent.
+/// A share in percent; of one that is very small or larger than any that matters its order of magnitude.
 pub fn percent(share: f64) -> String {
-    if share > 0.0 && share < 1e-4 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
+    let percent = 100.0 * share;
+    match share {
+        0.0 => "0.00 %".to_owned(),
+        _ if share < 1e-4 => format!("{percent:.1e} %"),
+        _ if share < 100.0 => format!("{percent:.2} %"),
+        _ => format!("{percent:.0e} %"),
+    }
 }
 
 /// What is wrong with a sample that has no chart coordinates.

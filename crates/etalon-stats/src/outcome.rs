@@ -3,6 +3,7 @@
 use crate::diagnosis::{count, p_value};
 use crate::domain::{Domain, Point};
 use crate::estimate::Estimate;
+use crate::exact::percent;
 use crate::grid::{Cell, Grid};
 use crate::mass::Integral;
 use crate::multiple::{fisher, holm, sidak};
@@ -306,8 +307,7 @@ impl fmt::Display for Outcome {
         }
         write!(f, ", {}", self.taken())?;
         if let Some(w) = self.detectable.filter(|_| self.verdict != Verdict::Reject) {
-            let error = if w >= 1e-4 { format!("{:.2} %", 100.0 * w) } else { format!("{w:.0e}") };
-            write!(f, ", would detect a relative error of {error}")?;
+            write!(f, ", would detect a relative error of {}", percent(w))?;
         }
         let remarks = self.remarks.iter().map(String::as_str);
         self.other_places().chain(remarks).try_for_each(|finding| write!(f, "; {finding}"))

@@ -11,7 +11,7 @@ use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Point;
 use crate::error::{Error, Result, poll};
 use crate::estimate::Estimate;
-use crate::exact::{corners, outside, repeated};
+use crate::exact::{corners, outside, percent, repeated};
 use crate::examine::{Protocol, SUSPECT, SampleCount, cells, shape};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid, Subdivision};
@@ -484,7 +484,7 @@ pub fn examine(source: &Source, protocol: &Protocol, round: u64) -> Result<Outco
             Some(format!("single weights decide on {share:.0} % of the domain: their variance cannot be trusted"))
         }
         Some(w) if w > protocol.coarsest() => {
-            Some(format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w))
+            Some(format!("too few samples: an error of the weights below {} would remain undetected", percent(w)))
         }
         Some(_) => None,
     };

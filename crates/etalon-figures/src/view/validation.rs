@@ -430,6 +430,7 @@ fn percent(share: Option<f64>) -> String {
     const LEAST: f64 = 1e-6;
     share.map_or("-".into(), |w| match 100.0 * w {
         0.0 => "0 %".into(),
+        percent if percent >= 1e4 => format!("{percent:.0e} %"),
         percent if percent >= 0.01 => format!("{percent:.2} %"),
         percent if percent >= LEAST => format!("{} %", rounded(percent, 1)),
         _ => format!("< {LEAST} %"),

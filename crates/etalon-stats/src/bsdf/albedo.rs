@@ -7,6 +7,7 @@ use super::light::{CellIntegrals, Pilot, integrate};
 use super::subject::{Subject, sphere};
 use super::weights::{BATCH, CellSum, Sums, sums};
 use crate::error::Result;
+use crate::exact::percent;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
@@ -144,8 +145,8 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
     }
     let reason = (detectable > subject.protocol.coarsest()).then(|| {
         format!(
-            "the integral is too uncertain: an error of the albedo below {:.0} % would remain undetected",
-            100.0 * detectable
+            "the integral is too uncertain: an error of the albedo below {} would remain undetected",
+            percent(detectable)
         )
     });
     let p = least.as_ref().map(|(p, _)| (p * integrals.len() as f64).at_most(1.0));
@@ -255,8 +256,9 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
     // Where single weights decide, sums are not normally distributed, and p says nothing.
     let least = least.filter(|_| reason.is_none());
     let coarse = Some(detectable).filter(|&w| w > subject.protocol.coarsest());
-    let reason = reason.or(coarse
-        .map(|w| format!("too few samples: an error of the albedo below {:.0} % would remain undetected", 100.0 * w)));
+    let reason = reason
+        .or(coarse
+            .map(|w| format!("too few samples: an error of the albedo below {} would remain undetected", percent(w))));
     let p = least.as_ref().map(|(z, _)| (libm::erfc(z / 2f64.sqrt()) * channels.len() as f64).at_most(1.0));
     Ok(Some(Outcome {
         statistic: least.as_ref().map_or(0.0, |(z, _)| z * z),

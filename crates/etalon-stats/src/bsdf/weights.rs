@@ -10,6 +10,7 @@ use super::subject::{Subject, sphere};
 use crate::diagnosis::diagnose;
 use crate::domain::Domain;
 use crate::error::{Result, poll};
+use crate::exact::percent;
 use crate::examine::{SUSPECT, SampleCount};
 use crate::extremes::Extremes;
 use crate::grid::Grid;
@@ -217,9 +218,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
         Some(format!("single weights decide on {share:.0} % of the light: their tail is not controlled"))
     } else {
         let coarse = Some(detectable).filter(|&w| w > subject.protocol.coarsest());
-        coarse.map(|w| {
-            format!("too few samples: an error of the weights below {:.0} % would remain undetected", 100.0 * w)
-        })
+        coarse.map(|w| format!("too few samples: an error of the weights below {} would remain undetected", percent(w)))
     };
     let counts = worst.as_ref().map(|(_, cells, channel)| {
         let of = |size: &dyn Fn(&Term) -> f64| cells.counts(grid.clone(), subject.delta_names(), size);
