@@ -322,7 +322,7 @@ fn strokes(result: &Convergence) -> Vec<Stroke> {
     result.curves.iter().zip(&names).enumerate().map(stroke).collect()
 }
 
-/// Whether two curves can hardly be told apart: their errors differ by less than a tenth at all samples that both have.
+/// Whether two curves can hardly be distinguished: their errors differ by less than a tenth at all samples that both have.
 fn is_beneath(curve: &Curve, later: &Curve) -> bool {
     let pair = |level: &Level| Some((level.rmse(), later.levels.iter().find(|other| other.spp == level.spp)?.rmse()));
     let mut pairs = curve.levels.iter().filter_map(pair).peekable();
