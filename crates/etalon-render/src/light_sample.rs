@@ -84,7 +84,7 @@ pub struct LightPoint {
 /// The weight of a sample from a technique of density `own` when two other techniques find the same path with the densities
 /// `others`: the balance heuristic own / (own + Σ others). A density counts the samples of its technique.
 ///
-/// Light samples of a map in proportion to what exceeds its mean complement BSDF samples under this heuristic.
+/// Under this heuristic, light samples of a map in proportion to its radiance minus the mean are enough beside BSDF samples.
 ///
 /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.3; Karlík et al., "MIS Compensation", 2019.
 #[inline(always)]

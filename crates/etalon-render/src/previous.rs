@@ -28,7 +28,7 @@ pub struct PreviousVertex {
 plain_items! { PreviousVertex = PreviousVertex::SPECULAR }
 
 impl PreviousVertex {
-    /// The camera, or a delta lobe.
+    /// The camera, or a delta lobe; vertices of light paths, of which `q` alone is read, take the rest from it.
     pub const SPECULAR: Self = Self { pdf: 0.0, normal: Vec3::Z, kind: Kind::Delta, q: 0.0 };
 
     /// [`q`](Self::q) of the next vertex, from its value with the factor of the direction to the viewer and the pdf per
@@ -41,7 +41,7 @@ impl PreviousVertex {
 }
 
 impl PreparedScene<'_> {
-    /// Whether a path may scatter again at the next surface, after n scatterings and one more.
+    /// Whether a path that has scattered so many times before this vertex may scatter at the next one.
     #[inline]
     pub fn may_continue(&self, scatterings: u32) -> bool {
         scatterings + 1 < self.request.max_depth && !self.is_lone_convex
@@ -60,8 +60,8 @@ impl PreparedScene<'_> {
         is_left && (self.has_emitters || self.scene.environment.is_some())
     }
 
-    /// The light that ray `i` finds, times its MIS weight, if it finds any. `previous` is the vertex before, the last of `depth`; `None` if
-    /// no other technique finds what the ray finds.
+    /// The light that ray `i` finds, times its MIS weight, if it finds any. `previous` is the vertex before, the `depth`-th of
+    /// the path; `None` if no other technique finds what the ray finds.
     #[inline]
     pub fn light_found(
         &self,

@@ -182,28 +182,34 @@ pub fn palette(image: &Rgb8, is_dithered: bool) -> (Vec<[u8; 3]>, Vec<u8>) {
         let halves = groups.swap_remove(widest).halves();
         groups.extend(halves);
     }
-    let place: HashMap<[u8; 3], u8> = groups
-        .iter()
-        .enumerate()
-        .flat_map(|(i, group)| group.colours.iter().map(move |(colour, _)| (*colour, i as u8)))
-        .collect();
     let palette: Vec<[u8; 3]> = groups.iter().map(Group::colour).collect();
-    let places = match is_dithered {
-        true => dithered(image, &palette),
-        false => image.pixels().pixels().map(|pixel| place[&pixel.0]).collect(),
-    };
-    (palette, places)
+    if is_dithered {
+        let places = dithered(image, &palette);
+        return (palette, places);
+    }
+    let of_group =
+        |(i, group): (usize, &Group)| group.colours.iter().map(|(colour, _)| (*colour, i as u8)).collect::<Vec<_>>();
+    let place: HashMap<[u8; 3], u8> = groups.iter().enumerate().flat_map(of_group).collect();
+    (palette, image.pixels().pixels().map(|pixel| place[&pixel.0]).collect())
 }
+
+/// The largest error of a channel that is passed on, so that errors do not add up where the palette has no colour near.
+const FURTHEST: f32 = 12.0;
+/// Bits of a channel that choose the nearest colour of a palette.
+const BITS: usize = 6;
 
 /// The number of the colour of each pixel, row by row from left to right, of errors that are passed on.
 fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
     let width = image.width();
     let own: HashMap<[u8; 3], u8> = palette.iter().enumerate().map(|(i, colour)| (*colour, i as u8)).collect();
-    let mut known: HashMap<[u8; 3], u8> = HashMap::new();
+    let mut known: Vec<Option<u8>> = vec![None; 1 << (3 * BITS)];
     let mut nearest = |wanted: [u8; 3]| {
-        let distance = |colour: &[u8; 3]| (0..3).map(|c| u32::from(colour[c].abs_diff(wanted[c])).pow(2)).sum::<u32>();
-        let find = || (0..palette.len()).min_by_key(|&i| distance(&palette[i])).unwrap_or(0) as u8;
-        *known.entry(wanted).or_insert_with(find)
+        let key = wanted.iter().fold(0, |key, v| key << BITS | usize::from(*v) >> (8 - BITS));
+        *known[key].get_or_insert_with(|| {
+            let distance =
+                |colour: &[u8; 3]| (0..3).map(|c| u32::from(colour[c].abs_diff(wanted[c])).pow(2)).sum::<u32>();
+            (0..palette.len()).min_by_key(|&i| distance(&palette[i])).unwrap_or(0) as u8
+        })
     };
     // Errors of this row and of the next one, with room at both ends
     let mut errors = [vec![[0.0f32; 3]; width + 2], vec![[0.0f32; 3]; width + 2]];
@@ -231,9 +237,6 @@ fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
     }
     places
 }
-
-/// The largest error that is passed on: no pixel is far from its own colour.
-const FURTHEST: f32 = 12.0;
 
 #[cfg(test)]
 mod tests {

@@ -311,7 +311,7 @@ mod tests {
     fn two_results_of_one_variant_have_a_line_each() {
         let row = |variant| {
             let mut row = ErrorRow::new("tables", variant, Precision::Double);
-            row.compare(1.0, 1.5, 1.0, || String::new());
+            row.compare(1.0, 1.5, 1.0, String::new);
             row
         };
         let page = worst_cases(&[row(STABLE), row("stable, drawn"), row(TEXTBOOK)]).natural();

@@ -67,7 +67,7 @@ pub fn trace_light_paths(
                 connect_to_camera(vertices, scattered, connections);
             }
             if depth < scene.request.max_depth {
-                sample_bsdf(vertices, starts, scattered, next);
+                continue_light_paths(vertices, starts, scattered, next);
             }
         }
         traced += connections.count;
@@ -143,8 +143,8 @@ fn connect_to_camera(vertices: Vertices, scattered: &mut Scattered, connections:
     }
 }
 
-/// Appends to `next` the paths that continue at surfaces of one material.
-fn sample_bsdf(vertices: Vertices, starts: &[Start], scattered: &mut Scattered, next: &mut PathRays) {
+/// Appends to `next` the light paths that continue at surfaces of one material.
+fn continue_light_paths(vertices: Vertices, starts: &[Start], scattered: &mut Scattered, next: &mut PathRays) {
     let Vertices { step, bsdfs, interactions, frames, .. } = vertices;
     vertices.sample(scattered);
     for i in 0..interactions.count {

@@ -43,7 +43,7 @@ pub struct Buffers {
     vertex_buffers: Box<VertexBuffers>,
     scattered: Box<Scattered>,
     direct: DirectLight,
-    /// Of light paths.
+    /// What light paths alone use.
     starts: Vec<Start>,
     connections: Box<Connections>,
 }

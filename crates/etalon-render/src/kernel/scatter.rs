@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Appends to `next` the paths that continue at interactions with one material.
 pub fn sample_bsdf(vertices: Vertices, scattered: &mut Scattered, next: &mut PathRays) {
-    // After the last scattering, go on only to light that rays find. Light samples miss what delta lobes find.
+    // After the last scattering, go on only if the ray may find light that no light sample counts, as delta lobes do.
     let (scene, kind) = (vertices.step.scene, vertices.kind());
     let has_delta = vertices.shader.bsdf.lobes().iter().any(|lobe| lobe.is_delta());
     let finds_light = scene.rays_find_light(kind) || has_delta && scene.rays_find_light(Kind::Delta);
@@ -28,7 +28,7 @@ pub fn sample_bsdf(vertices: Vertices, scattered: &mut Scattered, next: &mut Pat
     }
 }
 
-/// Diffuse surfaces need no frame.
+/// Cosine-weighted directions, about the normal alone: diffuse surfaces need no frame.
 fn sample_diffuse(vertices: Vertices, wi: &mut Lane3, next: &mut PathRays) {
     let Vertices { step, rays, interactions, .. } = vertices;
     let u = step.samples.bsdf.get_2d_lanes(&interactions.slot[..interactions.count], SubSample::ONLY);
@@ -52,7 +52,7 @@ fn sample_diffuse(vertices: Vertices, wi: &mut Lane3, next: &mut PathRays) {
     }
 }
 
-/// Any other surface.
+/// Directions by the BSDF of any other surface, in its frame.
 fn sample_general(vertices: Vertices, scattered: &mut Scattered, next: &mut PathRays) {
     let Vertices { step, bsdfs, interactions, frames, .. } = vertices;
     vertices.sample(scattered);
@@ -80,7 +80,7 @@ fn sample_general(vertices: Vertices, scattered: &mut Scattered, next: &mut Path
 }
 
 impl Vertices<'_> {
-    /// Samples the BSDF at each vertex, which has a frame.
+    /// Samples the BSDF at each vertex; needs the frames.
     pub fn sample(&self, out: &mut Scattered) {
         let Self { step: Step { scene, samples, mode, .. }, interactions, .. } = self;
         let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);

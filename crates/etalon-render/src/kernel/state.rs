@@ -55,7 +55,7 @@ lanes! {
 }
 
 lanes! {
-    /// What surfaces that are not diffuse need besides.
+    /// The shading frames of vertices, except of camera paths at diffuse surfaces.
     pub struct ShadingFrames of ShadingFrame {
         surface: Surface,
         /// Tangents of the shading frame, whose z axis is the normal for shading.
@@ -96,7 +96,7 @@ pub struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// [`PreviousVertex::q`] where ray `i` has hit a surface.
+    /// [`PreviousVertex::q`] where ray `i` has hit a surface; at the first hit of a camera path the camera's area there.
     #[inline(always)]
     pub fn q(&self, rays: &PathRays, hits: &Hits, i: usize) -> f32 {
         if self.depth > 0 || self.scene.light_tracing.is_none() {
@@ -154,8 +154,8 @@ impl Vertices<'_> {
         is_sound(self.frames.surface[i].normals(), w)
     }
 
-    /// Whether MIS weights need the pdfs of reverse directions: for light tracing, which reaches the first vertex otherwise and
-    /// does not scatter at a BSDF that is not reciprocal.
+    /// Whether MIS weights need the pdfs of reverse directions. Only those beside light tracing do, which connects the first vertex to
+    /// the camera without sampling, and skips BSDFs that are not reciprocal.
     pub fn needs_reverse_pdf(&self) -> bool {
         self.step.scene.light_tracing.is_some() && self.step.depth > 0 && self.shader.bsdf.is_reciprocal()
     }

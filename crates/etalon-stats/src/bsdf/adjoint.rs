@@ -70,14 +70,15 @@ fn undeclared_eta(subject: &Subject, directions: &[Direction], numbers: &[[f64; 
     let ratios = lit.map(|(&wi, [there, back])| (same_side(subject.wo, wi), there / back));
     let (reflected, transmitted): (Vec<_>, Vec<_>) = ratios.partition(|(is_reflected, _)| *is_reflected);
     let factor = common_factor(&transmitted.iter().map(|(_, ratio)| *ratio).collect::<Vec<f64>>())?;
-    let is_usable = subject.properties.eta == 1.0 && factor.is_finite() && factor > 0.0;
+    // Other factors are no squares of indices.
+    let is_usable = subject.properties.eta == 1.0 && (1.0 / 9.0..=9.0).contains(&factor);
     if !is_usable || reflected.iter().any(|(_, ratio)| (ratio - 1.0).abs() > EQUAL) {
         return None;
     }
     let eta = if subject.wo[2] > 0.0 { factor.sqrt().recip() } else { factor.sqrt() };
     let [factor, eta] = [factor, eta].map(number);
     Some(NamedMistake::from(format!(
-        "f(wo, wi) η² is {factor} times f(wi, wo) where light is transmitted, as of an index of refraction, eta, of {eta} that is not declared"
+        "f(wo, wi) η² is {factor} times f(wi, wo) where light is transmitted, as of eta = {eta}, which is not declared"
     )))
 }
 

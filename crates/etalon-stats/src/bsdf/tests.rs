@@ -281,7 +281,7 @@ impl Bsdf for IntoGlass {
 #[test]
 fn an_eta_that_is_not_declared_is_named() {
     let report = test("under test", &IntoGlass(1.5), &[towards(40.0), towards(130.0)], &quick()).unwrap().to_string();
-    assert!(report.contains("transmitted, as of an index of refraction, eta, of 1.5 that is not declared"), "{report}");
+    assert!(report.contains("transmitted, as of eta = 1.5, which is not declared"), "{report}");
 }
 
 #[test]
