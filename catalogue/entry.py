@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import etalon_bench as eb
+import table
 
 # What a package prints, from C too, goes to standard error: standard output is for the rows.
 ANSWERS = os.fdopen(os.dup(1), "w")
@@ -114,7 +115,7 @@ def run(entries: Sequence[Entry]) -> None:
     for entry in sorted(entries, key=lambda entry: not entry.control):
         if not (entry.control or fnmatch(entry.name, options.only)):
             continue
-        figure = None if options.figures is None or entry.control else options.figures / f"{entry.name.replace('/', '-').replace(' ', '_')}.png"
+        figure = None if options.figures is None or entry.control else options.figures / table.figure("", entry.name).name
         runs = []
         for seed in options.seeds:
             runs.append(_run(entry, seed, None if figure is None or any(run["verdict"] != "accept" for run in runs) else figure))

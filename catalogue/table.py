@@ -1,4 +1,4 @@
-"""The table results.csv, and the findings that explain its rejections: used by `run`, `page` and the test of both."""
+"""The table results.csv, and the findings that explain its rejections: used by `run`, `page`, `browse` and the test of these."""
 
 import csv
 import tomllib
@@ -10,6 +10,11 @@ COLUMNS = [
     "package", "version", "entry", "domain", "seeds", "verdict", "rejected", "inconclusive", "p", "detectable", "words", "seconds",
     "class", "weight", "confirmed_by", "tracker",
 ]  # fmt: skip
+
+
+def figure(package: str, entry: str) -> Path:
+    """Where the figure of an entry that is not accepted is drawn."""
+    return HERE / ".env/figures" / package / f"{entry.replace('/', '-').replace(' ', '_')}.png"
 
 
 def read() -> list[dict[str, str]]:

@@ -17,6 +17,16 @@ def test_page_and_table_agree_and_each_rejection_has_a_finding() -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="needs tomllib")
+def test_the_page_to_browse_has_all_entries(tmp_path: Path) -> None:
+    page = tmp_path / "catalogue.html"
+    assert subprocess.run([sys.executable, CATALOGUE / "browse", page], check=False).returncode == 0
+    entries = len((CATALOGUE / "results.csv").read_text().splitlines()) - 1
+    text = page.read_text()
+    assert text.count("<tr data-package=") == entries
+    assert '<select name="class">' in text and "sggx_sample of microflake.h" in text
+
+
 @pytest.mark.parametrize("distribution", [stats.beta(2, 5), stats.gamma(0.7), stats.weibull_max(3), stats.t(3, 100, 0.1), stats.poisson(9.5)])
 @pytest.mark.parametrize("by", ["rvs", "ppf"])
 def test_scipy_distributions_are_arguments(distribution: object, by: str) -> None:
