@@ -201,21 +201,21 @@ impl Occupancy {
     pub fn nearest_free(&mut self, point: Point, [width, height]: [f64; 2], gap: f64, reach: f64) -> Option<Rect> {
         let steps =
             |extent: f64| (-((reach + extent) / CELL) as i32..=(reach / CELL) as i32).map(|i| f64::from(i) * CELL);
-        let mut candidates: Vec<(f64, Rect)> = Vec::new();
+        let mut best: Option<(f64, Rect)> = None;
         for y in steps(height) {
             for x in steps(width) {
                 let (dx, dy) = (x.max(-x - width).max(0.0), y.max(-y - height).max(0.0));
                 let distance = dx.hypot(dy);
                 // At equal distance the box that is centred beside or above the point looks best.
                 let offset = (x + width / 2.0).abs().min((y + height / 2.0).abs());
-                if (gap..=reach).contains(&distance) {
-                    candidates.push((distance + 0.05 * offset, Rect::new(point[0] + x, point[1] + y, width, height)));
+                let (far, rect) = (distance + 0.05 * offset, Rect::new(point[0] + x, point[1] + y, width, height));
+                let is_nearer = best.as_ref().is_none_or(|(least, _)| far < *least);
+                if is_nearer && (gap..=reach).contains(&distance) && self.is_free(&rect) {
+                    best = Some((far, rect));
                 }
             }
         }
-        // Try the nearest first
-        candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.first_free(candidates.into_iter().map(|(_, rect)| rect))
+        best.map(|(_, rect)| rect)
     }
 
     /// First and last (exclusive) column and row that `rect` touches, cut to the frame.
