@@ -1,7 +1,7 @@
 //! Samples generated in batches, each checked, and counted in cells, against the integrals of the pdf, which are refined until
 //! their errors do not show. Sums of numbers between 0 and 1 do not depend on the order of addition.
 
-use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, Shares, Wanted, values_at};
+use crate::cubature::{Check, Integration, InvalidPdf, Lattices, Probe, SLACK, Shares, Wanted, values_at};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
@@ -23,9 +23,6 @@ use std::ops::Range;
 /// Random points at which integrals are checked: one for each four samples, between a least and a largest number.
 const SAMPLES_PER_CHECK: u64 = 4;
 const CHECKS: [u64; 2] = [1 << 14, 1 << 20];
-/// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
-/// moves by 0.025 standard deviations.
-pub const SLACK: f64 = 0.0025;
 /// Share of the pdf that samples may find above what the nodes predict before it is integrated again.
 const MISSED: f64 = 1e-4;
 /// The share of the variance of counts that known standard errors of the integrals, which the test takes into account, may have.

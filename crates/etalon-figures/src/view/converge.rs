@@ -243,14 +243,9 @@ pub fn word(verdict: CurveVerdict) -> &'static str {
     }
 }
 
-/// Methods, samplers of environment maps and suffixes of strategies in words. The first that fits is taken.
-const METHODS: [(&str, &str); 5] = [
-    ("default", "default"),
-    ("light", "light sampling"),
-    ("bsdf", "BSDF sampling"),
-    ("hemisphere", "uniform directions"),
-    ("mis", "MIS"),
-];
+/// Methods, samplers of environment maps, fixed lights and suffixes of strategies in words. Other names stay as they are.
+const METHODS: [(&str, &str); 4] =
+    [("light", "light sampling"), ("bsdf", "BSDF sampling"), ("hemisphere", "uniform directions"), ("mis", "MIS")];
 const SAMPLERS: [(&str, &str); 2] =
     [("cosine-compensated", ", compensated map × cosine"), ("cosine", ", map × cosine")];
 const CUTS: [(&str, &str); 2] = [("median-cut", "fixed lights"), ("variance-cut", "fixed lights by variance")];

@@ -17,7 +17,7 @@ mod steps;
 
 pub(crate) use check::Check;
 pub(crate) use lattices::{LATTICES, Lattices, NOISE, Wanted};
-pub(crate) use refine::Refinement;
+pub(crate) use refine::{Refinement, SLACK};
 pub(crate) use shares::Shares;
 
 use crate::domain::{Domain, Point};

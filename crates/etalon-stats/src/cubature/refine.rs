@@ -3,7 +3,6 @@
 use super::pieces::{Part, Piece, Tree, share_within};
 use super::rule::{KRONROD, nodes};
 use super::{Integrals, InvalidPdf, Probe, first_invalid, values_at};
-use crate::counting::SLACK;
 use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
@@ -17,7 +16,10 @@ const BUDGET: usize = 1 << 22;
 /// The share of a cell's integral, or of an average cell's, that its error should stay below. 200 cells then leave the whole
 /// uncertain by 5·10⁻⁵ at most.
 const PRECISION: f64 = 2.5e-5;
-/// Or the noncentrality that it may add to the chi-square statistic of the samples: a sixteenth of what [`SLACK`] allows for all errors.
+/// Noncentrality per cell that errors of the integrals may add to the chi-square statistic. With 200 cells its mean then
+/// moves by 0.025 standard deviations.
+pub const SLACK: f64 = 0.0025;
+/// What a cell may add to it where that allows a larger error than [`PRECISION`]: a sixteenth, since random points and samples find more errors.
 const NONCENTRALITY: f64 = SLACK / 16.0;
 
 /// The probes of a cell are evenly distributed if each half of them fills at least this share of it along each axis.

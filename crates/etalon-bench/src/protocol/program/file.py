@@ -114,16 +114,15 @@ class Call:
 
     def table(self, table):
         """What `read` makes of the results for the rows of a table: of one call for all, or for the rows of each `wo`."""
-        np = numpy()
+        np, wos = numpy(), table[:, : self.wo]
+        if (wos != wos[0]).any():
+            order = np.lexsort(wos.T)
+            is_next = (wos[order[1:]] != wos[order[:-1]]).any(axis=1)
+            groups = np.split(order, np.flatnonzero(is_next) + 1)
+            found = {i: row for group in groups for i, row in zip(group.tolist(), listed(self.table(table[group])))}
+            return [found[i] for i in range(len(table))]
         arguments = [np.ascontiguousarray(table[:, cut]) for cut in self.cuts]
         if self.wo:
-            wos = table[:, : self.wo]
-            if (wos != wos[0]).any():
-                order = np.lexsort(wos.T)
-                is_next = (wos[order[1:]] != wos[order[:-1]]).any(axis=1)
-                groups = np.split(order, np.flatnonzero(is_next) + 1)
-                found = {i: row for group in groups for i, row in zip(group.tolist(), listed(self.table(table[group])))}
-                return [found[i] for i in range(len(table))]
             ends = [cut.stop if isinstance(cut, slice) else cut + 1 for cut in self.cuts]
             arguments = [a[0] if end <= self.wo else a for a, end in zip(arguments, ends)]
         try:

@@ -3,6 +3,7 @@
 use super::error_time::{LIMIT, STOPPED, small};
 use crate::figure::{Axis, Drawing, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
+use crate::view::converge::label;
 use etalon_bench::converge::doubling::{Deadline, Times};
 use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
 use etalon_core::bsdf::NormalSampling;
@@ -201,8 +202,7 @@ fn roughness(levels: &[RoughnessLevel]) -> Drawing {
             let panel = mine().fold(panel, |panel, (x, [low, _, high])| {
                 panel.line("", interval, [[shift * x, low], [shift * x, high]])
             });
-            let label = if *name == "hemisphere" { "uniform directions" } else { name };
-            panel.dotted_line(label, stroke, line)
+            panel.dotted_line(label(name), stroke, line)
         };
         let with_ends = |e: Estimate| [e.positive()[0], e.value, e.positive()[1]];
         noise = add(noise, &|l| with_ends(l.mse).map(f64::sqrt));

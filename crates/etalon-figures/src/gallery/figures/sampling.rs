@@ -2,6 +2,7 @@
 
 use crate::figure::{Axis, Drawing, Heatmap, Panel, Plot, Point, Shading, Stroke, theme};
 use crate::gallery::prelude::*;
+use crate::view::converge::label;
 use crate::view::depth;
 use etalon_bench::roughness::StatueRender;
 use etalon_bench::sampling_strategies::{ProfileBin, StrategyComparison, compare};
@@ -73,8 +74,8 @@ fn maps(result: &StrategyComparison) -> Drawing {
         let (x, y) = (Axis::linear("pixel column").range(0.0, width), Axis::linear("pixel row").range(height, 0.0));
         Panel::new(x, y).title(title).heatmap(map)
     };
-    let panels =
-        [panel(&result.importance, "Noise: visible normals"), panel(&result.hemisphere, "Noise: uniform directions")];
+    let uniform = format!("Noise: {}", label("hemisphere"));
+    let panels = [panel(&result.importance, "Noise: visible normals"), panel(&result.hemisphere, &uniform)];
     Plot::new(panels).frame_size(400.0, 300.0).draw()
 }
 
@@ -88,7 +89,7 @@ fn profile(result: &StrategyComparison) -> Drawing {
         Panel::new(Axis::linear("pixels inside the silhouette (< 0: outside)"), y)
             .title(title)
             .line("visible normals", strokes[0], of(importance))
-            .line("uniform directions", strokes[1], of(hemisphere))
+            .line(label("hemisphere"), strokes[1], of(hemisphere))
             .vertical(0.0, "")
             .with_names_on_curves()
     };
