@@ -12,7 +12,9 @@ against two long renders by etalon, whose own noise cancels; `converge` says if 
 
 Each ratio is etalon's CPU time x MSE over Mitsuba's, below 1 where etalon reaches the same error sooner, with its 90 %
 interval (bootstrap over the seeds): at 4, 8, 16 and 64 samples per pixel; without the worst 0.1 % of channel values; and with
-what each program needs before the first sample (Mitsuba: reading the scene a second time, which compiles nothing).
+what each program needs before the first sample (Mitsuba: reading the scene a second time, which compiles nothing). The last
+column is the CPU time of a sample at equal techniques: etalon's `mis` (one camera path a sample, light and BSDF samples, the map by its
+radiance) over Mitsuba's, at 64 samples per pixel, as the ratio of the medians over the seeds.
 """
 import argparse, csv, json, os, shutil, subprocess, tempfile, time
 import drjit as dr, mitsuba as mi, numpy as np
@@ -63,16 +65,25 @@ def ratio(ours, theirs, set_ups=(0, 0)):
     return cost(ours) / cost(theirs), *np.quantile(cost(a) / cost(b), [.05, .95])
 
 
+def time_ratio(ours, theirs):
+    """The ratio of the median CPU times and its 90 % interval, from the same rows."""
+    random = np.random.default_rng(1)
+    a, b = (np.median(rows[random.integers(len(rows), size=(2000, len(rows))), 0], -1) for rows in (ours, theirs))
+    return np.median(ours[:, 0]) / np.median(theirs[:, 0]), *np.quantile(a / b, [.05, .95])
+
+
 def measure(label, options):
     """The results of a scene: a row for each number of samples."""
     path, runs = (os.path.join(options.work, name) for name in (f"{label}.pbrt", f"{label}-runs"))
     set_up = render_by_mitsuba(path, os.path.join(runs, "mitsuba"), options)
-    strategy = "default"
+    strategy, equal = "default", "mis"
     results = os.path.join(options.work, f"{label}.csv")
     done = subprocess.run(
         [options.program, "converge", path, "-r", *map(str, options.resolution), "-t", str(options.threads), "--runs", runs,
-         "--strategies", strategy, "--max-spp", str(LEVELS[-1]), "--replicates", str(options.seeds), "--budget",
-         str(options.budget), "--json", "--quiet", "-o", results], check=True, stdout=subprocess.PIPE)
+         "--strategies", f"{strategy},{equal}", "--max-spp", str(LEVELS[-1]), "--replicates", str(options.seeds), "--budget",
+         str(options.budget), "--json", "--quiet", "-o", results], stdout=subprocess.PIPE)
+    if done.returncode not in (0, 1):  # 1 says that a program is biased.
+        raise SystemExit(f"{path}: converge ended with exit code {done.returncode}")
     curves = {curve["strategy"]: curve for curve in json.loads(done.stdout)["curves"]}
     with open(results.replace(".csv", "-replicates.csv"), newline="") as f:
         replicates = list(csv.DictReader(f))
@@ -88,6 +99,7 @@ def measure(label, options):
         for name, mse, both in [("ratio", "mse", (0, 0)), ("trimmed", "mse_trimmed", (0, 0)), ("set_up", "mse", set_ups)]:
             values = ratio(of(strategy, mse), of("mitsuba", mse), both)
             row |= zip([name, f"{name}_low", f"{name}_high"], values)
+        row |= zip(["sample_time", "sample_time_low", "sample_time_high"], time_ratio(of(equal, "mse"), of("mitsuba", "mse")))
         results.append(row)
     return results
 
@@ -97,6 +109,7 @@ def show(rows):
     last = rows[-1]
     cells = [f"{row['ratio']:.2f} ({row['ratio_low']:.2f} to {row['ratio_high']:.2f})" for row in rows]
     cells += [f"{row[name]:.2f}" for name in ("trimmed", "set_up") for row in rows[-2:]]
+    cells.append("{sample_time:.2f} ({sample_time_low:.2f} to {sample_time_high:.2f})".format(**last))
     biased = [name for name in ("mitsuba", "etalon") if last[f"{name}_verdict"] == "biased"]
     print(f"| {' | '.join([last['scene'], last['set'], *cells, ', '.join(biased)])} |", flush=True)
 
@@ -129,7 +142,7 @@ def run(options):
     print("Quick look, not for publication: " * options.quick + f"{options.resolution} pixels, {options.seeds} seeds, "
           f"threads: {options.threads}\n")
     columns = ["scene", "set", *(f"{spp} spp (90 %)" for spp in LEVELS),
-               *(f"{spp} spp, {how}" for how in ("trimmed", "with set-up") for spp in LEVELS[-2:]), "biased"]
+               *(f"{spp} spp, {how}" for how in ("trimmed", "with set-up") for spp in LEVELS[-2:]), "time of a sample (90 %)", "biased"]
     print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
     for label in options.scenes:
         rows += (results := measure(label, options))
@@ -144,6 +157,7 @@ def run(options):
             continue
         mean = lambda key, spp: np.exp(np.mean([np.log(row[key]) for row in chosen if row["spp"] == spp and row[key] > 0]))
         means = [mean("ratio", spp) for spp in LEVELS] + [mean(key, spp) for key in ("trimmed", "set_up") for spp in LEVELS[-2:]]
+        means.append(mean("sample_time", LEVELS[-1]))
         print(f"| {name} | {len(chosen) // len(LEVELS)} | {' | '.join(f'{value:.2f}' for value in means)} |")
 
 

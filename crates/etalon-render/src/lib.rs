@@ -30,7 +30,6 @@ mod reference;
 mod settings;
 mod shaders;
 mod solids;
-mod triangle_light;
 
 pub use film::Dropped;
 pub use job::{Control, Job, Rendered, Silent, render};

@@ -9,7 +9,7 @@ use pulp::Arch;
 use std::array::from_mut;
 
 /// A direction towards a light from each of the first `count` positions.
-pub fn sample_many(
+pub fn sample_one_light(
     arch: Arch,
     light: &Sampled,
     positions: &Lane3,
@@ -19,16 +19,16 @@ pub fn sample_many(
 ) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        LightKind::Rectangle(panel) => sample_one(arch, panel, positions, count, u, out),
-        LightKind::Triangle(triangle) => sample_one(arch, triangle, positions, count, u, out),
-        LightKind::Sphere(sphere) => sample_one(arch, sphere, positions, count, u, out),
+        LightKind::Rectangle(panel) => sample_shape(arch, panel, positions, count, u, out),
+        LightKind::Triangle(triangle) => sample_shape(arch, triangle, positions, count, u, out),
+        LightKind::Sphere(sphere) => sample_shape(arch, sphere, positions, count, u, out),
         LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {
-            sample_one(arch, light, positions, count, u, out);
+            sample_shape(arch, light, positions, count, u, out);
         }
     }
 }
 
-fn sample_one(
+fn sample_shape(
     arch: Arch,
     light: &impl SampleLight,
     positions: &Lane3,
@@ -70,7 +70,7 @@ fn sample_block<'l, L: SampleLight + 'l>(
 
 /// A direction towards a light of its own, by its number in `all`, from each of some positions; none where the number is
 /// [`NONE`].
-pub fn sample_each<'l>(
+pub fn sample_own_lights<'l>(
     arch: Arch,
     all: &'l [Sampled],
     light: &[u32],
@@ -93,9 +93,9 @@ pub fn sample_each<'l>(
     let rectangle = |kind: &'l LightKind| if let LightKind::Rectangle(light) = kind { Some(light) } else { None };
     let triangle = |kind: &'l LightKind| if let LightKind::Triangle(light) = kind { Some(light) } else { None };
     let sphere = |kind: &'l LightKind| if let LightKind::Sphere(light) = kind { Some(light) } else { None };
-    sample_each_of(arch, all, light, positions, u, out, rectangle);
-    sample_each_of(arch, all, light, positions, u, out, triangle);
-    sample_each_of(arch, all, light, positions, u, out, sphere);
+    sample_own_lights_of(arch, all, light, positions, u, out, rectangle);
+    sample_own_lights_of(arch, all, light, positions, u, out, triangle);
+    sample_own_lights_of(arch, all, light, positions, u, out, sphere);
 }
 
 /// The lights that the light tree has chosen for some positions, with their probabilities.
@@ -150,7 +150,7 @@ pub fn sample_chosen(
     u: &[Lane; 2],
     out: &mut LightSampleLanes,
 ) {
-    sample_each(arch, &lights.all, &choice.light[..count], positions, u, out);
+    sample_own_lights(arch, &lights.all, &choice.light[..count], positions, u, out);
     // Divide the samples by the probability of the choice
     wide(
         arch,
@@ -166,8 +166,8 @@ pub fn sample_chosen(
     );
 }
 
-/// The loop of [`sample_each`] over the lights for which `of_shape` has a shape. It gathers them a block at a time.
-fn sample_each_of<'l, L: SampleLight + Copy + 'l>(
+/// The loop of [`sample_own_lights`] over the lights for which `of_shape` has a shape. It gathers them a block at a time.
+fn sample_own_lights_of<'l, L: SampleLight + Copy + 'l>(
     arch: Arch,
     all: &'l [Sampled],
     light: &[u32],

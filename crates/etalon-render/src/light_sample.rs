@@ -2,6 +2,7 @@
 //! importance sampling.
 
 use super::lanes::{LANES, NONE, Ray, at, set};
+use super::light_tree::LightBounds;
 use etalon_core::math::Rgb;
 use glam::Vec3;
 
@@ -32,6 +33,28 @@ pub trait SampleLight {
 
     /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
     fn pdf(&self, point: Vec3) -> f32;
+}
+
+/// A light with a surface.
+pub trait AreaLight: SampleLight {
+    /// The radiance, and the area.
+    fn emitted(&self) -> (Rgb, f32);
+
+    /// A point, sampled uniformly by area.
+    fn point(&self, u: [f32; 2]) -> LightPoint;
+
+    /// Unit normal at a point of it, on the side that emits.
+    fn normal(&self, point: Vec3) -> Vec3;
+
+    /// How far off it rays must start near a point of it.
+    fn offset(&self, point: Vec3) -> f32;
+
+    /// Its distance along a ray, NaN, infinite or not positive where the ray does not meet it, and whether it emits towards the ray's
+    /// origin.
+    fn seen_along(&self, ray: Ray) -> (f32, bool);
+
+    /// Where it is and how it emits, for selecting one of many lights.
+    fn bounds(&self) -> LightBounds;
 }
 
 /// [`LightSample`]s from many points: of all paths, or of a block.

@@ -264,19 +264,9 @@ fn cone(sphere: &Sphere, point: Vec3) -> (Vec3, f32) {
 
 /// Bounding spheres of shapes.
 fn targets<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<Sphere> {
-    let bounding_sphere = |shape: &Shape| match shape {
-        Shape::Sphere(sphere) => *sphere,
-        Shape::Rectangle(r) => Sphere { centre: r.centre(), radius: (r.corners()[0] - r.centre()).length() },
-        Shape::Mesh(mesh) => {
-            let [low, high] = mesh.bounds().unwrap_or_default();
-            let centre = 0.5 * (low + high);
-            let radius2 = mesh.positions.iter().map(|p| p.distance_squared(centre)).fold(0.0, f32::max);
-            Sphere { centre, radius: radius2.sqrt() }
-        }
-    };
     // Enlarge the spheres, so that rounding leaves nothing outside.
     let grown = |target: Sphere| Sphere { radius: target.radius * 1.000_01, ..target };
-    let all: Vec<Sphere> = shapes.map(|shape| grown(bounding_sphere(shape))).collect();
+    let all: Vec<Sphere> = shapes.map(|shape| grown(shape.bounding_sphere())).collect();
     if all.len() <= MOST_TARGETS {
         return all;
     }

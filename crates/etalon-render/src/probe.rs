@@ -6,6 +6,7 @@ pub use crate::bsdf_lanes::{
 pub use crate::camera::PreparedCamera;
 pub use crate::geometry::Surface;
 pub use crate::lanes::{BLOCK, LANES, Lane, NONE, Ray, Rays, at, set};
+pub use crate::light_lanes::{sample_one_light, sample_own_lights};
 pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
 pub use crate::light_selection::{Lights, Selection};
 pub use crate::light_tracing::{SAMPLES_PER_LIGHT_PATH, Start};
@@ -13,8 +14,3 @@ pub use crate::light_tree::LightTree;
 pub use crate::lights::Sampled;
 pub use crate::prepared::PreparedScene;
 pub use crate::shaders::{Kind, adjoint_factor, is_sound};
-
-/// Samples of one light for many points, and of many lights.
-pub mod light_lanes {
-    pub use crate::light_lanes::{sample_each, sample_many};
-}

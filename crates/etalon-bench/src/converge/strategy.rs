@@ -46,7 +46,6 @@ pub fn methods() -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> =
         [default].into_iter().chain(named).map(|(name, doc)| (name.into(), doc.into())).collect();
     for entry in samplers::ALL.iter().skip(1) {
-        let sampling = MapSampling::new(entry);
         let (name, doc) = (entry.name, entry.doc);
         if entry.has_fixed_lights() {
             names.push((entry.name_with_k(), format!("light; the environment: {doc}")));
@@ -55,8 +54,7 @@ pub fn methods() -> Vec<(String, String)> {
         if entry.complete {
             names.push((format!("light-{name}"), format!("light; the environment: {doc}")));
         }
-        let note = if sampling.needs_normal() && entry.complete { "; at diffuse surfaces, light alone" } else { "" };
-        names.push((format!("mis-{name}"), format!("mis; the environment: {doc}{note}")));
+        names.push((format!("mis-{name}"), format!("mis; the environment: {doc}")));
     }
     names
 }

@@ -121,6 +121,31 @@ impl Shape {
             Self::Mesh(mesh) => mesh.bounds(),
         }
     }
+
+    /// A sphere around it.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> Sphere {
+        match self {
+            Self::Sphere(sphere) => *sphere,
+            Self::Rectangle(r) => Sphere { centre: r.centre(), radius: (r.corners()[0] - r.centre()).length() },
+            Self::Mesh(mesh) => {
+                let [low, high] = mesh.bounds().unwrap_or_default();
+                let centre = 0.5 * (low + high);
+                let radius2 = mesh.positions.iter().map(|p| p.distance_squared(centre)).fold(0.0, f32::max);
+                Sphere { centre, radius: radius2.sqrt() }
+            }
+        }
+    }
+
+    /// The number of triangles that stand for it in a [`Bvh`](super::bvh::Bvh); 0 of a sphere.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        match self {
+            Self::Sphere(_) => 0,
+            Self::Rectangle(_) => 2,
+            Self::Mesh(mesh) => mesh.triangles.len(),
+        }
+    }
 }
 
 impl From<Mesh> for Shape {

@@ -96,7 +96,7 @@ fn sample_light(
         Source::Lights(number, Round { light: Some(light), .. }) => {
             let u = samples.light(number).get_2d_lanes(slots, sub);
             let sampled = &scene.lights.all[light as usize];
-            light_lanes::sample_many(scene.arch, sampled, &interactions.origin, count, &u, out);
+            light_lanes::sample_one_light(scene.arch, sampled, &interactions.origin, count, &u, out);
             out.light[..count].fill(light);
             if !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);

@@ -14,10 +14,10 @@ use etalon_core::scene::{
     builtin,
 };
 use etalon_render::Settings;
-use etalon_render::probe::light_lanes::{sample_each, sample_many};
 use etalon_render::probe::{
     BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection,
 };
+use etalon_render::probe::{sample_one_light, sample_own_lights};
 use etalon_stats::bsdf::{
     Bsdf, BsdfSample, DeltaLobe, Density, Direction, Hit, Kind, Properties, Spectrum, is_edge_on, places,
 };
@@ -244,8 +244,8 @@ fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample
     in_lanes(move |[u], count| {
         let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
         if let Some(light) = &light {
-            sample_many(Arch::new(), light, &positions, count, u, &mut out);
-            sample_each(Arch::new(), from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
+            sample_one_light(Arch::new(), light, &positions, count, u, &mut out);
+            sample_own_lights(Arch::new(), from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
         }
         let of_lane = |i| {
             let sample = out.at(i);

@@ -147,36 +147,19 @@ fn unit_square(to_world: &DMat4) -> Option<Rectangle> {
 /// Makes the area lights visible: one that no emitting mesh overlaps becomes an emitting object.
 pub fn show_area_lights(lights: Vec<Light>, objects: &mut Vec<Object>) -> Vec<Light> {
     let emitting: Vec<[Vec3; 2]> =
-        objects.iter().filter(|object| object.emission.is_some()).filter_map(|object| bounds(&object.shape)).collect();
+        objects.iter().filter(|object| object.emission.is_some()).filter_map(|object| object.shape.bounds()).collect();
     let hidden = |light: &Light| {
         let Light::Rectangle { rectangle, radiance } = *light else { return true };
-        let Some([low, high]) = around(corners(&rectangle)) else { return true };
+        let shape = Shape::Rectangle(rectangle);
+        let Some([low, high]) = shape.bounds() else { return true };
         let near = OVERLAP * low.distance(high);
         if emitting.iter().any(|[a, b]| (low - near).cmple(*b).all() && (high + near).cmpge(*a).all()) {
             return true;
         }
         let emission = Some(Emission { radiance, two_sided: false, visibility: EmitterVisibility::Sampled });
         let material = Material::Diffuse { albedo: Rgb::ZERO };
-        objects.push(Object { emission, ..Object::new(Shape::Rectangle(rectangle), material) });
+        objects.push(Object { emission, ..Object::new(shape, material) });
         false
     };
     lights.into_iter().filter(hidden).collect()
-}
-
-/// The box around a shape; `None` for a mesh without triangles.
-pub fn bounds(shape: &Shape) -> Option<[Vec3; 2]> {
-    match shape {
-        Shape::Sphere(sphere) => Some([sphere.centre - sphere.radius, sphere.centre + sphere.radius]),
-        Shape::Rectangle(rectangle) => around(corners(rectangle)),
-        Shape::Mesh(mesh) => around(mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize])),
-    }
-}
-
-fn corners(rectangle: &Rectangle) -> [Vec3; 4] {
-    let ([x, y], centre) = (rectangle.half_sides(), rectangle.centre());
-    [centre - x - y, centre + x - y, centre + x + y, centre - x + y]
-}
-
-fn around(points: impl IntoIterator<Item = Vec3>) -> Option<[Vec3; 2]> {
-    points.into_iter().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
 }

@@ -81,7 +81,7 @@ struct Found<'a> {
 impl Found<'_> {
     /// The box around all objects.
     fn bounds(&self) -> Option<[DVec3; 2]> {
-        let boxes = self.objects.iter().filter_map(|object| material::bounds(&object.shape));
+        let boxes = self.objects.iter().filter_map(|object| object.shape.bounds());
         boxes.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]).map(|ends| ends.map(|end| end.as_dvec3()))
     }
 }

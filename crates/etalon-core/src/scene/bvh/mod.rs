@@ -35,12 +35,7 @@ impl Bvh {
     /// About the memory that building a tree takes for a shape.
     #[must_use]
     pub fn bytes(shape: &Shape) -> usize {
-        const TRIANGLE: usize = 256;
-        match shape {
-            Shape::Sphere(_) => 128,
-            Shape::Rectangle(_) => 2 * TRIANGLE,
-            Shape::Mesh(mesh) => mesh.triangles.len() * TRIANGLE,
-        }
+        128 + 256 * shape.triangles()
     }
 
     /// Builds the tree over `shapes`, on all threads. Below 32 levels boxes are halved, which bounds depth and time for
@@ -52,18 +47,13 @@ impl Bvh {
     pub fn build(shapes: &[&Shape]) -> Self {
         let mut items = Vec::new();
         for (number, &shape) in (0..).zip(shapes) {
-            let triangles = match shape {
-                Shape::Sphere(sphere) => {
-                    let id = Id { shape: number, triangle: 0 };
-                    let item = |[min, max]: [Vec3; 2]| Item { bounds: Bounds { min, max }, kind: Kind::Sphere, id };
-                    items.extend(sphere.bounds().map(item));
-                    0
-                }
-                Shape::Rectangle(_) => 2,
-                Shape::Mesh(mesh) => mesh.triangles.len(),
-            };
-            items.reserve(triangles);
-            for triangle in 0..triangles as u32 {
+            if let Shape::Sphere(sphere) = shape {
+                let id = Id { shape: number, triangle: 0 };
+                let item = |[min, max]: [Vec3; 2]| Item { bounds: Bounds { min, max }, kind: Kind::Sphere, id };
+                items.extend(sphere.bounds().map(item));
+            }
+            items.reserve(shape.triangles());
+            for triangle in 0..shape.triangles() as u32 {
                 if let Some(Facet { corners, .. }) = Facet::of(shape, triangle) {
                     let bounds = corners.into_iter().fold(Bounds::EMPTY, Bounds::with);
                     items.push(Item { bounds, kind: Kind::Triangle, id: Id { shape: number, triangle } });

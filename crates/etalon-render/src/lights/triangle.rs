@@ -1,9 +1,9 @@
 //! Sampling a triangle of an emissive mesh by the solid angle that it subtends.
 
-use super::lanes::Ray;
-use super::light_sample::{LightPoint, LightSample, SampleLight};
-use super::light_tree::LightBounds;
-use super::solids;
+use crate::lanes::Ray;
+use crate::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
+use crate::light_tree::LightBounds;
+use crate::solids;
 use etalon_core::math::{Rgb, mean_rgb};
 use etalon_core::sampling::spherical_triangle::SphericalTriangle;
 use etalon_core::scene::Plane;
@@ -16,12 +16,12 @@ pub struct TriangleLight {
     /// From the corner to the other two.
     edges: [Vec3; 2],
     /// With the normal of the front.
-    pub plane: Plane,
+    plane: Plane,
     /// Sum of the lengths of two sides: at least its largest extent.
-    pub size: f32,
+    size: f32,
     radiance: Rgb,
     /// Whether the back emits, too.
-    pub two_sided: bool,
+    two_sided: bool,
 }
 
 impl TriangleLight {
@@ -30,28 +30,6 @@ impl TriangleLight {
         let edges = [b - a, c - a];
         let size = edges[0].length() + edges[1].length();
         Self { corner: a, edges, plane: Plane::through(a, normal), size, radiance, two_sided }
-    }
-
-    /// Where it is and how it emits, for selecting one of many lights.
-    pub fn bounds(&self) -> LightBounds {
-        let [ab, ac] = self.edges;
-        let (radiance, area) = self.emitted();
-        let corners = [self.corner, self.corner + ab, self.corner + ac];
-        LightBounds::plane(corners, self.plane.normal, mean_rgb(radiance) as f32 * area, self.two_sided)
-    }
-
-    /// The radiance, and the area.
-    pub fn emitted(&self) -> (Rgb, f32) {
-        (self.radiance, 0.5 * self.edges[0].cross(self.edges[1]).length())
-    }
-
-    /// A point of the triangle, sampled uniformly by area.
-    ///
-    /// Source: Osada et al., "Shape Distributions", *ACM Trans. Graph.* 21(4), 2002.
-    pub fn point(&self, u: [f32; 2]) -> LightPoint {
-        let r = u[0].sqrt();
-        let position = self.corner + r * (1.0 - u[1]) * self.edges[0] + r * u[1] * self.edges[1];
-        LightPoint { position, normal: self.plane.normal, two_sided: self.two_sided }
     }
 
     #[inline(always)]
@@ -82,6 +60,38 @@ impl SampleLight for TriangleLight {
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         1.0 / self.seen_from(point).solid_angle()
+    }
+}
+
+impl AreaLight for TriangleLight {
+    fn emitted(&self) -> (Rgb, f32) {
+        (self.radiance, 0.5 * self.edges[0].cross(self.edges[1]).length())
+    }
+
+    /// Source: Osada et al., "Shape Distributions", *ACM Trans. Graph.* 21(4), 2002.
+    fn point(&self, u: [f32; 2]) -> LightPoint {
+        let r = u[0].sqrt();
+        let position = self.corner + r * (1.0 - u[1]) * self.edges[0] + r * u[1] * self.edges[1];
+        LightPoint { position, normal: self.plane.normal, two_sided: self.two_sided }
+    }
+
+    fn normal(&self, _: Vec3) -> Vec3 {
+        self.plane.normal
+    }
+
+    fn offset(&self, point: Vec3) -> f32 {
+        self.plane.offset(point)
+    }
+
+    fn seen_along(&self, Ray { origin, direction }: Ray) -> (f32, bool) {
+        (self.plane.distance(origin, direction), self.two_sided || self.plane.normal.dot(direction) < 0.0)
+    }
+
+    fn bounds(&self) -> LightBounds {
+        let [ab, ac] = self.edges;
+        let (radiance, area) = self.emitted();
+        let corners = [self.corner, self.corner + ab, self.corner + ac];
+        LightBounds::plane(corners, self.plane.normal, mean_rgb(radiance) as f32 * area, self.two_sided)
     }
 }
 
