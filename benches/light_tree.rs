@@ -46,14 +46,14 @@ fn light_tree(c: &mut Criterion) {
         group.bench_function(format!("{count}/sample"), |b| {
             b.iter(|| {
                 for &(point, normal, u) in &points {
-                    black_box(tree.sample(point, Some(normal), u));
+                    black_box(tree.at(point, Some(normal)).sample(u));
                 }
             });
         });
         group.bench_function(format!("{count}/pmf"), |b| {
             b.iter(|| {
                 for &(point, normal, u) in &points {
-                    black_box(tree.pmf(point, Some(normal), (u * count as f32) as usize));
+                    black_box(tree.at(point, Some(normal)).pmf((u * count as f32) as u32));
                 }
             });
         });

@@ -138,45 +138,21 @@ fn choose_side(u: [f64; 2], normal: Vec3) -> ([f64; 2], Vec3) {
     if twice < 1.0 { ([twice, u[1]], normal) } else { ([twice - 1.0, u[1]], -normal) }
 }
 
-/// A strategy that chooses directions by the surface alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SurfaceSampling {
-    /// By the diffuse BSDF: cosine-weighted.
-    Cosine,
-    /// Uniformly over the hemisphere.
-    Hemisphere,
-    /// Uniformly over the sphere, at a surface that scatters light to both sides.
-    Sphere,
-}
+/// A strategy that chooses directions by the surface alone: from two random numbers a direction in the local frame, and its pdf per solid
+/// angle.
+pub type SurfaceSampling = fn([f64; 2]) -> (DVec3, f64);
 
-impl SurfaceSampling {
-    /// The strategy that gathers direct light at surfaces of a kind that is not a delta distribution.
-    pub fn of(sampling: Sampling, surface: Kind) -> Option<Self> {
-        match (sampling, surface) {
-            (Sampling::Bsdf, Kind::Diffuse) => Some(Self::Cosine),
-            (Sampling::Hemisphere, Kind::Transmitting) => Some(Self::Sphere),
-            (Sampling::Hemisphere, _) => Some(Self::Hemisphere),
-            (Sampling::Bsdf | Sampling::Light | Sampling::Mis | Sampling::MisLt, _) => None,
-        }
-    }
-
-    /// Samples a direction in the local frame.
-    #[inline]
-    pub fn sample(self, u: [f64; 2]) -> DVec3 {
-        match self {
-            Self::Cosine => warp::cosine_hemisphere(u),
-            Self::Hemisphere => warp::uniform_hemisphere(u),
-            Self::Sphere => warp::uniform_sphere(u),
-        }
-    }
-
-    /// Pdf per solid angle for the cosine to the normal.
-    #[inline]
-    pub fn pdf(self, cos: f64) -> f64 {
-        match self {
-            Self::Cosine => warp::cosine_hemisphere_pdf(cos),
-            Self::Hemisphere => warp::UNIFORM_HEMISPHERE_PDF,
-            Self::Sphere => warp::UNIFORM_SPHERE_PDF,
-        }
-    }
+/// The strategy that gathers direct light at surfaces of a kind that is not a delta distribution.
+pub fn surface_sampling(sampling: Sampling, surface: Kind) -> Option<SurfaceSampling> {
+    let strategy: SurfaceSampling = match (sampling, surface) {
+        (Sampling::Bsdf, Kind::Diffuse) => |u| {
+            let wi = warp::cosine_hemisphere(u);
+            (wi, warp::cosine_hemisphere_pdf(wi.z))
+        },
+        // At a surface that scatters light to both sides
+        (Sampling::Hemisphere, Kind::Transmitting) => |u| (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF),
+        (Sampling::Hemisphere, _) => |u| (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF),
+        (Sampling::Bsdf | Sampling::Light | Sampling::Mis | Sampling::MisLt, _) => return None,
+    };
+    Some(strategy)
 }

@@ -2,7 +2,8 @@
 
 use super::lanes::{BLOCK, LANES, Lane, Lane3, NONE, Ray, at, block, blocks, put, set, wide};
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
-use super::light_selection::{Lights, Selection};
+use super::light_selection::Lights;
+use super::light_tree::LightTreeAt;
 use super::lights::{LightKind, Sampled};
 use super::shaders::Kind;
 use pulp::Arch;
@@ -132,7 +133,7 @@ pub fn choose(
                 }
                 for choice in &mut *choices {
                     let (light, probability) = (&mut choice.light[start..end], &mut choice.probability[start..end]);
-                    Selection::sample_each(&selections, light, probability);
+                    LightTreeAt::sample_each(&selections, light, probability);
                 }
             }
         },

@@ -14,21 +14,16 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Everything, whether needed or not, as far as the scene has it.
-    #[must_use]
-    pub fn everything(scene: &Scene) -> Self {
-        Self { occlusion: true, environment_table: scene.environment.is_some(), tree: true }
-    }
-
-    /// What a scene needs under these settings.
+    /// What a scene needs under these settings; if they are general, everything that it has, whether needed or not.
     #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
+        let general = settings.general;
         let samples_map =
             settings.sampling.by_light() && !settings.map_sampling().has_fixed_lights() && request.max_depth > 0;
         Self {
-            occlusion: !lone_convex_from_outside(scene),
-            environment_table: samples_map && scene.environment.is_some(),
-            tree: Geometry::needs_tree(scene),
+            occlusion: general || !lone_convex_from_outside(scene),
+            environment_table: scene.environment.is_some() && (general || samples_map),
+            tree: general || Geometry::needs_tree(scene),
         }
     }
 

@@ -9,7 +9,7 @@ use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights;
 use super::lights::Sampled;
-use super::needs::{Needs, lone_convex_from_outside};
+use super::needs::Needs;
 use super::ray_samples::{RaySamples, Streams};
 use super::settings::{Sampling, Settings};
 use super::shaders::{Kind, SurfaceShader};
@@ -46,8 +46,6 @@ pub struct PreparedScene<'a> {
     pub light_tracing: Option<LightTracing>,
     /// Which techniques find the light.
     pub sampling: Sampling,
-    /// Whether no ray that leaves a surface can meet another.
-    pub is_lone_convex: bool,
     /// Whether rays can hit light.
     pub has_emitters: bool,
     /// Path classes that are summed separately.
@@ -62,7 +60,7 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Those of the lights and samplers that the settings ask for.
     pub fn new(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
-        let needs = if settings.general { Needs::everything(scene) } else { Needs::of(scene, request, settings) };
+        let needs = Needs::of(scene, request, settings);
         if needs.tree {
             let bytes = scene.objects.iter().map(|object| Bvh::bytes(&object.shape)).sum();
             memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
@@ -124,7 +122,6 @@ impl<'a> PreparedScene<'a> {
             environment,
             light_tracing,
             sampling: settings.sampling,
-            is_lone_convex: lone_convex_from_outside(scene),
             has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
             classes: settings.paths.map(PathClasses::up_to),
             arch: Arch::new(),

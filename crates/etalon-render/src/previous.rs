@@ -44,7 +44,7 @@ impl PreparedScene<'_> {
     /// Whether a path that has scattered so many times before this vertex may scatter at the next one.
     #[inline]
     pub fn may_continue(&self, scatterings: u32) -> bool {
-        scatterings + 1 < self.request.max_depth && !self.is_lone_convex
+        scatterings + 1 < self.request.max_depth && self.needs.occlusion
     }
 
     /// Whether light is left to the rays that leave a surface of this kind: other techniques may find all of it.

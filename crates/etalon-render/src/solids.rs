@@ -1,12 +1,56 @@
 //! Where a ray meets a rectangle or a sphere, as straight-line arithmetic.
 
+use super::lanes::{Hits, LANES, Lane, Rays, at, wide};
 use etalon_core::scene::{Plane, Rectangle, Sphere};
 use glam::Vec3;
+use pulp::Arch;
 
-/// A shape that is tried against all rays.
-pub trait Solid {
+/// A shape that is tried against all rays. Its loops vectorize.
+pub trait Solid: Send + Sync {
     /// Distance along the ray to the shape; NaN, negative or infinite where it does not meet it.
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32;
+
+    /// Looks for the nearest hit of each ray.
+    fn nearest(&self, arch: Arch, object: u32, rays: &Rays, count: usize, hits: &mut Hits) {
+        let (t, objects) = (&mut hits.t, &mut hits.object);
+        wide(
+            arch,
+            #[inline(always)]
+            move || {
+                for i in 0..count.min(LANES) {
+                    let found = self.distance(at(&rays.origin, i), at(&rays.direction, i));
+                    let hit = (found >= 0.0) & (found < t[i]);
+                    t[i] = if hit { found } else { t[i] };
+                    objects[i] = if hit { object } else { objects[i] };
+                }
+            },
+        );
+    }
+
+    /// Looks for any hit of each ray that is nearer than its `t_max`.
+    fn blocked(&self, arch: Arch, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
+        wide(
+            arch,
+            #[inline(always)]
+            move || {
+                for i in 0..count.min(LANES) {
+                    let found = self.distance(at(&rays.origin, i), at(&rays.direction, i));
+                    blocked[i] |= u32::from((found >= 0.0) & (found < t_max[i]));
+                }
+            },
+        );
+    }
+}
+
+/// A rectangle in the form that is quickest to meet.
+pub fn panel(rectangle: &Rectangle) -> Box<dyn Solid> {
+    fn boxed(solid: impl Solid + 'static) -> Box<dyn Solid> {
+        Box::new(solid)
+    }
+    let x = || AxisPanel::<0>::new(rectangle).map(boxed);
+    let y = || AxisPanel::<1>::new(rectangle).map(boxed);
+    let z = || AxisPanel::<2>::new(rectangle).map(boxed);
+    x().or_else(y).or_else(z).unwrap_or_else(|| Box::new(TiltedPanel::new(rectangle)))
 }
 
 impl Solid for Sphere {
@@ -71,37 +115,9 @@ pub fn one_minus_cos_of_cone(sphere: &Sphere, point: Vec3) -> f32 {
     if sin2 < 1.0 { sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt()) } else { 2.0 }
 }
 
-/// A rectangle of the scene.
-#[derive(Debug, Clone, Copy)]
-pub struct Wall {
-    /// Its plane and sides.
-    pub panel: Panel,
-    pub object: u32,
-}
-
-/// A rectangle in the form that is quickest to meet.
-#[derive(Debug, Clone, Copy)]
-pub enum Panel {
-    X(AxisPanel<0>),
-    Y(AxisPanel<1>),
-    Z(AxisPanel<2>),
-    Tilted(TiltedPanel),
-}
-
-impl Wall {
-    /// Prepares a rectangle of object number `object`.
-    pub fn new(rectangle: &Rectangle, object: u32) -> Self {
-        let x = || AxisPanel::new(rectangle).map(Panel::X);
-        let y = || AxisPanel::new(rectangle).map(Panel::Y);
-        let z = || AxisPanel::new(rectangle).map(Panel::Z);
-        let panel = x().or_else(y).or_else(z);
-        Self { panel: panel.unwrap_or_else(|| Panel::Tilted(TiltedPanel::new(rectangle))), object }
-    }
-}
-
 /// A rectangle as its plane and two coordinates on it that are −1 and 1 at the edges.
 #[derive(Debug, Clone, Copy)]
-pub struct TiltedPanel {
+struct TiltedPanel {
     plane: Plane,
     across: [Vec3; 2],
     offset: [f32; 2],
@@ -139,7 +155,7 @@ pub struct AxisPanel<const AXIS: usize> {
 impl<const AXIS: usize> AxisPanel<AXIS> {
     const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
 
-    fn new(rectangle: &Rectangle) -> Option<Self> {
+    pub fn new(rectangle: &Rectangle) -> Option<Self> {
         // Exactly: rays that leave a wall start on the side of its plane.
         let along = |v: &Vec3| v.to_array().iter().filter(|component| **component != 0.0).count() == 1;
         let normal = rectangle.normal();

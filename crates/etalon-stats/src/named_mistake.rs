@@ -34,7 +34,8 @@ impl NamedMistake {
     }
 
     /// The same with words after it.
-    pub(crate) fn with_suffix(self, words: &str) -> Self {
+    #[must_use]
+    pub fn with_suffix(self, words: &str) -> Self {
         Self { suffix: self.suffix + words, ..self }
     }
 

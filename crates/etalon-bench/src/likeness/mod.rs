@@ -12,7 +12,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::optics::microfacet::Distribution;
 use etalon_core::sampling::warp;
 use etalon_stats::bsdf::{BatchBsdf, BsdfSample, Direction, Family as _, Pair, PdfKind, Spectrum};
-use etalon_stats::{Compared, Extremes, Outcome};
+use etalon_stats::{Compared, Extremes, NamedMistake, Outcome};
 use variants::{Candidate, FACTORS, Material, Surface};
 
 /// Relative differences that count: those of constants with three digits, such as 0.318 for 1/π, are above.
@@ -111,34 +111,57 @@ impl Claim {
             }));
         }
         let mut whole = Outcome::open(0);
+        let mut named: Option<(Vec<Variant>, String)> = None;
         for values in &configurations {
             let own = parameters.iter().map(|parameter| parameter.name.clone()).zip(values.iter().copied());
             let own: Vec<(String, f64)> = own.filter(|(name, _)| self.has(name)).collect();
+            let (found, variants) = self.compare(&*family.with(values)?, &own)?;
+            if whole.violation.is_some() {
+                // Only what explains the values of other parameters, too, is a name: some of its changes may make no difference there.
+                if let Some((names, _)) = named.as_mut().filter(|_| found.violation.is_some()) {
+                    let has = |name: &Variant, other: &Variant| other.iter().all(|change| name.contains(change));
+                    names.retain(|name| variants.iter().any(|other| has(name, other)));
+                }
+                continue;
+            }
+            if found.violation.is_some() && !variants.is_empty() {
+                named = Some((variants, at(&own)));
+            }
             let Outcome { samples, remarks, .. } = whole;
-            let found = self.compare(&*family.with(values)?, &own)?;
             let new = found.remarks.into_iter().filter(|remark| !remarks.contains(remark)).collect::<Vec<_>>();
             whole = Outcome { samples: samples + found.samples, remarks: [remarks, new].concat(), ..found };
-            if whole.violation.is_some() {
-                break;
-            }
+        }
+        if let Some((names, at)) = named {
+            whole.mistake = match names.is_empty() {
+                false => self.named(&names),
+                true => whole.mistake.map(|mistake| mistake.with_suffix(&format!("{at} alone"))),
+            };
         }
         Ok(whole)
     }
 
-    /// Compares a BSDF, of which these parameters are known besides those that were chosen.
-    fn compare(&self, bsdf: &dyn BatchBsdf, own: &[(String, f64)]) -> Result<Outcome> {
+    /// Which variants it is.
+    fn named(&self, variants: &[Variant]) -> Option<NamedMistake> {
+        let variants: Vec<String> = variants.iter().map(|changes| changes.join(", and ")).collect();
+        let name = format!("it is {} with {}", self.name(), variants.join(", or "));
+        (!variants.is_empty()).then(|| name.into())
+    }
+
+    /// Compares a BSDF, of which these parameters are known besides those that were chosen, and says which variants it may be.
+    fn compare(&self, bsdf: &dyn BatchBsdf, own: &[(String, f64)]) -> Result<(Outcome, Vec<Variant>)> {
         let found = self.model(own)?.compare(bsdf)?;
-        let at: Vec<String> = own.iter().map(|(name, value)| format!("{name} = {}", rounded(*value))).collect();
-        let at = if at.is_empty() { String::new() } else { format!(" at {}", at.join(", ")) };
+        let at = at(own);
         let mut outcome = Outcome { detectable: Some(EQUAL), remarks: found.remarks, ..Outcome::open(found.compared) };
-        if let Some(Difference { words, variant, numbers }) = found.difference {
+        let mut all = Vec::new();
+        if let Some(Difference { words, variants, numbers }) = found.difference {
             let law = format!("having the values of {}{at}", self.name());
-            outcome.mistake = variant.map(|variant| format!("it is {} with {variant}", self.name()).into());
+            outcome.mistake = self.named(&variants);
+            all = variants;
             outcome.violation = Some(format!("not the values of {}{at}: {words}", self.name()));
             let places: Vec<_> = numbers.into_iter().map(|(wi, numbers)| (wi.into(), numbers)).collect();
             outcome.compared = (!places.is_empty()).then_some(Compared { law, places });
         }
-        Ok(outcome)
+        Ok((outcome, all))
     }
 
     /// Compares a BSDF without parameters of its own.
@@ -146,7 +169,7 @@ impl Claim {
     /// # Errors
     /// As [`examine`](Self::examine).
     pub fn of_bsdf(&self, bsdf: &dyn BatchBsdf) -> Result<Outcome> {
-        self.compare(bsdf, &[])
+        Ok(self.compare(bsdf, &[])?.0)
     }
 
     /// The model with these parameters of the BSDF, besides those that were chosen.
@@ -161,8 +184,9 @@ impl Claim {
         let missing: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         let missing: Vec<&str> =
             missing.into_iter().filter(|name| known.iter().all(|(other, _)| other != name)).collect();
-        let is_by_schlick = is_metal(&self.family) && missing == ["eta", "k"];
-        if !missing.is_empty() && !is_by_schlick {
+        let is_by_schlick = is_metal(&self.family) && missing.ends_with(&["eta", "k"]);
+        let missing = if is_by_schlick { &missing[..missing.len() - 2] } else { &missing };
+        if !missing.is_empty() {
             return Err(Error::parameter("like", format!("{} needs {}", self.name(), missing.join(" and ")))
                 .with_hint(format!("`set` {}=…", missing[0].trim_end_matches("_x"))));
         }
@@ -185,6 +209,15 @@ impl Claim {
         Ok(Model { family: &self.family, values, surface })
     }
 }
+
+/// The values of parameters in words.
+fn at(own: &[(String, f64)]) -> String {
+    let at: Vec<String> = own.iter().map(|(name, value)| format!("{name} = {}", rounded(*value))).collect();
+    if at.is_empty() { String::new() } else { format!(" at {}", at.join(", ")) }
+}
+
+/// How a variant differs from the model: one or more changes, in words.
+type Variant = Vec<String>;
 
 /// Another value of a parameter, and its name.
 type Changed = (&'static str, fn(f64) -> f64);
@@ -209,8 +242,8 @@ struct Likeness {
 #[derive(Default)]
 struct Difference {
     words: String,
-    /// The variant of the model that it is.
-    variant: Option<String>,
+    /// The variants of the model that it may be.
+    variants: Vec<Variant>,
     /// Directions `wi` with the value that was found and that of the model.
     numbers: Vec<(Direction, [f64; 2])>,
 }
@@ -282,7 +315,7 @@ impl Model<'_> {
         }
         let eta =
             if let Some(Material::Dielectric(eta)) = self.surface.map(|surface| surface.material) { eta } else { 1.0 };
-        let mut variants: Vec<(usize, String, Option<f64>)> = Vec::new();
+        let mut variants: Vec<(usize, Variant, Option<f64>)> = Vec::new();
         for (f, (factor_name, factor)) in FACTORS.into_iter().enumerate() {
             let factors = factors(pairs, factor, eta);
             let without: Vec<f64> = found.iter().zip(&factors).map(|(found, factor)| found / factor).collect();
@@ -294,14 +327,13 @@ impl Model<'_> {
                 let values: Vec<f64> =
                     candidate.values.iter().zip(&factors).map(|(value, factor)| value * factor).collect();
                 let names = candidate.changes.iter().copied().chain(Some(factor_name).filter(|_| f > 0));
-                let name = names.collect::<Vec<_>>().join(", and ");
+                let mut name: Variant = names.map(str::to_owned).collect();
                 if compared.largest(&values, SEEN).is_none() {
                     variants.push((changes, name, candidate.fitted));
                 } else if changes < CHANGES
                     && let Some(constant) = compared.constant(&values)
                 {
-                    let size = brightness(constant);
-                    let name = if name.is_empty() { size } else { format!("{name}, and {size}") };
+                    name.push(format!("values {}", brightness(constant)));
                     variants.push((changes + 1, name, candidate.fitted));
                 }
             }
@@ -322,15 +354,16 @@ impl Model<'_> {
             fitted.map_or(String::new(), |f0| {
                 format!(" (Schlick's reflectance at normal incidence fitted: {})", rounded(f0))
             }),
-            if variants.is_empty() {
-                "; none of the known variants has these values".to_owned()
-            } else {
-                String::new()
+            match (variants.is_empty(), fitted) {
+                (true, Some(_)) => "; none of the known variants has these values (without eta and k no exact Fresnel \
+                                    reflectance was tried)"
+                    .to_owned(),
+                (true, None) => "; none of the known variants has these values".to_owned(),
+                (false, _) => String::new(),
             },
         ];
-        let names: Vec<String> = variants.into_iter().map(|(_, name, _)| name).collect();
-        let variant = (!names.is_empty()).then(|| names.join(", or "));
-        Ok(Some(Difference { words: difference.concat(), variant, numbers: compared.numbers(&expected.values) }))
+        let variants = variants.into_iter().map(|(_, name, _)| name).collect();
+        Ok(Some(Difference { words: difference.concat(), variants, numbers: compared.numbers(&expected.values) }))
     }
 
     /// The model and its variants of at most `most` changes, with the values of each.
@@ -391,10 +424,14 @@ impl Model<'_> {
             None => vec![("the model's pdf", model.pdf(pairs)?)],
         };
         let compared = Comparison { pairs, found: &found, rounding: vec![0.0; pairs.len()] };
-        let same = known.iter().position(|(_, pdf)| compared.largest(pdf, SEEN).is_none());
+        let of_model = model.pdf(pairs)?;
+        let model = Comparison { pairs, found: &of_model, rounding: vec![0.0; pairs.len()] };
+        let [same, own] =
+            [&compared, &model].map(|compared| known.iter().position(|(_, pdf)| compared.largest(pdf, SEEN).is_none()));
+        let own = own.unwrap_or(0);
         Ok(match same {
-            Some(0) => None,
-            Some(i) => Some(format!("it samples by {}, {} by {}", known[i].0, self.family.name(), known[0].0)),
+            Some(i) if i == own => None,
+            Some(i) => Some(format!("it samples by {}, {} by {}", known[i].0, self.family.name(), known[own].0)),
             None => {
                 let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
                 Some(format!("its pdf is none of those known: {}", names.join(", ")))
@@ -499,7 +536,8 @@ impl Comparison<'_> {
         let light = |f: f64, pair: &Pair| f.abs() * pair[1][2].abs();
         let mut most: Vec<(Direction, f64)> = Vec::new();
         for ((found, expected), pair) in self.found.iter().zip(expected).zip(self.pairs) {
-            let light = light(found.at_least(*expected), pair);
+            // Values that are no numbers, which a fit without data has, hide no others.
+            let light = light(if expected.is_finite() { found.at_least(*expected) } else { *found }, pair);
             match most.last_mut() {
                 Some((wo, most)) if *wo == pair[0] => *most = most.at_least(light),
                 _ => most.push((pair[0], light)),
@@ -509,7 +547,7 @@ impl Comparison<'_> {
         all.filter_map(move |((&found, &expected), (pair, rounding))| {
             let most = most.iter().filter(|(wo, _)| *wo == pair[0]).map(|(_, most)| *most).fold(0.0, f64::at_least);
             let larger = found.abs().at_least(expected.abs());
-            let is_seen = larger > 0.0 && light(larger, pair) >= seen * most;
+            let is_seen = !expected.is_finite() || larger > 0.0 && light(larger, pair) >= seen * most;
             let is_equal = larger.is_finite() && (found - expected).abs() <= EQUAL * larger + rounding;
             is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, !is_equal))
         })
@@ -585,13 +623,16 @@ fn brightness(factor: f64) -> String {
 /// A number with three or four digits.
 fn rounded(x: f64) -> String {
     let text = format!("{x:.3e}");
-    text.parse::<f64>().map_or(text, |x| x.to_string())
+    let is_short = (1e-4..1e6).contains(&x.abs()) || x == 0.0;
+    text.parse::<f64>().ok().filter(|_| is_short).map_or(text, |x| x.to_string())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::validation::planted::faulty::{Change, Faulty};
     use crate::validation::planted::rough::{Facets, Rough};
+    use etalon_stats::bsdf::Parameter;
 
     /// What `claim` says of the BSDF of this program with these values of its parameters.
     fn examine(claim: &str, chosen: &[(&str, f64)], name: &str, values: &[f64]) -> Outcome {
@@ -631,5 +672,48 @@ mod tests {
         let found = Claim::new("ggx", &[("alpha".to_owned(), 0.2)]).unwrap().of_bsdf(&metal).unwrap();
         assert_eq!(found.violation, None);
         assert_eq!(found.remarks, ["its reflectance at normal incidence is 0.9, by Schlick's formula"]);
+    }
+
+    /// Where a candidate's normals are too narrow to be a number, and no reflectance can be fitted, it explains nothing.
+    #[test]
+    fn a_lobe_of_another_model_has_no_name() {
+        let lobe = |_: &Rough, wo: Direction, wi: Direction| {
+            let [x, y, z] = [0, 1, 2].map(|i| wo[i] + wi[i]);
+            (z / (x * x + y * y + z * z).sqrt()).powi(20) / std::f64::consts::PI
+        };
+        for (model, alpha) in [("beckmann", 0.3), ("beckmann", 0.03), ("ggx", 0.3), ("ggx", 0.1)] {
+            let right = Rough { alpha: [alpha, alpha], facets: Facets::Conductor(0.9) };
+            let other = Faulty { right, change: Some(Change::ValueAndWeight(lobe)) };
+            let found = Claim::new(model, &[("alpha".to_owned(), alpha)]).unwrap().of_bsdf(&other).unwrap();
+            assert_eq!(found.mistake, None, "{model} {alpha}");
+            assert!(!found.violation.unwrap().contains("NaN"), "{model} {alpha}");
+        }
+    }
+
+    /// Metals of one parameter, by which their width is not what it should be.
+    struct Widths(fn(f64) -> f64);
+
+    impl etalon_stats::bsdf::Family for Widths {
+        fn name(&self) -> &str {
+            "widths"
+        }
+
+        fn parameters(&self) -> Vec<Parameter> {
+            vec![Parameter::new("alpha", 0.3, [0.01, 1.0])]
+        }
+
+        fn with(&self, values: &[f64]) -> etalon_stats::Result<Box<dyn BatchBsdf + '_>> {
+            Ok(Box::new(Rough { alpha: [self.0(values[0]); 2], facets: Facets::Conductor(0.9) }))
+        }
+    }
+
+    #[test]
+    fn a_name_explains_all_parameters() {
+        let named = |width| {
+            let found = Claim::new("ggx", &[]).unwrap().examine(&Widths(width), &[0.3]).unwrap();
+            found.mistake.unwrap().to_string()
+        };
+        assert_eq!(named(|alpha| alpha * alpha), "it is ggx with α² where α is meant");
+        assert_eq!(named(|_| 0.09), "it is ggx with α² where α is meant at alpha = 0.3 alone");
     }
 }

@@ -181,15 +181,29 @@ type Fresnel = (&'static str, Formula, fn(&Facet) -> f64);
 enum Formula {
     Exact,
     Schlick,
+    /// Schlick's with a power of two in place of (1 − cos)⁵.
+    PowerOfTwo,
     One,
 }
 
-const FRESNEL: [Fresnel; 6] = [
+impl Formula {
+    /// g of F₀ (1 − g) + g, if the formula has this form.
+    fn grazing(self, cos: f64) -> Option<f64> {
+        match self {
+            Self::Schlick => Some((1.0 - cos).powi(5)),
+            Self::PowerOfTwo => Some(((-5.55473 * cos - 6.98316) * cos).exp2()),
+            Self::Exact | Self::One => None,
+        }
+    }
+}
+
+const FRESNEL: [Fresnel; 7] = [
     ("the exact Fresnel reflectance", Formula::Exact, |facet| facet.cos_o),
     ("Schlick's Fresnel reflectance", Formula::Schlick, |facet| facet.cos_o),
     ("the exact Fresnel reflectance at cos θo in place of wo·wm", Formula::Exact, |facet| facet.wo[2].abs()),
     ("Schlick's Fresnel reflectance at cos θo in place of wo·wm", Formula::Schlick, |facet| facet.wo[2].abs()),
     ("Schlick's Fresnel reflectance at cos θm in place of wo·wm", Formula::Schlick, |facet| facet.wm[2]),
+    ("Schlick's Fresnel reflectance with a power of two for (1 - cos)⁵", Formula::PowerOfTwo, |facet| facet.cos_o),
     ("a Fresnel reflectance of 1", Formula::One, |_| 1.0),
 ];
 
@@ -220,12 +234,11 @@ pub struct Candidate {
     pub fitted: Option<f64>,
 }
 
-/// F₀ of Schlick's formula F₀ (1 − g) + g, g = (1 − cos)⁵, for values that are `rest` times F and perhaps a constant: by least squares of
-/// a (1 − g) + c g, F₀ = a/c. Where all cosines are about equal, the constant is 1.
-fn fitted_f0(found: &[f64], rest: &[f64], cosines: &[f64]) -> f64 {
-    let row =
-        |((f, rest), cos): ((&f64, &f64), &f64)| Some([(1.0 - cos).powi(5), f / rest]).filter(|row| row[1].is_finite());
-    let rows: Vec<[f64; 2]> = found.iter().zip(rest).zip(cosines).filter_map(row).collect();
+/// F₀ of F₀ (1 − g) + g, for values that are `rest` times F and perhaps a constant: by least squares of
+/// a (1 − g) + c g, F₀ = a/c. Where all g are about equal, the constant is 1.
+fn fitted_f0(found: &[f64], rest: &[f64], grazing: &[f64]) -> f64 {
+    let row = |((f, rest), g): ((&f64, &f64), &f64)| Some([*g, f / rest]).filter(|row| row[1].is_finite());
+    let rows: Vec<[f64; 2]> = found.iter().zip(rest).zip(grazing).filter_map(row).collect();
     let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|[g, f_of_g]| f(*g, *f_of_g)).sum::<f64>();
     let (hh, hg, gg) = (sum(&|g, _| (1.0 - g) * (1.0 - g)), sum(&|g, _| (1.0 - g) * g), sum(&|g, _| g * g));
     let (hf, gf) = (sum(&|g, f| (1.0 - g) * f), sum(&|g, f| g * f));
@@ -236,12 +249,10 @@ fn fitted_f0(found: &[f64], rest: &[f64], cosines: &[f64]) -> f64 {
 }
 
 /// The same without a constant, in the median over all pairs, which is of use also if the rest is wrong.
-fn median_f0(found: &[f64], rest: &[f64], cosines: &[f64]) -> f64 {
-    let one = |((f, rest), cos): ((&f64, &f64), &f64)| {
-        let grazing = (1.0 - cos).powi(5);
-        Some((f / rest - grazing) / (1.0 - grazing)).filter(|f0| grazing < 0.5 && f0.is_finite())
-    };
-    let mut all: Vec<f64> = found.iter().zip(rest).zip(cosines).filter_map(one).collect();
+fn median_f0(found: &[f64], rest: &[f64], grazing: &[f64]) -> f64 {
+    let one =
+        |((f, rest), g): ((&f64, &f64), &f64)| Some((f / rest - g) / (1.0 - g)).filter(|f0| *g < 0.5 && f0.is_finite());
+    let mut all: Vec<f64> = found.iter().zip(rest).zip(grazing).filter_map(one).collect();
     all.sort_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN).clamp(0.0, 1.0)
 }
@@ -260,6 +271,13 @@ impl Surface {
         match (formula, self.material) {
             (Formula::One, _) => 1.0,
             (Formula::Schlick, Material::Dielectric(_)) => dielectric::schlick(cos, eta),
+            (Formula::PowerOfTwo, _) => {
+                let f0 = match self.material {
+                    Material::Dielectric(_) => dielectric::schlick(1.0, eta),
+                    _ => f0,
+                };
+                formula.grazing(cos).map_or(f0, |g| f0 * (1.0 - g) + g)
+            }
             (Formula::Schlick, _) | (_, Material::Schlick(_)) => dielectric::schlick_polynomial(f0, cos),
             (Formula::Exact, Material::Metal([eta, k])) => conductor::fresnel(cos, eta, k).unpolarized(),
             (Formula::Exact, Material::Dielectric(_)) => dielectric::fresnel(cos, eta).unpolarized(),
@@ -313,14 +331,10 @@ impl Surface {
                             continue;
                         }
                         let cosines: Vec<f64> = facets.iter().map(|facet| facet.as_ref().map_or(1.0, cosine)).collect();
-                        let fitted =
-                            (self.material == Material::Schlick(None) && *formula == Formula::Schlick).then(|| {
-                                if most == 0 {
-                                    median_f0(found, &rest, &cosines)
-                                } else {
-                                    fitted_f0(found, &rest, &cosines)
-                                }
-                            });
+                        let grazing: Option<Vec<f64>> = cosines.iter().map(|cos| formula.grazing(*cos)).collect();
+                        let grazing = grazing.filter(|_| self.material == Material::Schlick(None));
+                        let fit = if most == 0 { median_f0 } else { fitted_f0 };
+                        let fitted = grazing.map(|grazing| fit(found, &rest, &grazing));
                         let f0 = fitted.unwrap_or(known);
                         let value = |((facet, rest), cos): ((&Option<Facet>, &f64), &f64)| {
                             let Some(facet) = facet else { return 0.0 };

@@ -52,7 +52,7 @@ pub struct PixelEstimate {
 const MAX_PIXELS: usize = 1 << 28;
 
 impl Film {
-    /// Memory that a film takes for each pixel, and for each path class of a pixel.
+    /// Memory that a film takes for each pixel, without path classes.
     pub const BYTES: usize = size_of::<Pixel>();
     /// Memory of one path class of a pixel.
     pub const BYTES_PER_CLASS: usize = size_of::<FixedRgb>();

@@ -4,15 +4,14 @@
 //! faster than any tree. If a scene has more, only the large ones are. All others, and the triangles of all meshes, are in one
 //! bounding volume hierarchy (BVH), built only if it holds anything.
 
-mod loops;
 #[cfg(test)]
 mod tests;
 
-use super::lanes::{Hits, LANES, Lane, NONE, Rays, at};
-use super::solids::{Panel, Wall, offset_of_sphere};
+use super::lanes::{Hits, LANES, Lane, NONE, Rays, at, fill};
+use super::solids::{Solid, offset_of_sphere, panel};
 use etalon_core::math::Frame;
 use etalon_core::scene::bvh::{self, Bvh};
-use etalon_core::scene::{Object, Scene, Shape, Sphere};
+use etalon_core::scene::{Object, Scene, Shape};
 use glam::{Vec2, Vec3};
 use pulp::Arch;
 use std::f32::consts::{PI, TAU};
@@ -82,9 +81,8 @@ const MOST_SOLIDS: usize = 48;
 /// The prepared shapes.
 pub struct Geometry<'a> {
     objects: &'a [Object],
-    /// What is tried one by one.
-    walls: Vec<Wall>,
-    spheres: Vec<(Sphere, u32)>,
+    /// What is tried one by one, each with the number of its object: rectangles, then spheres.
+    solids: Vec<(Box<dyn Solid>, u32)>,
     /// All other shapes.
     tree: Option<Tree>,
     extent: f32,
@@ -135,7 +133,7 @@ impl<'a> Geometry<'a> {
 
     fn prepare(scene: &'a Scene, with_tree: bool, outside_bvh: &[bool]) -> Self {
         let objects = &scene.objects;
-        let (mut walls, mut spheres) = (Vec::new(), Vec::new());
+        let (mut solids, mut spheres): (Vec<(Box<dyn Solid>, u32)>, _) = (Vec::new(), Vec::new());
         let (mut shapes, mut shape_objects) = (Vec::new(), Vec::new());
         let (mut whole, mut in_tree) = (EMPTY, EMPTY);
         for (i, object) in (0..).zip(objects) {
@@ -143,7 +141,7 @@ impl<'a> Geometry<'a> {
             whole = union(whole, bounds);
             let is_alone = outside_bvh[i as usize];
             match &object.shape {
-                Shape::Rectangle(rectangle) if is_alone => walls.push(Wall::new(rectangle, i)),
+                Shape::Rectangle(rectangle) if is_alone => solids.push((panel(rectangle), i)),
                 Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
                 shape => {
                     in_tree = union(in_tree, bounds);
@@ -155,27 +153,19 @@ impl<'a> Geometry<'a> {
         let tree =
             with_tree.then(|| Tree { bvh: Bvh::build(&shapes), bounds: with_margin(in_tree), object: shape_objects });
         let extent = (whole[1] - whole[0]).length();
-        Self { objects, walls, spheres, tree, extent, arch: Arch::new() }
+        solids.extend(spheres.into_iter().map(|(sphere, i)| (Box::new(sphere) as Box<dyn Solid>, i)));
+        Self { objects, solids, tree, extent, arch: Arch::new() }
     }
 
     /// The nearest object of the first `count` rays.
     pub fn nearest(&self, rays: &Rays, count: usize, hits: &mut Hits) {
         hits.t[..count].fill(f32::INFINITY);
         hits.object[..count].fill(NONE);
-        for wall in &self.walls {
-            let object = wall.object;
-            match &wall.panel {
-                Panel::X(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
-                Panel::Y(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
-                Panel::Z(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
-                Panel::Tilted(solid) => loops::nearest(self.arch, solid, object, rays, count, hits),
-            }
-        }
-        for (sphere, object) in &self.spheres {
-            loops::nearest(self.arch, sphere, *object, rays, count, hits);
+        for (solid, object) in &self.solids {
+            solid.nearest(self.arch, *object, rays, count, hits);
         }
         if let Some(tree) = &self.tree {
-            let reach = loops::reach(self.arch, tree.bounds, rays, count, &hits.t);
+            let reach = reach(self.arch, tree.bounds, rays, count, &hits.t);
             let mut found = [None; LANES];
             tree.bvh.nearest_many(limited(rays, &reach, count), &mut found[..count]);
             for (i, hit) in found[..count].iter().enumerate() {
@@ -198,19 +188,11 @@ impl<'a> Geometry<'a> {
     /// end in front of it: see [`short_of`](super::solids::short_of).
     pub fn occluded(&self, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
-        for wall in &self.walls {
-            match &wall.panel {
-                Panel::X(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
-                Panel::Y(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
-                Panel::Z(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
-                Panel::Tilted(solid) => loops::blocked(self.arch, solid, rays, count, t_max, blocked),
-            }
-        }
-        for (sphere, _) in &self.spheres {
-            loops::blocked(self.arch, sphere, rays, count, t_max, blocked);
+        for (solid, _) in &self.solids {
+            solid.blocked(self.arch, rays, count, t_max, blocked);
         }
         if let Some(tree) = &self.tree {
-            let mut reach = loops::reach(self.arch, tree.bounds, rays, count, t_max);
+            let mut reach = reach(self.arch, tree.bounds, rays, count, t_max);
             for (reach, &blocked) in reach[..count].iter_mut().zip(blocked.iter()) {
                 // A ray that is stopped already needs no tree.
                 *reach = if blocked == 0 { *reach } else { 0.0 };
@@ -325,4 +307,24 @@ fn surface([low, high]: [Vec3; 2]) -> f32 {
 fn with_margin([low, high]: [Vec3; 2]) -> [Vec3; 2] {
     let margin = 1e-4 * (high - low).max_element() + 1e-5 * low.abs().max(high.abs()).max_element();
     [low - margin, high + margin]
+}
+
+/// For each ray the distance up to which a tree in a box is to be searched: its `t_max`, or 0 if it does not reach the box.
+fn reach(arch: Arch, [low, high]: [Vec3; 2], rays: &Rays, count: usize, t_max: &Lane) -> Lane {
+    let mut reach = [0.0; LANES];
+    fill(
+        arch,
+        count,
+        [&mut reach],
+        #[inline(always)]
+        move |i| {
+            let (origin, inverse) = (at(&rays.origin, i), at(&rays.direction, i).recip());
+            let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
+            // 0 · ∞ on the face of a slab is NaN, which max and min pass over.
+            let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);
+            let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(t_max[i]);
+            [if near <= far { t_max[i] } else { 0.0 }]
+        },
+    );
+    reach
 }

@@ -5,11 +5,11 @@ use crate::lanes::set;
 use crate::light_sample::SampleLight;
 use crate::lights::Sampled;
 use crate::settings::Settings;
+use crate::solids::AxisPanel;
 use etalon_core::math::Rgb;
 use etalon_core::sampling::stream::{Independent, Stream};
-use etalon_core::scene::{Camera, Emission, Material, Mesh, Projection, Rectangle};
+use etalon_core::scene::{Camera, Emission, Material, Mesh, Projection, Rectangle, Sphere};
 use glam::DVec3;
-use std::collections::HashSet;
 
 fn random(i: u64, j: u64) -> f32 {
     (2.0 * Independent::new(5, i, j as u32).pair(0)[0] - 1.0) as f32
@@ -111,10 +111,17 @@ fn mixture() -> Vec<Shape> {
 fn the_tree_finds_what_one_by_one_is_found() {
     let scene = scene(mixture());
     let [few, many] = both(&scene);
-    assert!(few.walls.len() == 10 && few.spheres.len() == 20 && many.walls.is_empty() && many.spheres.is_empty());
-    // Upright walls of all axes and tilted ones.
-    let kinds: HashSet<_> = few.walls.iter().map(|wall| std::mem::discriminant(&wall.panel)).collect();
-    assert_eq!(kinds.len(), 4);
+    assert!(few.solids.len() == 30 && many.solids.is_empty());
+    // Upright walls of all axes and tilted ones
+    let mut kinds = [0; 4];
+    for object in &scene.objects {
+        if let Shape::Rectangle(r) = &object.shape {
+            let axes =
+                [AxisPanel::<0>::new(r).is_some(), AxisPanel::<1>::new(r).is_some(), AxisPanel::<2>::new(r).is_some()];
+            kinds[axes.iter().position(|is_axis| *is_axis).unwrap_or(3)] += 1;
+        }
+    }
+    assert!(!kinds.contains(&0), "{kinds:?}");
     let (mut found, mut differing) = ([0; 3], 0);
     for batch in 0..40 {
         let mut rays = Rays::default();

@@ -3,7 +3,7 @@
 use super::scatter::next_q;
 use super::state::{ShadowRay, ShadowRays, Step, Vertices};
 use crate::bsdf_lanes::{Scattered, eval_many, reverse_pdf_many};
-use crate::environment::{EnvironmentSampling, SurfaceSampling};
+use crate::environment::{EnvironmentSampling, SurfaceSampling, surface_sampling};
 use crate::lanes::{Hits, LANES, NONE, Ray, Rows, at, fill};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
@@ -40,7 +40,7 @@ fn sources<'a>(scene: &'a PreparedScene<'a>, surface: Kind) -> impl Iterator<Ite
     let count = scene.request.light_samples;
     let rounds = scene.lights.rounds().iter().enumerate().map(|(i, &round)| (Source::Lights(i, round), round.count));
     let environment = scene.environment.iter().map(move |environment| (Source::Environment(environment), count));
-    let by_surface = SurfaceSampling::of(scene.sampling, surface).into_iter();
+    let by_surface = surface_sampling(scene.sampling, surface).into_iter();
     rounds.chain(environment).chain(by_surface.map(move |strategy| (Source::Surface(strategy), count)))
 }
 
@@ -72,7 +72,7 @@ pub fn sample_direct_light(
             }
             radiance.work.rays += shadow_rays.count;
             if matches!(source, Source::Environment(_) | Source::Lights(_, Round { light: None, .. })) {
-                radiance.work.choices += shadow_rays.count;
+                radiance.work.choices += interactions.count;
             }
             match source {
                 Source::Lights(..) | Source::Environment(_) => trace_shadow_rays(step.scene, shadow_rays, radiance),
@@ -123,9 +123,9 @@ fn sample_light(
         }
         Source::Surface(strategy) => {
             for i in 0..count {
-                let local = strategy.sample(samples.direct.get_2d(slots[i], sub));
+                let (local, pdf) = strategy(samples.direct.get_2d(slots[i], sub));
                 let wi = Frame::from_normal(at(&interactions.ns, i)).to_world(local.as_vec3());
-                let weight = Rgb::splat(1.0 / strategy.pdf(local.z) as f32);
+                let weight = Rgb::splat(1.0 / pdf as f32);
                 let sample = LightSample { wi, distance: f32::INFINITY, weight, pdf: f32::INFINITY };
                 out.set(i, NONE, sample, f32::INFINITY);
             }

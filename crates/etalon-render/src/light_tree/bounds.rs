@@ -25,6 +25,17 @@ pub struct LightBounds {
 }
 
 impl LightBounds {
+    /// Those of a light that is never sampled.
+    pub const NONE: Self = Self {
+        min: Vec3::ZERO,
+        max: Vec3::ZERO,
+        intensity: 0.0,
+        axis: Vec3::Z,
+        cos_o: 1.0,
+        cos_e: 0.0,
+        two_sided: false,
+    };
+
     /// The bounds of a plane polygon with these corners.
     pub fn plane<const N: usize>(corners: [Vec3; N], normal: Vec3, intensity: f32, two_sided: bool) -> Self {
         let min = corners.into_iter().fold(Vec3::INFINITY, Vec3::min);

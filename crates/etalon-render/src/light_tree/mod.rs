@@ -16,6 +16,7 @@ mod tests;
 
 pub use bounds::LightBounds;
 
+use super::lanes::{BLOCK, NONE};
 use build::{Built, build};
 use glam::Vec3;
 use node::{Importances, Node, WIDTH};
@@ -48,25 +49,11 @@ impl LightTree {
     pub fn at(&self, point: Vec3, normal: Option<Vec3>) -> LightTreeAt<'_> {
         LightTreeAt { tree: self, point, normal, root: self.nodes[0].importances(point, normal) }
     }
-
-    /// [`LightTreeAt::sample`] for a point from which one light is sampled.
-    #[inline(always)]
-    #[must_use]
-    pub fn sample(&self, point: Vec3, normal: Option<Vec3>, u: f32) -> Option<(usize, f32)> {
-        self.at(point, normal).sample(u)
-    }
-
-    /// [`LightTreeAt::pmf`] for a point at which it is asked for once.
-    #[inline(always)]
-    #[must_use]
-    pub fn pmf(&self, point: Vec3, normal: Option<Vec3>, light: usize) -> f32 {
-        self.at(point, normal).pmf(light)
-    }
 }
 
 /// A sample on its way down the tree.
 #[derive(Debug, Clone, Copy)]
-pub struct Descent {
+struct Descent {
     node: u32,
     probability: f32,
     /// The random number for the rest of the way.
@@ -76,16 +63,16 @@ pub struct Descent {
 impl Descent {
     /// At the root.
     #[inline(always)]
-    pub fn new(u: f32) -> Self {
+    fn new(u: f32) -> Self {
         Self { node: 0, probability: 1.0, u }
     }
 }
 
 /// Where a step down the tree leads.
 #[derive(Debug, Clone, Copy)]
-pub enum Found {
+enum Found {
     /// To a light, with its probability.
-    Light(usize, f32),
+    Light(u32, f32),
     /// To where no light arrives from.
     Nothing,
     Node(Descent),
@@ -111,7 +98,7 @@ impl LightTreeAt<'_> {
     /// therefore gives samples stratified over the lights.
     #[inline(always)]
     #[must_use]
-    pub fn sample(&self, u: f32) -> Option<(usize, f32)> {
+    pub fn sample(&self, u: f32) -> Option<(u32, f32)> {
         let mut descent = Descent::new(u);
         loop {
             match self.descend(descent) {
@@ -127,23 +114,50 @@ impl LightTreeAt<'_> {
     /// Descents do not depend on each other: a processor that takes a step of each of many in turn overlaps them, which it
     /// cannot do with the steps of one.
     #[inline(always)]
-    pub fn descend(&self, descent: Descent) -> Found {
+    fn descend(&self, descent: Descent) -> Found {
         let node = &self.tree.nodes[descent.node as usize];
         let importances = if descent.node == 0 { self.root } else { node.importances(self.point, self.normal) };
         let Some((i, share, u)) = importances.sample(descent.u) else { return Found::Nothing };
         let probability = descent.probability * share;
         match node.children[i].index() {
             // Not 0 by underflow.
-            Ok(light) => Found::Light(light, probability.max(f32::MIN_POSITIVE)),
+            Ok(light) => Found::Light(light as u32, probability.max(f32::MIN_POSITIVE)),
             Err(next) => Found::Node(Descent { node: next as u32, probability, u }),
+        }
+    }
+
+    /// [`sample`](Self::sample) for a block of shading points. On entry `probability` holds their random numbers, on return the
+    /// probability of the chosen light; `light` is [`NONE`] where no light can contribute. All points descend the tree together.
+    #[inline(always)]
+    pub fn sample_each(places: &[Self; BLOCK], light: &mut [u32], probability: &mut [f32]) {
+        let mut count = light.len().min(probability.len()).min(BLOCK);
+        let (mut descents, mut left) = ([Descent::new(0.0); BLOCK], [0; BLOCK]);
+        for i in 0..count {
+            (descents[i], left[i]) = (Descent::new(probability[i]), i);
+        }
+        while count > 0 {
+            let mut still = 0;
+            for k in 0..count {
+                let i = left[k] % BLOCK;
+                left[still] = i;
+                match places[i].descend(descents[i]) {
+                    Found::Light(number, p) => (light[i], probability[i]) = (number, p),
+                    Found::Nothing => (light[i], probability[i]) = (NONE, 1.0),
+                    Found::Node(descent) => {
+                        descents[i] = descent;
+                        still += 1;
+                    }
+                }
+            }
+            count = still;
         }
     }
 
     /// The probability that [`sample`](Self::sample) selects a light; 0 only if the light does not reach the point.
     #[inline(always)]
     #[must_use]
-    pub fn pmf(&self, light: usize) -> f32 {
-        let Some(mut trail) = self.tree.trails[light] else { return 0.0 };
+    pub fn pmf(&self, light: u32) -> f32 {
+        let Some(mut trail) = self.tree.trails[light as usize] else { return 0.0 };
         let (mut node, mut importances, mut probability) = (&self.tree.nodes[0], self.root, 1.0);
         loop {
             let i = (trail % WIDTH as u64) as usize;

@@ -85,7 +85,7 @@ fn probabilities_sum_to_one_where_every_light_reaches_the_point() {
     let tree = LightTree::new(&lights);
     for _ in 0..50 {
         let point = 2.0 * random.place();
-        let sum: f64 = (0..1000).map(|i| f64::from(tree.pmf(point, None, i))).sum();
+        let sum: f64 = (0..1000).map(|i| f64::from(tree.at(point, None).pmf(i))).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{point}: {sum}");
     }
 }
@@ -103,8 +103,8 @@ fn a_light_that_reaches_the_point_can_be_sampled() {
             let [x, y] = random.pair().map(|u| if round % 4 == 1 { 20.0 * u - 10.0 } else { 2.0 * u - 1.0 });
             let in_plane = panel.centre + x * panel.half[0] + y * panel.half[1];
             let point = if round % 2 == 0 { 6.0 * random.place() - 1.0 } else { in_plane };
-            for (i, panel) in panels.iter().enumerate() {
-                let pmf = tree.pmf(point, normal, i);
+            for (i, panel) in (0..).zip(&panels) {
+                let pmf = tree.at(point, normal).pmf(i);
                 assert!(pmf > 0.0 || !panel.reaches(point, normal), "{count} {round} {i}");
             }
         }
@@ -116,9 +116,9 @@ fn lights_that_do_not_reach_the_point_are_not_sampled() {
     let up = Panel::new(Vec3::ZERO, Vec3::Z, [0.1, 0.1], 1.0, false);
     let tree = tree(&[up, Panel::new(4.0 * Vec3::X, Vec3::Z, [0.1, 0.1], 1.0, true)]);
     let below = -Vec3::Z;
-    assert_eq!(tree.pmf(below, None, 0), 0.0);
-    assert_eq!(tree.pmf(below, Some(Vec3::Z), 1), 1.0);
-    assert_eq!(tree.sample(below, Some(-Vec3::Z), 0.5), None);
+    assert_eq!(tree.at(below, None).pmf(0), 0.0);
+    assert_eq!(tree.at(below, Some(Vec3::Z)).pmf(1), 1.0);
+    assert_eq!(tree.at(below, Some(-Vec3::Z)).sample(0.5), None);
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn importances_of_small_lights_are_their_contributions() {
     let expected = [1.0 / 4.0, 5.0 * 0.5 / 18.0, 0.5 * (2.0 / 5.0) / 5.0];
     let tree = tree(&panels);
     for i in 0..3 {
-        let pmf = tree.pmf(point, Some(normal), i) * expected.iter().sum::<f32>();
+        let pmf = tree.at(point, Some(normal)).pmf(i as u32) * expected.iter().sum::<f32>();
         assert!((pmf / expected[i] - 1.0).abs() < 1e-3, "{i}: {pmf} {}", expected[i]);
     }
 }
@@ -143,7 +143,8 @@ fn each_light_has_one_interval_of_u() {
     let mut random = Random { index: 0 };
     let tree = tree(&panels(200, &mut random));
     let point = 4.0 * random.place();
-    let mut lights: Vec<_> = (0..=u16::MAX).filter_map(|i| tree.sample(point, None, f32::from(i) / 65_536.0)).collect();
+    let mut lights: Vec<_> =
+        (0..=u16::MAX).filter_map(|i| tree.at(point, None).sample(f32::from(i) / 65_536.0)).collect();
     lights.dedup();
     let runs = lights.len();
     lights.sort_by_key(|sample| sample.0);
@@ -168,18 +169,18 @@ fn bounds_of_area_lights_hold_what_they_emit() {
     let (tree, mut random) = (LightTree::new(&bounds), Random { index: 0 });
     for _ in 0..2000 {
         let (point, normal) = (4.0 * random.place() - 2.0, random.direction());
-        for (i, light) in lights.iter().enumerate() {
+        for (i, light) in (0..).zip(&lights) {
             let sample = light.sample(point, random.pair());
             let arrives = sample.weight != Rgb::ZERO && sample.wi.dot(normal) > 0.0;
-            assert!(!arrives || tree.pmf(point, Some(normal), i) > 0.0, "{i} {point} {normal}");
+            assert!(!arrives || tree.at(point, Some(normal)).pmf(i) > 0.0, "{i} {point} {normal}");
         }
     }
 }
 
 #[test]
 fn degenerate_lights() {
-    assert_eq!(LightTree::new(&[]).sample(Vec3::ZERO, None, 0.5), None);
-    assert_eq!(LightTree::new(&[bulb(Vec3::X, 0.0)]).sample(Vec3::ZERO, None, 0.5), None);
+    assert_eq!(LightTree::new(&[]).at(Vec3::ZERO, None).sample(0.5), None);
+    assert_eq!(LightTree::new(&[bulb(Vec3::X, 0.0)]).at(Vec3::ZERO, None).sample(0.5), None);
     let at_one_place = |count: usize| vec![bulb(Vec3::ONE, 1.0); count];
     let on_a_line = (0..5000).map(|i| bulb((i as f32).exp2().min(1e17) * Vec3::X, 1.0)).collect();
     let of_any_intensity = (0..60u8).map(|i| bulb(f32::from(i) * Vec3::Y, 10f32.powi(i32::from(i) - 30))).collect();
@@ -188,11 +189,11 @@ fn degenerate_lights() {
         let tree = LightTree::new(&lights);
         for point in [Vec3::ZERO, Vec3::ONE, Vec3::splat(1e17), Vec3::splat(1e-20)] {
             for u in [0.0, 0.1, 0.5, 1.0 - f32::EPSILON / 2.0] {
-                let (light, probability) = tree.sample(point, None, u).unwrap();
-                assert!(lights[light].intensity > 0.0 && probability > 0.0 && probability <= 1.0);
-                assert_eq!(tree.pmf(point, None, light), probability);
+                let (light, probability) = tree.at(point, None).sample(u).unwrap();
+                assert!(lights[light as usize].intensity > 0.0 && probability > 0.0 && probability <= 1.0);
+                assert_eq!(tree.at(point, None).pmf(light), probability);
             }
-            let excluded = (0..lights.len()).filter(|i| tree.pmf(point, None, *i) == 0.0);
+            let excluded = (0..lights.len()).filter(|i| tree.at(point, None).pmf(*i as u32) == 0.0);
             assert!(excluded.into_iter().all(|i| lights[i].intensity == 0.0));
         }
     }

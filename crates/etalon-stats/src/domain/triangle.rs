@@ -43,14 +43,17 @@ fn mistakes<'a>(
             point(b)
         })
     };
-    vec![
+    let mut all = vec![
         exchanged("with b0 and b1 exchanged", [0, 1]),
         exchanged("with b0 and b2 exchanged", [0, 2]),
         exchanged("with b1 and b2 exchanged", [1, 2]),
-        Mistake::density("a density in proportion to 1/(1 - b0) (1 - b0 is u, not √u)", move |at| {
-            1.0 / (1.0 - barycentric(at)[0])
-        }),
-    ]
+    ];
+    // Whichever corner's coordinate a sampler draws first
+    all.extend((0..3).map(|i| {
+        let name = format!("a density in proportion to 1/(1 - b{i}) (1 - b{i} is u, not √u)");
+        Mistake::density(&name, move |at| 1.0 / (1.0 - barycentric(at)[i]))
+    }));
+    all
 }
 
 /// The first two of three barycentric coordinates; μ is the area of these pairs, ½ in all.

@@ -4,14 +4,14 @@
 use super::super::case::{Case, direction_density, direction_sampler};
 use super::super::suite::adjoint::{KERNEL, LightPaths, adjoint, equal_means, glass};
 use super::super::suite::light_paths::{TARGETS, direction, shapes};
-use super::super::suite::lights::{Pmf, TRIANGLES, selection, triangle};
+use super::super::suite::lights::{Pmf, TRIANGLES, pmf, selection, triangle};
 use super::super::suite::renders::{Plant, RenderTest, Split, finer};
 use super::super::suite::techniques::{FINE, glass_and_mirror, image, rough_metal};
 use super::fault::PlantedFault;
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::math::Rgb;
 use etalon_core::scene::{Material, ScatterModel, Scene};
-use etalon_render::probe::{LightTree, SAMPLES_PER_LIGHT_PATH};
+use etalon_render::probe::SAMPLES_PER_LIGHT_PATH;
 use etalon_render::{Sampling, Settings};
 use etalon_stats::{Density, Directions, Line, Pole, Sample, Sampler, density, sampler};
 use glam::{DVec3, Vec3};
@@ -131,7 +131,7 @@ pub fn light_paths() -> Vec<PlantedFault> {
     let by = |sampling| Settings { sampling, ..Settings::default() };
     let kernel = Split { settings: by(Sampling::MisLt), light_samples: 2, widths: 1, factor: 1.0 };
     let diffuse = Material::Diffuse { albedo: Rgb::splat(0.5) }.bsdf(ScatterModel::default());
-    let without_normal: Pmf = |tree, point, _, light| tree.pmf(point, None, light);
+    let without_normal: Pmf = |tree, point, _, light| tree.at(point, None).pmf(light);
     vec![
         image_with("light-path/missing-technique", glass_and_mirror, Split { settings: by(Sampling::Mis), ..kernel })
             .mistake(
@@ -163,7 +163,7 @@ pub fn light_paths() -> Vec<PlantedFault> {
         .mistake("Russian roulette without compensation: the surviving paths not divided by their probability"),
         planted("light/tree-without-normal", |name, faulty| {
             let normal = Some(Vec3::new(-0.6, 0.8, 0.0));
-            let pmf = if faulty { without_normal } else { LightTree::pmf };
+            let pmf = if faulty { without_normal } else { pmf };
             selection(name, 200, Vec3::new(0.4, 0.6, 0.3), normal, pmf)
         })
         .mistake("lights chosen by place and normal, but the probability of the choice by the place alone"),

@@ -11,7 +11,8 @@ pub(super) mod warps;
 mod weights;
 
 #[cfg(test)]
-pub(crate) use bsdf::rough;
+#[cfg(test)]
+pub(crate) use bsdf::{faulty, rough};
 pub use fault::PlantedFault;
 pub use fault::{By, Finding, Findings, run, run_pair};
 

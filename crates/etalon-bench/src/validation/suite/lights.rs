@@ -15,7 +15,7 @@ use etalon_core::scene::{
 };
 use etalon_render::Settings;
 use etalon_render::probe::{
-    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, Lights, NONE, SampleLight, Sampled, Selection,
+    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, LightTreeAt, Lights, NONE, SampleLight, Sampled,
 };
 use etalon_render::probe::{sample_one_light, sample_own_lights};
 use etalon_stats::bsdf::{
@@ -355,7 +355,12 @@ fn sky() -> Case {
 }
 
 /// The probability of a light by a tree, at a point with a normal or without.
-pub type Pmf = fn(&LightTree, Vec3, Option<Vec3>, usize) -> f32;
+pub type Pmf = fn(&LightTree, Vec3, Option<Vec3>, u32) -> f32;
+
+/// As the renderer has it.
+pub fn pmf(tree: &LightTree, point: Vec3, normal: Option<Vec3>, light: u32) -> f32 {
+    tree.at(point, normal).pmf(light)
+}
 
 /// Numbers of lights.
 const COUNTS: [usize; 3] = [10, 200, 10_000];
@@ -371,7 +376,7 @@ pub fn selections() -> Vec<Case> {
         for (place, point) in POINTS {
             for (side, normal) in NORMALS {
                 let name = format!("light/selection/{count}/{place}/{side}");
-                cases.push(selection(name, count, point, normal, LightTree::pmf));
+                cases.push(selection(name, count, point, normal, pmf));
             }
         }
     }
@@ -390,7 +395,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
                 for start in (0..count).step_by(BLOCK) {
                     let block = start..count.min(start + BLOCK);
                     let (light, p) = (&mut chosen[block.clone()], &mut probability[block]);
-                    Selection::sample_each(&[selection; BLOCK], light, p);
+                    LightTreeAt::sample_each(&[selection; BLOCK], light, p);
                 }
             }
             let of_lane = |i: usize| {
@@ -399,7 +404,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
             };
             (0..count).map(of_lane).collect()
         };
-        let pmf = move |light| f64::from(pmf(&tree, point, normal, light));
+        let pmf = move |light: usize| f64::from(pmf(&tree, point, normal, light as u32));
         (in_lanes(choose), density(pmf).with_mass(Mass::AtMostOne))
     })
 }
