@@ -6,7 +6,6 @@ use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, Vectorize
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Frame, Rgb};
 use glam::{Vec2, Vec3};
-use pulp::Arch;
 use std::array::from_mut;
 
 /// What a path carries. The two differ where light is refracted, which changes radiance by 1/η².
@@ -93,16 +92,8 @@ fn run(bsdfs: Bsdfs, work: impl VectorizedLoop) -> bool {
 }
 
 /// Samples a direction for each of the first `count` views. The first of the random numbers chooses a lobe.
-pub fn sample_many(
-    arch: Arch,
-    bsdfs: Bsdfs,
-    mode: TransportMode,
-    wo: &Lane3,
-    u: [&Lane; 3],
-    count: usize,
-    out: &mut Scattered,
-) {
-    if run(bsdfs, SampleLoop { arch, mode, wo, u, count, out }) {
+pub fn sample_many(bsdfs: Bsdfs, mode: TransportMode, wo: &Lane3, u: [&Lane; 3], count: usize, out: &mut Scattered) {
+    if run(bsdfs, SampleLoop { mode, wo, u, count, out }) {
         return;
     }
     let sample = match mode {
@@ -118,8 +109,8 @@ pub fn sample_many(
 
 /// Sets `out.weight` to the BSDF and `out.pdf` to its pdf for each of the first `count` pairs of directions `wo` and
 /// `out.wi`.
-pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(bsdfs, EvalLoop { arch, wo, count, is_reverse: false, out }) {
+pub fn eval_many(bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(bsdfs, EvalLoop { wo, count, is_reverse: false, out }) {
         return;
     }
     for i in 0..count {
@@ -130,8 +121,8 @@ pub fn eval_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut S
 }
 
 /// Sets `out.reverse_pdf` to the pdf of `wo` for light from `out.wi` for each of the first `count` pairs of directions.
-pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
-    if run(bsdfs, EvalLoop { arch, wo, count, is_reverse: true, out }) {
+pub fn reverse_pdf_many(bsdfs: Bsdfs, wo: &Lane3, count: usize, out: &mut Scattered) {
+    if run(bsdfs, EvalLoop { wo, count, is_reverse: true, out }) {
         return;
     }
     for i in 0..count {
@@ -140,9 +131,8 @@ pub fn reverse_pdf_many(arch: Arch, bsdfs: Bsdfs, wo: &Lane3, count: usize, out:
 }
 
 /// Directions of pdf cos θ / π about the first `count` normals.
-pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], count: usize, wi: &mut Lane3) {
+pub fn sample_cosine_hemisphere(normals: &Lane3, u: &[Lane; 2], count: usize, wi: &mut Lane3) {
     fill(
-        arch,
         count,
         wi.each_mut(),
         #[inline(always)]
@@ -157,7 +147,6 @@ pub fn sample_cosine_hemisphere(arch: Arch, normals: &Lane3, u: &[Lane; 2], coun
 }
 
 struct SampleLoop<'a> {
-    arch: Arch,
     mode: TransportMode,
     wo: &'a Lane3,
     u: [&'a Lane; 3],
@@ -166,7 +155,6 @@ struct SampleLoop<'a> {
 }
 
 struct EvalLoop<'a> {
-    arch: Arch,
     wo: &'a Lane3,
     count: usize,
     /// Whether only the pdf of `wo` for light from `wi` is computed.
@@ -176,9 +164,8 @@ struct EvalLoop<'a> {
 
 impl VectorizedLoop for SampleLoop<'_> {
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, mode, wo, u, count, out } = self;
+        let Self { mode, wo, u, count, out } = self;
         wide(
-            arch,
             #[inline(always)]
             move || {
                 for number in 0..blocks(count) {
@@ -203,11 +190,10 @@ impl VectorizedLoop for SampleLoop<'_> {
 
 impl VectorizedLoop for EvalLoop<'_> {
     fn over(self, bsdf: impl Vectorizable) {
-        let Self { arch, wo, count, is_reverse, out: Scattered { wi, weight: [r, g, b], pdf, reverse_pdf, .. } } = self;
+        let Self { wo, count, is_reverse, out: Scattered { wi, weight: [r, g, b], pdf, reverse_pdf, .. } } = self;
         let wi = &*wi;
         if is_reverse {
             fill(
-                arch,
                 count,
                 [reverse_pdf],
                 #[inline(always)]
@@ -215,7 +201,6 @@ impl VectorizedLoop for EvalLoop<'_> {
             );
         } else {
             fill(
-                arch,
                 count,
                 [r, g, b, pdf],
                 #[inline(always)]

@@ -4,7 +4,6 @@ use super::lanes::{LANES, Lane, Rays, set, wide};
 use etalon_core::sampling::filter::FilterAxis;
 use etalon_core::scene::{Camera, PixelFilter, Projection};
 use glam::Vec3;
-use pulp::Arch;
 
 /// A camera and its film, in f32.
 pub struct PreparedCamera {
@@ -117,7 +116,7 @@ impl PreparedCamera {
     }
 
     /// The rays through row `y` of the film at the given columns: `u` samples the filter of each pixel.
-    pub fn rays(&self, arch: Arch, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
+    pub fn rays(&self, columns: &[u32; LANES], y: u32, u: &[Lane; 2], count: usize, rays: &mut Rays) {
         let &Self { position, forward, right, up, parallel, step, .. } = self;
         let mut filtered = [[0.0; LANES]; 2];
         if !self.is_unit_box {
@@ -130,7 +129,6 @@ impl PreparedCamera {
         // Film positions relative to the upper left corner of the pixel
         let within = if self.is_unit_box { u } else { &filtered };
         wide(
-            arch,
             #[inline(always)]
             move || {
                 for i in 0..count.min(LANES) {

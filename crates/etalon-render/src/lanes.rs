@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use pulp::{Arch, Simd, WithSimd};
+use std::sync::LazyLock;
 
 /// How many paths are followed at once: their arrays fit the nearest caches.
 pub const LANES: usize = 256;
@@ -255,27 +256,28 @@ pub fn set<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, value: Vec3) {
     lanes[2][i] = value.z;
 }
 
+/// The instruction set of this machine.
+static ARCH: LazyLock<Arch> = LazyLock::new(Arch::new);
+
 /// Runs a loop, compiled for the widest vectors that the machine has (AVX-512 at most). Nothing is contracted or reordered, so
 /// that every machine gets the same bits.
 ///
-/// The closure, and everything that it calls, must be `#[inline(always)]` to be part of that code. It moves what it reads and
-/// best fills arrays of its own: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
+/// The closure, and everything that it calls, must be `#[inline(always)]` to be part of that code. It takes its inputs by move and
+/// writes to arrays of its own: the compiler then knows that nothing overlaps, which it needs to know to vectorize.
 #[inline]
-pub fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
-    arch.dispatch(Compiled(work))
+pub fn wide<R>(work: impl FnMut() -> R) -> R {
+    ARCH.dispatch(Compiled(work))
 }
 
 /// Sets the first `count` values of N lanes to those that `each` finds, in code for wide vectors, [`VECTOR`] at a time;
-/// a few beyond the last are undefined. `each` must be `#[inline(always)]` and move what it reads.
+/// a few beyond the last are unspecified. `each` must be `#[inline(always)]` and move what it reads.
 #[inline]
 pub fn fill<T: Copy + Default, const N: usize>(
-    arch: Arch,
     count: usize,
     out: [&mut [T; LANES]; N],
     each: impl Fn(usize) -> [T; N],
 ) {
     wide(
-        arch,
         #[inline(always)]
         move || {
             for number in 0..count.min(LANES).div_ceil(VECTOR) {

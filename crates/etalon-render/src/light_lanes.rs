@@ -6,39 +6,23 @@ use super::light_selection::Lights;
 use super::light_tree::LightTreeAt;
 use super::lights::{LightKind, Sampled};
 use super::shaders::Kind;
-use pulp::Arch;
 use std::array::from_mut;
 
 /// A direction towards a light from each of the first `count` positions.
-pub fn sample_one_light(
-    arch: Arch,
-    light: &Sampled,
-    positions: &Lane3,
-    count: usize,
-    u: &[Lane; 2],
-    out: &mut LightSampleLanes,
-) {
+pub fn sample_one_light(light: &Sampled, positions: &Lane3, count: usize, u: &[Lane; 2], out: &mut LightSampleLanes) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        LightKind::Rectangle(panel) => sample_shape(arch, panel, positions, count, u, out),
-        LightKind::Triangle(triangle) => sample_shape(arch, triangle, positions, count, u, out),
-        LightKind::Sphere(sphere) => sample_shape(arch, sphere, positions, count, u, out),
+        LightKind::Rectangle(panel) => sample_shape(panel, positions, count, u, out),
+        LightKind::Triangle(triangle) => sample_shape(triangle, positions, count, u, out),
+        LightKind::Sphere(sphere) => sample_shape(sphere, positions, count, u, out),
         LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {
-            sample_shape(arch, light, positions, count, u, out);
+            sample_shape(light, positions, count, u, out);
         }
     }
 }
 
-fn sample_shape(
-    arch: Arch,
-    light: &impl SampleLight,
-    positions: &Lane3,
-    count: usize,
-    u: &[Lane; 2],
-    out: &mut LightSampleLanes,
-) {
+fn sample_shape(light: &impl SampleLight, positions: &Lane3, count: usize, u: &[Lane; 2], out: &mut LightSampleLanes) {
     wide(
-        arch,
         #[inline(always)]
         move || {
             for number in 0..blocks(count) {
@@ -69,10 +53,8 @@ fn sample_block<'l, L: SampleLight + 'l>(
     out
 }
 
-/// A direction towards a light of its own, by its number in `all`, from each of some positions; none where the number is
-/// [`NONE`].
+/// For each position a direction towards the light of `all` whose number `light` has; none where that is [`NONE`].
 pub fn sample_own_lights<'l>(
-    arch: Arch,
     all: &'l [Sampled],
     light: &[u32],
     positions: &Lane3,
@@ -94,9 +76,9 @@ pub fn sample_own_lights<'l>(
     let rectangle = |kind: &'l LightKind| if let LightKind::Rectangle(light) = kind { Some(light) } else { None };
     let triangle = |kind: &'l LightKind| if let LightKind::Triangle(light) = kind { Some(light) } else { None };
     let sphere = |kind: &'l LightKind| if let LightKind::Sphere(light) = kind { Some(light) } else { None };
-    sample_own_lights_of(arch, all, light, positions, u, out, rectangle);
-    sample_own_lights_of(arch, all, light, positions, u, out, triangle);
-    sample_own_lights_of(arch, all, light, positions, u, out, sphere);
+    sample_own_lights_of(all, light, positions, u, out, rectangle);
+    sample_own_lights_of(all, light, positions, u, out, triangle);
+    sample_own_lights_of(all, light, positions, u, out, sphere);
 }
 
 /// The lights that the light tree has chosen for some positions, with their probabilities.
@@ -107,17 +89,8 @@ pub struct Choice {
 }
 
 /// Chooses lights for the first `count` positions, on surfaces of this kind and these normals: as many for each as there are choices.
-pub fn choose(
-    arch: Arch,
-    lights: &Lights,
-    positions: &Lane3,
-    normals: &Lane3,
-    kind: Kind,
-    count: usize,
-    choices: &mut [Choice],
-) {
+pub fn choose(lights: &Lights, positions: &Lane3, normals: &Lane3, kind: Kind, count: usize, choices: &mut [Choice]) {
     wide(
-        arch,
         #[inline(always)]
         move || {
             for start in (0..count.min(LANES)).step_by(BLOCK) {
@@ -143,7 +116,6 @@ pub fn choose(
 /// A direction towards the light that was chosen for each of the first `count` positions. The pdf counts the choice; it is infinite
 /// where rays cannot find the light.
 pub fn sample_chosen(
-    arch: Arch,
     lights: &Lights,
     choice: &Choice,
     positions: &Lane3,
@@ -151,10 +123,9 @@ pub fn sample_chosen(
     u: &[Lane; 2],
     out: &mut LightSampleLanes,
 ) {
-    sample_own_lights(arch, &lights.all, &choice.light[..count], positions, u, out);
+    sample_own_lights(&lights.all, &choice.light[..count], positions, u, out);
     // Divide the samples by the probability of the choice
     wide(
-        arch,
         #[inline(always)]
         move || {
             for i in 0..count.min(LANES) {
@@ -169,7 +140,6 @@ pub fn sample_chosen(
 
 /// The loop of [`sample_own_lights`] over the lights for which `of_shape` has a shape. It gathers them a block at a time.
 fn sample_own_lights_of<'l, L: SampleLight + Copy + 'l>(
-    arch: Arch,
     all: &'l [Sampled],
     light: &[u32],
     positions: &Lane3,
@@ -194,11 +164,9 @@ fn sample_own_lights_of<'l, L: SampleLight + Copy + 'l>(
             set(&mut points, k, at(positions, i));
             (numbers[0][k], numbers[1][k]) = (u[0][i], u[1][i]);
         }
-        let (lights, points, numbers) = (&lights, &points, &numbers);
         let samples = wide(
-            arch,
             #[inline(always)]
-            move || sample_block(|k| &lights[k], points, numbers),
+            move || sample_block(|k| &lights[k], &points, &numbers),
         );
         for (k, &i) in block.iter().enumerate() {
             out.set(i, light[i], samples.at(k), samples.t_max[k]);

@@ -31,7 +31,8 @@ pub trait SampleLight {
     /// The length of a shadow ray to the light at a distance, so that rounding does not let the light occlude itself.
     fn t_max(&self, ray: Ray, distance: f32) -> f32;
 
-    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light.
+    /// Density per solid angle of [`SampleLight::sample`] from a point, for a direction that meets the light; 0 of
+    /// lights that no ray can hit.
     fn pdf(&self, point: Vec3) -> f32;
 }
 
@@ -107,9 +108,7 @@ pub struct LightPoint {
 /// The weight of a sample from a technique of density `own` when two other techniques find the same path with the densities
 /// `others`: the balance heuristic own / (own + Σ others). A density counts the samples of its technique.
 ///
-/// Under this heuristic, light samples of a map in proportion to its radiance minus the mean are enough beside BSDF samples.
-///
-/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.3; Karlík et al., "MIS Compensation", 2019.
+/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques", 1995, section 3.3.
 #[inline(always)]
 pub fn balance_heuristic(own: f32, others: [f32; 2]) -> f32 {
     1.0 / (1.0 + (others[0] + others[1]) / own)

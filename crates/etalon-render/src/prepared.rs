@@ -17,7 +17,6 @@ use etalon_core::error::{Error, Result};
 use etalon_core::memory;
 use etalon_core::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
-use pulp::Arch;
 use std::sync::Arc;
 
 /// Russian roulette ends paths with a throughput below this and raises that of the survivors to it. To raise it to 1
@@ -50,8 +49,6 @@ pub struct PreparedScene<'a> {
     pub has_emitters: bool,
     /// Path classes that are summed separately.
     pub classes: Option<PathClasses>,
-    /// Instruction set for vectorized loops.
-    pub arch: Arch,
 }
 
 impl<'a> PreparedScene<'a> {
@@ -124,7 +121,6 @@ impl<'a> PreparedScene<'a> {
             sampling: settings.sampling,
             has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
             classes: settings.paths.map(PathClasses::up_to),
-            arch: Arch::new(),
         }
     }
 

@@ -4,7 +4,6 @@
 
 use super::lanes::{LANES, fill};
 use etalon_core::sampling::stream::{DIMENSIONS, Independent, Sobol, Stream, StreamKind};
-use pulp::Arch;
 
 /// The streams of the camera samples (or light paths) in flight, by slot.
 pub struct Streams {
@@ -12,13 +11,12 @@ pub struct Streams {
     seed: u64,
     key: [u64; LANES],
     sample: [u32; LANES],
-    arch: Arch,
 }
 
 impl Streams {
     /// Streams of this kind; no slot is assigned yet.
     pub fn new(kind: StreamKind, seed: u64) -> Self {
-        Self { kind, seed, key: [0; LANES], sample: [0; LANES], arch: Arch::new() }
+        Self { kind, seed, key: [0; LANES], sample: [0; LANES] }
     }
 
     /// Gives a slot to a camera sample of a pixel.
@@ -134,7 +132,6 @@ impl Dimension<'_> {
         }
         let (key, sample) = (&key, &sample);
         fill(
-            streams.arch,
             slots.len(),
             out.each_mut(),
             #[inline(always)]

@@ -103,7 +103,7 @@ impl<'a> Reference<'a> {
         let scene = self.scene;
         // Generate the camera ray.
         let u = streams.film().get_2d(slot, SubSample::ONLY).map(|u| [u; LANES]);
-        self.camera.rays(scene.arch, &[x; LANES], y, &u, 1, &mut self.rays);
+        self.camera.rays(&[x; LANES], y, &u, 1, &mut self.rays);
         let mut ray = self.rays.at(0);
         let (mut throughput, mut eta_scale) = (Rgb::ONE, 1.0);
         let (mut path_class, mut previous) = (PathClass::DIRECT, Previous::Specular);

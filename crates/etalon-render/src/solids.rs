@@ -3,7 +3,6 @@
 use super::lanes::{Hits, LANES, Lane, Rays, at, wide};
 use etalon_core::scene::{Plane, Rectangle, Sphere};
 use glam::Vec3;
-use pulp::Arch;
 
 /// A shape that is tried against all rays. Its loops vectorize.
 pub trait Solid: Send + Sync {
@@ -11,10 +10,9 @@ pub trait Solid: Send + Sync {
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32;
 
     /// Looks for the nearest hit of each ray.
-    fn nearest(&self, arch: Arch, object: u32, rays: &Rays, count: usize, hits: &mut Hits) {
+    fn nearest(&self, object: u32, rays: &Rays, count: usize, hits: &mut Hits) {
         let (t, objects) = (&mut hits.t, &mut hits.object);
         wide(
-            arch,
             #[inline(always)]
             move || {
                 for i in 0..count.min(LANES) {
@@ -28,9 +26,8 @@ pub trait Solid: Send + Sync {
     }
 
     /// Looks for any hit of each ray that is nearer than its `t_max`.
-    fn blocked(&self, arch: Arch, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
+    fn blocked(&self, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
         wide(
-            arch,
             #[inline(always)]
             move || {
                 for i in 0..count.min(LANES) {
@@ -60,8 +57,8 @@ impl Solid for Sphere {
     }
 }
 
-/// A shape that emits light.
-pub trait Light {
+/// A surface at which shadow rays end.
+pub trait ShadowRayEnd {
     /// The distance of the first point within `margin` of the shape along a ray that ends on it, at about `limit`; at most 0 if the origin
     /// is within it.
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32;
@@ -73,14 +70,14 @@ pub fn offset_of_sphere(sphere: &Sphere) -> f32 {
     16.0 * f32::EPSILON * (sphere.centre.abs().max_element() + sphere.radius)
 }
 
-impl Light for Plane {
+impl ShadowRayEnd for Plane {
     #[inline(always)]
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, _limit: f32) -> f32 {
         ((self.normal.dot(origin) - self.height).abs() - margin) / self.normal.dot(direction).abs()
     }
 }
 
-impl Light for Sphere {
+impl ShadowRayEnd for Sphere {
     #[inline(always)]
     fn distance_within(&self, origin: Vec3, direction: Vec3, margin: f32, limit: f32) -> f32 {
         let from_centre = origin - self.centre;
@@ -101,7 +98,7 @@ impl Light for Sphere {
 /// itself: the ray ends `offset` in front of the light's surface, and more for a large `size` of it. Not above 0 if it starts
 /// within that of it.
 #[inline(always)]
-pub fn short_of(light: &impl Light, [offset, size]: [f32; 2], origin: Vec3, direction: Vec3, limit: f32) -> f32 {
+pub fn short_of(light: &impl ShadowRayEnd, [offset, size]: [f32; 2], origin: Vec3, direction: Vec3, limit: f32) -> f32 {
     // What rounding to f32 does to coordinates relative to the ray's origin.
     let margin = offset + 8.0 * f32::EPSILON * (limit + size);
     light.distance_within(origin, direction, margin, limit).min(limit)

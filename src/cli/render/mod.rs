@@ -54,7 +54,7 @@ pub struct Render {
     /// The same as -o
     #[arg(help_heading = SAMPLING, short, hide = true, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Which techniques find the light [default: what the scene needs of mis+lt]
+    /// Which techniques find the light [default: chosen by a trial of the scene]
     #[arg(help_heading = SAMPLING, long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere

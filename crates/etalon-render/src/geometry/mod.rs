@@ -13,7 +13,6 @@ use etalon_core::math::Frame;
 use etalon_core::scene::bvh::{self, Bvh};
 use etalon_core::scene::{Object, Scene, Shape};
 use glam::{Vec2, Vec3};
-use pulp::Arch;
 use std::f32::consts::{PI, TAU};
 
 /// A surface where a ray has met it.
@@ -86,7 +85,6 @@ pub struct Geometry<'a> {
     /// All other shapes.
     tree: Option<Tree>,
     extent: f32,
-    arch: Arch,
 }
 
 /// The shapes that are not tried one by one.
@@ -154,7 +152,7 @@ impl<'a> Geometry<'a> {
             with_tree.then(|| Tree { bvh: Bvh::build(&shapes), bounds: with_margin(in_tree), object: shape_objects });
         let extent = (whole[1] - whole[0]).length();
         solids.extend(spheres.into_iter().map(|(sphere, i)| (Box::new(sphere) as Box<dyn Solid>, i)));
-        Self { objects, solids, tree, extent, arch: Arch::new() }
+        Self { objects, solids, tree, extent }
     }
 
     /// The nearest object of the first `count` rays.
@@ -162,10 +160,10 @@ impl<'a> Geometry<'a> {
         hits.t[..count].fill(f32::INFINITY);
         hits.object[..count].fill(NONE);
         for (solid, object) in &self.solids {
-            solid.nearest(self.arch, *object, rays, count, hits);
+            solid.nearest(*object, rays, count, hits);
         }
         if let Some(tree) = &self.tree {
-            let reach = reach(self.arch, tree.bounds, rays, count, &hits.t);
+            let reach = reach(tree.bounds, rays, count, &hits.t);
             let mut found = [None; LANES];
             tree.bvh.nearest_many(limited(rays, &reach, count), &mut found[..count]);
             for (i, hit) in found[..count].iter().enumerate() {
@@ -189,10 +187,10 @@ impl<'a> Geometry<'a> {
     pub fn occluded(&self, rays: &Rays, count: usize, t_max: &Lane, blocked: &mut [u32; LANES]) {
         blocked[..count].fill(0);
         for (solid, _) in &self.solids {
-            solid.blocked(self.arch, rays, count, t_max, blocked);
+            solid.blocked(rays, count, t_max, blocked);
         }
         if let Some(tree) = &self.tree {
-            let mut reach = reach(self.arch, tree.bounds, rays, count, t_max);
+            let mut reach = reach(tree.bounds, rays, count, t_max);
             for (reach, &blocked) in reach[..count].iter_mut().zip(blocked.iter()) {
                 // A ray that is stopped already needs no tree.
                 *reach = if blocked == 0 { *reach } else { 0.0 };
@@ -310,10 +308,9 @@ fn with_margin([low, high]: [Vec3; 2]) -> [Vec3; 2] {
 }
 
 /// For each ray the distance up to which a tree in a box is to be searched: its `t_max`, or 0 if it does not reach the box.
-fn reach(arch: Arch, [low, high]: [Vec3; 2], rays: &Rays, count: usize, t_max: &Lane) -> Lane {
+fn reach([low, high]: [Vec3; 2], rays: &Rays, count: usize, t_max: &Lane) -> Lane {
     let mut reach = [0.0; LANES];
     fill(
-        arch,
         count,
         [&mut reach],
         #[inline(always)]

@@ -96,7 +96,7 @@ fn sample_light(
         Source::Lights(number, Round { light: Some(light), .. }) => {
             let u = samples.light(number).get_2d_lanes(slots, sub);
             let sampled = &scene.lights.all[light as usize];
-            light_lanes::sample_one_light(scene.arch, sampled, &interactions.origin, count, &u, out);
+            light_lanes::sample_one_light(sampled, &interactions.origin, count, &u, out);
             out.light[..count].fill(light);
             if !scene.lights.is_found_by_rays(light) {
                 out.pdf[..count].fill(f32::INFINITY);
@@ -112,10 +112,10 @@ fn sample_light(
                 choices.clear();
                 choices.extend((0..sub.count).map(choice));
                 let (positions, normals) = (&interactions.origin, &interactions.ns);
-                light_lanes::choose(scene.arch, &scene.lights, positions, normals, kind, count, choices);
+                light_lanes::choose(&scene.lights, positions, normals, kind, count, choices);
             }
             let (choice, u) = (&choices[sub.index as usize], samples.light(number).get_2d_lanes(slots, sub));
-            light_lanes::sample_chosen(scene.arch, &scene.lights, choice, &interactions.origin, count, &u, out);
+            light_lanes::sample_chosen(&scene.lights, choice, &interactions.origin, count, &u, out);
         }
         Source::Environment(environment) => {
             let u = samples.environment.get_2d_lanes(slots, sub);
@@ -138,12 +138,11 @@ fn sample_light(
 
 /// Directs the rays from diffuse surfaces towards light samples, `n` for each: beta / π · cos · light.
 fn diffuse_shadow_rays(vertices: Vertices, samples: &LightSampleLanes, n: u32, out: &mut ShadowRays) {
-    let Vertices { step, interactions, .. } = vertices;
+    let Vertices { interactions, .. } = vertices;
     let (count, n) = (interactions.count, n as f32);
     out.ray.direction = samples.wi;
     let [r, g, b] = &mut out.value;
     fill(
-        step.scene.arch,
         count,
         [r, g, b, &mut out.t_max],
         #[inline(always)]
@@ -172,15 +171,14 @@ fn general_shadow_rays(
     let Vertices { step: Step { scene, depth, .. }, bsdfs, interactions, frames, .. } = vertices;
     let (count, n) = (interactions.count, n as f32);
     fill(
-        scene.arch,
         count,
         scattered.wi.each_mut(),
         #[inline(always)]
         move |i| vertices.frame(i).to_local(at(&samples.wi, i)).to_array(),
     );
-    eval_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
+    eval_many(bsdfs, &frames.local_wo, count, scattered);
     if vertices.needs_reverse_pdf() {
-        reverse_pdf_many(scene.arch, bsdfs, &frames.local_wo, count, scattered);
+        reverse_pdf_many(bsdfs, &frames.local_wo, count, scattered);
     }
     out.count = 0;
     for i in 0..count {

@@ -112,7 +112,7 @@ fn reaches(vertices: Vertices, i: usize, wi: Vec3) -> bool {
 
 /// Connects vertices at surfaces of one material to the camera.
 fn connect_to_camera(vertices: Vertices, scattered: &mut Scattered, connections: &mut Connections) {
-    let Vertices { step: Step { scene, camera, .. }, interactions, frames, .. } = vertices;
+    let Vertices { step: Step { camera, .. }, interactions, frames, .. } = vertices;
     // Evaluate the BSDF and its pdf with the roles of both directions exchanged: wo to the camera, as in a camera path.
     let (mut wo, mut views) = (ZERO3, [None; LANES]);
     scattered.wi = frames.local_wo;
@@ -122,7 +122,7 @@ fn connect_to_camera(vertices: Vertices, scattered: &mut Scattered, connections:
             set(&mut wo, i, vertices.frame(i).to_local(direction));
         }
     }
-    eval_many(scene.arch, vertices.bsdfs, &wo, interactions.count, scattered);
+    eval_many(vertices.bsdfs, &wo, interactions.count, scattered);
     for i in 0..interactions.count {
         let (f, reverse_pdf, surface) = (at(&scattered.weight, i), scattered.pdf[i], &frames.surface[i]);
         let Some(View { direction: wi, distance, film }) = views[i].filter(|_| f != Rgb::ZERO) else { continue };

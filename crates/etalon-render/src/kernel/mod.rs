@@ -68,7 +68,7 @@ pub fn trace(
 ) {
     let Buffers { rays, next, hits, by_material, vertex_buffers, scattered, direct, .. } = buffers;
     radiance.clear(pixels.count);
-    generate_camera_rays(scene, camera, pixels, streams, rays);
+    generate_camera_rays(camera, pixels, streams, rays);
     for depth in 0..=scene.request.max_depth {
         if rays.count == 0 {
             break;
@@ -96,20 +96,14 @@ pub fn trace(
     }
 }
 
-fn generate_camera_rays(
-    scene: &PreparedScene,
-    camera: &PreparedCamera,
-    pixels: Pixels,
-    streams: &Streams,
-    rays: &mut PathRays,
-) {
+fn generate_camera_rays(camera: &PreparedCamera, pixels: Pixels, streams: &Streams, rays: &mut PathRays) {
     let Pixels { columns, row, count } = pixels;
     rays.count = count;
     for (slot, number) in rays.slot[..count].iter_mut().zip(0..) {
         *slot = number;
     }
     let u = streams.film().get_2d_lanes(&rays.slot[..count], SubSample::ONLY);
-    camera.rays(scene.arch, columns, row, &u, count, &mut rays.ray);
+    camera.rays(columns, row, &u, count, &mut rays.ray);
     for channel in &mut rays.beta {
         channel[..count].fill(1.0);
     }

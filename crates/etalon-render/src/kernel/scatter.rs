@@ -32,7 +32,7 @@ pub fn sample_bsdf(vertices: Vertices, scattered: &mut Scattered, next: &mut Pat
 fn sample_diffuse(vertices: Vertices, wi: &mut Lane3, next: &mut PathRays) {
     let Vertices { step, rays, interactions, .. } = vertices;
     let u = step.samples.bsdf.get_2d_lanes(&interactions.slot[..interactions.count], SubSample::ONLY);
-    sample_cosine_hemisphere(step.scene.arch, &interactions.ns, &u, interactions.count, wi);
+    sample_cosine_hemisphere(&interactions.ns, &u, interactions.count, wi);
     for i in 0..interactions.count {
         let (n, normal, direction) = (at(&interactions.n, i), at(&interactions.ns, i), at(wi, i));
         // The normals must agree on the side.
@@ -82,7 +82,7 @@ fn sample_general(vertices: Vertices, scattered: &mut Scattered, next: &mut Path
 impl Vertices<'_> {
     /// Samples the BSDF at each vertex; needs the frames.
     pub fn sample(&self, out: &mut Scattered) {
-        let Self { step: Step { scene, samples, mode, .. }, interactions, .. } = self;
+        let Self { step: Step { samples, mode, .. }, interactions, .. } = self;
         let (count, slots) = (interactions.count, &interactions.slot[..interactions.count]);
         // Ask for those random numbers only that the BSDF needs.
         let numbers = |needed: bool, from: Dimension| match needed {
@@ -91,9 +91,9 @@ impl Vertices<'_> {
         };
         let [x, y] = numbers(self.kind() != Kind::Delta, samples.bsdf);
         let [uc, _] = numbers(self.shader.bsdf.needs_choice(), samples.choice);
-        sample_many(scene.arch, self.bsdfs, *mode, &self.frames.local_wo, [&uc, &x, &y], count, out);
+        sample_many(self.bsdfs, *mode, &self.frames.local_wo, [&uc, &x, &y], count, out);
         if self.kind() != Kind::Delta && self.needs_reverse_pdf() {
-            reverse_pdf_many(scene.arch, self.bsdfs, &self.frames.local_wo, count, out);
+            reverse_pdf_many(self.bsdfs, &self.frames.local_wo, count, out);
         }
     }
 

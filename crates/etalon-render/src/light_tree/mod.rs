@@ -33,7 +33,7 @@ pub struct LightTree {
 
 impl LightTree {
     /// About the memory of a light: its trail, and its part of a node of several.
-    pub const LIGHT_BYTES: usize = size_of::<Option<u64>>() + size_of::<Node>() / 4;
+    pub const LIGHT_BYTES: usize = size_of::<Option<u64>>() + 4 * size_of::<Node>() / 9;
 
     /// The tree of fewer than 2³¹ lights.
     #[must_use]

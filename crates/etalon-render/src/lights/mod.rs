@@ -1,4 +1,4 @@
-//! Sampling lights: for each light of the scene a direction, its distance, the radiance from there, and the pdf; and the directional
+//! Sampling lights: for each light of the scene a direction, the distance, the weight (radiance over pdf) and the pdf; and the directional
 //! lights that replace a map: one for each region of a cut, with the region's flux, at its energy centroid.
 
 mod rectangle;
@@ -30,7 +30,7 @@ pub struct Sampled {
     pub object: u32,
 }
 
-/// A light by its shape.
+/// A light, by kind.
 #[derive(Debug, Clone)]
 pub enum LightKind {
     Rectangle(RectangleLight),
@@ -132,15 +132,25 @@ impl Sampled {
 
     /// Where it is and how it emits, for selecting one of many lights; `None` of lights at infinity.
     pub fn bounds(&self) -> Option<LightBounds> {
-        if let LightKind::Point { position, intensity, .. } = &self.kind {
-            return Some(LightBounds::sphere(*position, 0.0, mean_rgb(*intensity) as f32));
+        match &self.kind {
+            LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_) => {
+                self.surface().map(AreaLight::bounds)
+            }
+            LightKind::Point { position, intensity, .. } => {
+                Some(LightBounds::sphere(*position, 0.0, mean_rgb(*intensity) as f32))
+            }
+            LightKind::Directional { .. } | LightKind::Hemisphere { .. } => None,
         }
-        self.surface().map(AreaLight::bounds)
     }
 
     /// Whether its light comes from more than one direction.
     pub fn has_extent(&self) -> bool {
-        !matches!(self.kind, LightKind::Point { .. } | LightKind::Directional { .. })
+        match self.kind {
+            LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_) | LightKind::Hemisphere { .. } => {
+                true
+            }
+            LightKind::Point { .. } | LightKind::Directional { .. } => false,
+        }
     }
 }
 
@@ -237,20 +247,5 @@ mod tests {
         };
         let (few, many) = (off(4), off(1024));
         assert!(many < 0.01 && few > 10.0 * many, "{few} {many}");
-    }
-
-    #[test]
-    fn the_maps_light_is_not_brought_twice() {
-        let (scene, request) = sphere(Synthetic::Sun.make());
-        for sampling in [Sampling::Mis, Sampling::Bsdf] {
-            let density = MapSampling::with_regions(MEDIAN_CUT, 16);
-            let settings = Settings { sampling, density: Some(density), ..Settings::default() };
-            assert!(render(&scene, &request, &settings, &Silent).is_err());
-        }
-        for regions in [0, u32::MAX] {
-            let density = MapSampling::with_regions(MEDIAN_CUT, regions);
-            let settings = Settings { sampling: Sampling::Light, density: Some(density), ..Settings::default() };
-            assert!(render(&scene, &request, &settings, &Silent).is_err(), "{density}");
-        }
     }
 }

@@ -12,6 +12,7 @@ mod textures;
 use super::*;
 use etalon_core::envmap::EnvMap;
 use etalon_core::envmap::samplers::MapSampling;
+use etalon_core::envmap::samplers::cut_lights::MEDIAN_CUT;
 use etalon_core::math::Rgb;
 use etalon_core::raster::Image;
 use etalon_core::sampling::stream::StreamKind;
@@ -105,6 +106,14 @@ fn impossible_requests_are_refused() {
     let density = Some(MapSampling::COSINE_COMPENSATED);
     let alone = Settings { density, sampling: Sampling::Light, ..Settings::default() };
     assert!(render(&scene, &request, &alone, &Silent).is_err());
+    // Fixed lights hold all of the map's light: BSDF samples would find it a second time.
+    for (sampling, regions) in
+        [(Sampling::Mis, 16), (Sampling::Bsdf, 16), (Sampling::Light, 0), (Sampling::Light, u32::MAX)]
+    {
+        let density = Some(MapSampling::with_regions(MEDIAN_CUT, regions));
+        let fixed = Settings { sampling, density, ..Settings::default() };
+        assert!(render(&scene, &request, &fixed, &Silent).is_err(), "{sampling:?} {regions}");
+    }
 }
 
 /// A camera of parallel rays that looks down at (x, 0, z), as one pixel of a side of 10⁻³.

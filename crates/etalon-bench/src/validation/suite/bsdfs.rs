@@ -20,7 +20,6 @@ use etalon_render::probe::{
 use etalon_stats::bsdf::{Bsdf as _, Energy};
 use etalon_stats::{Atom, Directions, Mass, Pole, Sample, sampler};
 use glam::{DQuat, DVec3, Vec3};
-use pulp::Arch;
 use std::collections::HashSet;
 use std::f64::consts::FRAC_1_PI;
 
@@ -243,7 +242,7 @@ fn made_when_run(
         let draw = move |[choice, u]: &[[Lane; 2]; 2], count| {
             let mut out = Scattered::default();
             let (bsdfs, mode) = (Bsdfs::Same(&bsdf), TransportMode::Radiance);
-            sample_many(Arch::new(), bsdfs, mode, &views, [&choice[0], &u[0], &u[1]], count, &mut out);
+            sample_many(bsdfs, mode, &views, [&choice[0], &u[0], &u[1]], count, &mut out);
             let of_lane = |i| {
                 let sample = out.sample(i)?;
                 if i % COMPARED > 0 {
@@ -259,8 +258,8 @@ fn made_when_run(
             for (i, (sample, _)) in samples.iter().enumerate().filter_map(|(i, s)| Some((i, s.as_ref()?))) {
                 set(&mut out.wi, i, sample.wi);
             }
-            eval_many(Arch::new(), bsdfs, &views, count, &mut out);
-            reverse_pdf_many(Arch::new(), bsdfs, &views, count, &mut out);
+            eval_many(bsdfs, &views, count, &mut out);
+            reverse_pdf_many(bsdfs, &views, count, &mut out);
             let tested = |(i, found): (usize, Option<(BsdfSample, bool)>)| {
                 let (sample, mut agrees) = found?;
                 if i % COMPARED == 0 {
@@ -283,7 +282,7 @@ fn diffuse_in_lanes(name: &str, normal: DVec3) -> (&'static str, Case) {
         let draw = move |[u]: &[[Lane; 2]; 1], count| {
             let normals = normal.as_vec3().to_array().map(|axis| [axis; LANES]);
             let mut wi = [[0.0; LANES]; 3];
-            sample_cosine_hemisphere(Arch::new(), &normals, u, count, &mut wi);
+            sample_cosine_hemisphere(&normals, u, count, &mut wi);
             (0..count).map(|i| Some(Sample::new(at(&wi, i).as_dvec3().to_array()))).collect()
         };
         // Rounding may move directions below the surface.

@@ -10,7 +10,6 @@ use etalon_core::scene::{Camera, PixelFilter, Projection};
 use etalon_render::probe::{Lane, PreparedCamera, Rays, at};
 use etalon_stats::{Sample, Square, density};
 use glam::{DVec3, Vec3};
-use pulp::Arch;
 
 /// The pdf of a film position over the area that it sees, by the factor cos θ of the direction and that area.
 pub type CameraPdf = fn(f64, f64) -> f64;
@@ -56,7 +55,7 @@ pub fn camera(name: String, projection: Projection, pdf_of: CameraPdf) -> Case {
             let mut samples: Vec<_> = (0..count).map(|_| None).collect();
             let mut rays = Rays::default();
             for y0 in 0..FILM[1] as u32 {
-                prepared.rays(Arch::new(), &columns, y0, within, count, &mut rays);
+                prepared.rays(&columns, y0, within, count, &mut rays);
                 for i in (0..count).filter(|&i| row(i) == y0) {
                     let [origin, direction] = [&rays.origin, &rays.direction].map(|lane| at(lane, i).as_dvec3());
                     let t = (DEPTH - (origin - position).dot(camera.forward)) / direction.dot(camera.forward);
@@ -121,7 +120,7 @@ pub fn positions(name: String, filter: &'static str, pdf: FilterPdf) -> Case {
         let [rx, ry] = filter.radius();
         let draw = move |[u]: &[[Lane; 2]; 1], count| {
             let mut rays = Rays::default();
-            sampled.rays(Arch::new(), &[PIXEL[0]; _], PIXEL[1], u, count, &mut rays);
+            sampled.rays(&[PIXEL[0]; _], PIXEL[1], u, count, &mut rays);
             let place = |i: usize| {
                 let view = sampled.project(at(&rays.origin, i) + at(&rays.direction, i))?;
                 let from_centre = [0, 1].map(|axis| f64::from(view.film[axis]) - f64::from(PIXEL[axis]) - 0.5);

@@ -25,7 +25,6 @@ use etalon_stats::{
     Directions, Discrete, Domain, Mass, Pole, Protocol, Sample, SampleCount, Sampler, Square, density, sampler,
 };
 use glam::{DVec3, Vec3};
-use pulp::Arch;
 use std::f64::consts::TAU;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -244,8 +243,8 @@ fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample
     in_lanes(move |[u], count| {
         let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
         if let Some(light) = &light {
-            sample_one_light(Arch::new(), light, &positions, count, u, &mut out);
-            sample_own_lights(Arch::new(), from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
+            sample_one_light(light, &positions, count, u, &mut out);
+            sample_own_lights(from_ref(light), &[0; LANES][..count], &positions, u, &mut each);
         }
         let of_lane = |i| {
             let sample = out.at(i);
