@@ -321,7 +321,7 @@ fn take_error(entry: &mut Entry) -> Option<Error> {
     if entry.result.is_err() { std::mem::replace(&mut entry.result, interrupted).err() } else { None }
 }
 
-/// Of the bits of all pixels.
+/// The hash of the bits of all pixels.
 fn hash(image: &Image) -> u64 {
     let mut hasher = DefaultHasher::new();
     (image.width(), image.height()).hash(&mut hasher);

@@ -492,7 +492,7 @@ fn powers<'a>(pair: &Pair, a: &'a Image, clip: Clip) -> Vec<Change<'a>> {
         let [mistake, cure] = words(&text[0], &text[1]);
         list.push(by_value(a, mistake, cure, false, raised(exponent)));
     };
-    // Of integers, a power of the stored values is nearly one of the values
+    // For integers, a power of the stored values is nearly one of the values
     if pair.stored != [true; 2] {
         add(linear, same, |of_b, of_a| {
             let mistake = match of_a {

@@ -32,7 +32,7 @@ pub struct Convergence {
     pub interrupted: bool,
     /// Wall-clock time of everything.
     pub seconds: f64,
-    /// Of these the time of the exact image, which is no part of the budget; 0 without one.
+    /// The part of these that the exact image takes, which is no part of the budget; 0 without one.
     pub exact_seconds: f64,
     /// The reference of the errors.
     #[serde(skip)]

@@ -113,6 +113,10 @@ impl Claim {
         let mut whole = Outcome::open(0);
         let mut named: Option<(Vec<Variant>, String)> = None;
         for values in &configurations {
+            let is_open = named.as_ref().is_some_and(|(names, _)| !names.is_empty());
+            if whole.violation.is_some() && !is_open {
+                break;
+            }
             let own = parameters.iter().map(|parameter| parameter.name.clone()).zip(values.iter().copied());
             let own: Vec<(String, f64)> = own.filter(|(name, _)| self.has(name)).collect();
             let (found, variants) = self.compare(&*family.with(values)?, &own)?;

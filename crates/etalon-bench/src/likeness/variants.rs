@@ -186,12 +186,17 @@ enum Formula {
     One,
 }
 
+/// What stands in place of (1 − cos)⁵ in Karis' form of Schlick's formula.
+fn power_of_two(cos: f64) -> f64 {
+    ((-5.55473 * cos - 6.98316) * cos).exp2()
+}
+
 impl Formula {
     /// g of F₀ (1 − g) + g, if the formula has this form.
     fn grazing(self, cos: f64) -> Option<f64> {
         match self {
             Self::Schlick => Some((1.0 - cos).powi(5)),
-            Self::PowerOfTwo => Some(((-5.55473 * cos - 6.98316) * cos).exp2()),
+            Self::PowerOfTwo => Some(power_of_two(cos)),
             Self::Exact | Self::One => None,
         }
     }
@@ -271,13 +276,7 @@ impl Surface {
         match (formula, self.material) {
             (Formula::One, _) => 1.0,
             (Formula::Schlick, Material::Dielectric(_)) => dielectric::schlick(cos, eta),
-            (Formula::PowerOfTwo, _) => {
-                let f0 = match self.material {
-                    Material::Dielectric(_) => dielectric::schlick(1.0, eta),
-                    _ => f0,
-                };
-                formula.grazing(cos).map_or(f0, |g| f0 * (1.0 - g) + g)
-            }
+            (Formula::PowerOfTwo, _) => f0 + (1.0 - f0) * power_of_two(cos),
             (Formula::Schlick, _) | (_, Material::Schlick(_)) => dielectric::schlick_polynomial(f0, cos),
             (Formula::Exact, Material::Metal([eta, k])) => conductor::fresnel(cos, eta, k).unpolarized(),
             (Formula::Exact, Material::Dielectric(_)) => dielectric::fresnel(cos, eta).unpolarized(),
@@ -305,7 +304,11 @@ impl Surface {
         let fresnel: Vec<Fresnel> = match self.material {
             // Schlick's formula is the model then
             Material::Schlick(_) => FRESNEL.into_iter().filter(|(_, formula, _)| *formula != Formula::Exact).collect(),
-            _ => FRESNEL.into(),
+            Material::Metal(_) => FRESNEL.into(),
+            // Karis' form has no case for light from the denser side
+            Material::Dielectric(_) => {
+                FRESNEL.into_iter().filter(|(_, formula, _)| *formula != Formula::PowerOfTwo).collect()
+            }
         };
         let mut all = Vec::new();
         let distributions = [("", own, own), (named, other, other), (of_normals_alone, other, own)];

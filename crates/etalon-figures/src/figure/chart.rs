@@ -221,7 +221,7 @@ impl Sketch<'_> {
                     _ => None,
                 };
                 let places: Vec<Point> = places.collect();
-                // Of a curve of many points, those that tell where it runs
+                // The points of a long curve that tell where it runs
                 let mut few: Vec<Point> = Vec::new();
                 for place in &places {
                     if few.last().is_none_or(|last| apart(*last, *place) >= 0.5 * STEP) {

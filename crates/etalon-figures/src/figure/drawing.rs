@@ -445,7 +445,7 @@ mod tests {
         let select = |drawing: &Drawing, words: &str| drawing.named(&style(words)).unwrap().names().len();
         let all = drawings();
         assert_eq!([select(&all[2], "heading"), select(&all[3], "IMAGES"), select(&all[5], "a title")], [4, 7, 2]);
-        // Of several drawings, those without the panel are whole
+        // Among several drawings, those without the panel are whole
         let image = style("image 2");
         let mut wanted = Wanted::of(&image);
         assert_eq!([&all[0], &all[3]].map(|drawing| wanted.style(drawing).panels.len()), [0, 1]);

@@ -84,7 +84,7 @@ impl Thumbnail {
         Self { difference: image.pixels().iter().zip(b.pixels()).map(relative).collect(), image }
     }
 
-    /// Of an image whose size differs from the reference's: as large as fits in the place of one that has it.
+    /// The thumbnail of an image whose size differs from that of the reference: as large as fits in the place of one of equal size.
     #[must_use]
     pub fn of_another_size(a: &Image, b: &Image) -> Self {
         let room = reduction(b, THUMBNAIL);

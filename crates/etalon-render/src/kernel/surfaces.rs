@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_1_PI;
 pub struct ByMaterial {
     /// Camera paths' rays that have hit diffuse objects, which are the most and need not be sorted.
     diffuse: Vec<u32>,
-    /// Of each other ray the number of its object in the high 32 bits and its own in the low ones, to be sorted.
+    /// The other rays, each as the number of its object in the high 32 bits and its own in the low ones, to be sorted.
     others: Vec<u64>,
     /// Those rays, in the same order.
     rays: Vec<u32>,

@@ -37,7 +37,7 @@ impl RectangleLight {
 
     /// A point of the rectangle; −1 and 1 are its edges.
     #[inline(always)]
-    pub fn place(&self, x: f32, y: f32) -> Vec3 {
+    fn place(&self, x: f32, y: f32) -> Vec3 {
         self.centre + self.axes[0] * (x * self.half[0]) + self.axes[1] * (y * self.half[1])
     }
 

@@ -526,7 +526,7 @@ mod tests {
     }
 
     /// A point whose light falls with a power of the distance.
-    fn lamp(power: i32) -> impl BatchBsdf {
+    fn point_light(power: i32) -> impl BatchBsdf {
         DeltaLight(move |from| {
             let to = difference(CENTRE, from);
             let weight = [2.0 * length(to).powi(-power); 3];
@@ -564,7 +564,7 @@ mod tests {
     #[test]
     fn right_phase_functions_and_lights_are_accepted() {
         let along = Greenstein { wo_points_away: false, ..GREENSTEIN };
-        for subject in [&GREENSTEIN as &dyn BatchBsdf, &along, &DISK, &lamp(2)] {
+        for subject in [&GREENSTEIN as &dyn BatchBsdf, &along, &DISK, &point_light(2)] {
             assert_eq!(exact(subject), "");
         }
         let report = report(&Greenstein { g: -0.3, mean_cosine: -0.3, ..GREENSTEIN }, 1);
@@ -608,7 +608,7 @@ mod tests {
             assert!(report.contains(words), "{words}: {report}");
         }
         for power in [0, 1] {
-            let report = exact(&lamp(power));
+            let report = exact(&point_light(power));
             assert!(report.contains(&format!("falls as r to the power of {}", -power)), "{report}");
         }
     }

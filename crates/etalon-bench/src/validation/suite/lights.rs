@@ -159,7 +159,7 @@ fn whole_lights() -> Vec<Case> {
     let mesh = || Mesh::new(TRIANGLES[1].1.into(), Vec::new(), vec![[0, 1, 2]]).ok();
     let triangle = move || mesh().map(|mesh| Shape::Mesh(Arc::new(mesh)));
     let sphere = || Some(Shape::Sphere(Sphere { centre: POINT, radius: 0.7 }));
-    let lamp = Light::Point { position: POINT, intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
+    let point = Light::Point { position: POINT, intensity: Rgb::ONE, falloff: Falloff::InverseSquare };
     let sun = Light::Directional { direction: Vec3::new(0.48, 0.6, -0.64), irradiance: Rgb::ONE };
     let of = |name: &str, make: Box<dyn Fn() -> Option<Emitter> + Send + Sync>| {
         Case::new(format!("whole/light/{name}"), move |protocol, round| {
@@ -180,7 +180,7 @@ fn whole_lights() -> Vec<Case> {
         of("triangle", Box::new(move || Emitter::of(Some((triangle()?, true)), None))),
         of("ball", Box::new(move || Emitter::of(Some((sphere()?, false)), None))),
         of("ball-of-two-sides", Box::new(move || Emitter::of(Some((sphere()?, true)), None))),
-        of("point", Box::new(move || Emitter::of(None, Some(lamp.clone())))),
+        of("point", Box::new(move || Emitter::of(None, Some(point.clone())))),
         of("sun", Box::new(move || Emitter::of(None, Some(sun.clone())))),
         of("sky", Box::new(|| Emitter::of(None, Some(Light::Hemisphere { radiance: Rgb::ONE })))),
     ]
@@ -408,7 +408,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
     })
 }
 
-/// So many lights of all shapes in the unit cube, with sizes and powers over two orders of magnitude.
+/// `count` lights of all shapes in the unit cube, with sizes and powers over two orders of magnitude.
 fn lights(count: usize) -> Vec<Sampled> {
     let random = |i: usize, dimension| Independent::new(1, 0, i as u32).pair(dimension).map(|u| u as f32);
     let (scene, _) = builtin::furnace();
