@@ -2,7 +2,7 @@
 //! and of a rival (an earlier version of it), as tables for BENCHMARKS.md.
 //!
 //! `cargo bench --bench techniques -- --runs FILE [--rival PROGRAM] [--scenes FOLDER]... [--maps FOLDER] [--envmap MAP]
-//! [--spp N,...] [--pairs N] [NAME ...]`
+//! [--spp N,...] [--pairs N] [--times N] [NAME ...]`
 //! measures the built-in scenes, the scene files of the folders (MAP takes the place of a map that a file names and the folder lacks), and
 //! three objects under the built-in maps and those of the folder. Names choose some of the cases. FILE keeps each pair of renders: the same
 //! command goes on from there. `benches/kinds` says what a technique is worth; `benches/unknown` has other scenes of the same kinds, kept aside.
@@ -10,7 +10,8 @@
 //! *Efficiency* is 1 / (seconds × MSE), of processes with one thread that prepare the scene and render it. Two renders with different seeds
 //! have independent errors, so half of their mean squared difference is the MSE of one, without any reference. All combinations render 4
 //! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
-//! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is.
+//! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is. Other work on
+//! the machine only adds to times, so the least of all counts; `--times N` takes those of FILE again, N times, one process at a time.
 
 mod program;
 
@@ -66,6 +67,9 @@ fn main() {
             });
         }
     });
+    for _ in 0..bench.times {
+        cases.iter().for_each(|case| bench.time(case));
+    }
     bench.report(&cases);
 }
 
@@ -78,12 +82,10 @@ struct Case {
     has_map: bool,
 }
 
-/// Two renders with different seeds.
-#[derive(Clone, Copy)]
-struct Pair {
-    /// Seconds of one.
+/// What was measured of a combination: the least seconds of a render, and the MSE by each pair of renders with different seeds.
+struct Measured {
     seconds: f64,
-    mse: f64,
+    mses: Vec<f64>,
 }
 
 /// A case, a combination and a number of samples.
@@ -97,7 +99,8 @@ struct Bench {
     names: Vec<String>,
     spp: Vec<u32>,
     most: usize,
-    pairs: Mutex<HashMap<Key, Vec<Pair>>>,
+    times: usize,
+    measured: Mutex<HashMap<Key, Measured>>,
     file: Mutex<File>,
 }
 
@@ -109,18 +112,19 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     (mean, (variance / n).sqrt() / mean)
 }
 
-/// The logarithm of the efficiency of pairs, and its standard error. Other work on the machine only adds to times: the least counts.
-fn log_efficiency(pairs: &[Pair]) -> [f64; 2] {
-    let seconds = pairs.iter().map(|pair| pair.seconds).fold(f64::INFINITY, f64::min);
-    let (mse, error) = mean(pairs.iter().map(|pair| pair.mse));
-    [-(seconds * mse).ln(), error]
+/// Adds seconds, and the MSE of a pair if they are those of a new one.
+fn record(measured: &mut HashMap<Key, Measured>, key: Key, seconds: f64, mse: Option<f64>) {
+    let all = measured.entry(key).or_insert(Measured { seconds, mses: Vec::new() });
+    all.seconds = all.seconds.min(seconds);
+    all.mses.extend(mse);
 }
 
 impl Bench {
     fn from_arguments() -> Self {
         let (mut rival, mut scenes, mut maps, mut envmap, mut runs, mut names) =
             (None, Vec::new(), None, None, None, Vec::new());
-        let (mut spp, mut most) = (SAMPLES.to_vec(), PAIRS[2]);
+        let (mut spp, mut most, mut times) = (SAMPLES.to_vec(), PAIRS[2], 0);
+        let number = |arg: Option<String>| arg.and_then(|number| number.parse().ok()).expect("a number");
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
             match arg.as_str() {
@@ -133,23 +137,24 @@ impl Bench {
                     let list = args.next().unwrap_or_default();
                     spp = list.split(',').map(|spp| spp.parse().expect("numbers with commas between them")).collect();
                 }
-                "--pairs" => most = args.next().and_then(|most| most.parse().ok()).expect("a number of pairs"),
+                "--pairs" => most = number(args.next()),
+                "--times" => times = number(args.next()),
                 // Cargo says so to every bench.
                 "--bench" => {}
                 _ => names.push(arg),
             }
         }
         let runs = runs.expect("--runs FILE keeps what is measured");
-        let mut pairs: HashMap<Key, Vec<Pair>> = HashMap::new();
+        let mut measured = HashMap::new();
         for line in std::fs::read_to_string(&runs).unwrap_or_default().lines() {
             if let [case, combination, spp, seconds, mse] = line.split(',').collect::<Vec<_>>()[..]
-                && let (Ok(spp), Ok(seconds), Ok(mse)) = (spp.parse(), seconds.parse(), mse.parse())
+                && let (Ok(spp), Ok(seconds)) = (spp.parse(), seconds.parse())
             {
-                pairs.entry((case.into(), combination.into(), spp)).or_default().push(Pair { seconds, mse });
+                record(&mut measured, (case.into(), combination.into(), spp), seconds, mse.parse().ok());
             }
         }
         let file = OpenOptions::new().create(true).append(true).open(&runs).expect("a file for the runs");
-        Self { rival, scenes, maps, envmap, names, spp, most, pairs: Mutex::new(pairs), file: Mutex::new(file) }
+        Self { rival, scenes, maps, envmap, names, spp, most, times, measured: Mutex::new(measured), file: Mutex::new(file) }
     }
 
     fn cases(&self) -> Vec<Case> {
@@ -237,12 +242,13 @@ impl Bench {
         spp: u32,
         range: impl Iterator<Item = usize> + Clone,
     ) -> Vec<(String, [f64; 2])> {
-        let pairs = self.pairs.lock().expect("no panic");
+        let measured = self.measured.lock().expect("no panic");
         let of = |name: &String| {
-            let pairs = pairs.get(&(case.name.clone(), name.clone(), spp))?;
-            let some: Vec<Pair> = range.clone().filter_map(|i| pairs.get(i).copied()).collect();
-            let found = (some.len() > 1).then(|| log_efficiency(&some))?;
-            found[0].is_finite().then(|| (name.clone(), found))
+            let Measured { seconds, mses } = measured.get(&(case.name.clone(), name.clone(), spp))?;
+            let some: Vec<f64> = range.clone().filter_map(|i| mses.get(i).copied()).collect();
+            let (mse, error) = (some.len() > 1).then(|| mean(some.iter().copied()))?;
+            let log = -(seconds * mse).ln();
+            log.is_finite().then(|| (name.clone(), [log, error]))
         };
         let mut ranked: Vec<_> = names.iter().filter_map(of).collect();
         ranked.sort_by(|(_, a), (_, b)| b[0].total_cmp(&a[0]));
@@ -251,19 +257,37 @@ impl Bench {
 
     /// Renders pairs of a combination until there are n.
     fn render(&self, case: &Case, name: &str, spp: u32, count: usize) {
-        let key = (case.name.clone(), name.to_owned(), spp);
-        loop {
-            let known = self.pairs.lock().expect("no panic").get(&key).map_or(0, Vec::len);
-            if known >= count {
-                return;
-            }
-            let Some([a, b]) = self.pair(case, name, spp, known) else { return };
-            let pair =
-                Pair { seconds: 0.5 * (a.0 + b.0), mse: 0.5 * compare(&a.1, &b.1).expect("images of one size").mse };
-            let line = format!("{},{name},{spp},{},{:e}", case.name, pair.seconds, pair.mse);
-            writeln!(self.file.lock().expect("no panic"), "{line}").expect("the line is written");
-            self.pairs.lock().expect("no panic").entry(key.clone()).or_default().push(pair);
+        while self.pairs(case, name, spp) < count {
+            let Some([a, b]) = self.pair(case, name, spp, self.pairs(case, name, spp)) else { return };
+            let mse = 0.5 * compare(&a.1, &b.1).expect("images of one size").mse;
+            self.keep(case, name, spp, 0.5 * (a.0 + b.0), Some(mse));
         }
+    }
+
+    /// Takes the time of the first pair of each combination that is in the table once more.
+    fn time(&self, case: &Case) {
+        for (name, &spp) in self.combinations(case).iter().flat_map(|name| self.spp.iter().map(move |spp| (name, spp))) {
+            if self.pairs(case, name, spp) >= PAIRS[1]
+                && let Some([a, b]) = self.pair(case, name, spp, 0)
+            {
+                self.keep(case, name, spp, 0.5 * (a.0 + b.0), None);
+            }
+        }
+    }
+
+    /// How many pairs were measured.
+    fn pairs(&self, case: &Case, name: &str, spp: u32) -> usize {
+        let key = (case.name.clone(), name.to_owned(), spp);
+        self.measured.lock().expect("no panic").get(&key).map_or(0, |measured| measured.mses.len())
+    }
+
+    /// Keeps what was measured, in the file too.
+    fn keep(&self, case: &Case, name: &str, spp: u32, seconds: f64, mse: Option<f64>) {
+        let written = mse.map_or(String::new(), |mse| format!("{mse:e}"));
+        let line = format!("{},{name},{spp},{seconds},{written}", case.name);
+        writeln!(self.file.lock().expect("no panic"), "{line}").expect("the line is written");
+        let key = (case.name.clone(), name.to_owned(), spp);
+        record(&mut self.measured.lock().expect("no panic"), key, seconds, mse);
     }
 
     /// Seconds and images of the two renders of a pair; `None` for a combination that the program refuses.

@@ -113,11 +113,14 @@ fn said(outcome: &Outcome) -> Vec<String> {
     all.flat_map(clauses).map(|clause| finding(&cut(&clause))).collect()
 }
 
-/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long.
+/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long; two causes that belong together are not cut.
 fn cut(text: &str) -> String {
     let is_open = |text: &str| text.matches('(').count() > text.matches(')').count();
     let ends = text.rmatch_indices([',', ':']).map(|(end, _)| text.split_at(end));
-    let ends = ends.filter(|(start, rest)| rest[1..].starts_with(' ') && !is_open(start)).map(|(start, _)| start);
+    let is_end = |(start, rest): &(&str, &str)| {
+        rest[1..].starts_with(' ') && !rest.starts_with(", and ") && !is_open(start)
+    };
+    let ends = ends.filter(is_end).map(|(start, _)| start);
     let fits = |text: &&str| text.chars().count() <= WIDEST;
     std::iter::once(text).chain(ends).find(fits).unwrap_or(text).to_owned()
 }
