@@ -154,7 +154,18 @@ impl Bench {
             }
         }
         let file = OpenOptions::new().create(true).append(true).open(&runs).expect("a file for the runs");
-        Self { rival, scenes, maps, envmap, names, spp, most, times, measured: Mutex::new(measured), file: Mutex::new(file) }
+        Self {
+            rival,
+            scenes,
+            maps,
+            envmap,
+            names,
+            spp,
+            most,
+            times,
+            measured: Mutex::new(measured),
+            file: Mutex::new(file),
+        }
     }
 
     fn cases(&self) -> Vec<Case> {
@@ -266,7 +277,8 @@ impl Bench {
 
     /// Takes the time of the first pair of each combination that is in the table once more.
     fn time(&self, case: &Case) {
-        for (name, &spp) in self.combinations(case).iter().flat_map(|name| self.spp.iter().map(move |spp| (name, spp))) {
+        for (name, &spp) in self.combinations(case).iter().flat_map(|name| self.spp.iter().map(move |spp| (name, spp)))
+        {
             if self.pairs(case, name, spp) >= PAIRS[1]
                 && let Some([a, b]) = self.pair(case, name, spp, 0)
             {

@@ -1,18 +1,18 @@
 //! Adaptive sampling: how many camera paths each sample of a pixel has.
 //!
 //! The first samples of all pixels have one path each and estimate the variance σ² of every pixel. Pixels are coloured like a
-//! chessboard: the number of paths in a pixel follows from the variances of the other colour alone. It does not depend on what
-//! the paths of the pixel find, so that every pixel is unbiased.
+//! chessboard: σ² of a pixel is taken from the neighbours of the other colour alone. The number of paths in a pixel does not depend on
+//! what the paths of the pixel find, so that every pixel is unbiased.
 //!
 //! With n paths in a pixel, the mean squared error of the image is in proportion to the mean of σ²/n, and its time to the mean of n. The
-//! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The iteration computes λ from the
-//! numbers that it has, and then new numbers, rounded to powers of two. It starts from n = 1.
+//! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The numbers are
+//! powers of two. The iteration computes λ from the numbers that it has, and then new numbers. It starts from n = 1.
+//!
+//! Variances from few paths of other pixels are noisy, and further steps follow the noise. Cross-validation ends the iteration: a pixel
+//! takes the last step before the product no longer falls, by the own variances of all other pixels of its colour.
 //!
 //! The samples after the first ones have more paths each until a pixel has n times as many paths as samples: then 16, 32, 64 … samples
 //! have a power of two of paths, as many as Sobol' points are well distributed in.
-//!
-//! Variances from few paths are noisy. Therefore each half of the neighbours tests the numbers that follow from the other half, and the
-//! iteration ends with the step that does not make their product smaller.
 
 use super::film::Pixel;
 use rayon::prelude::*;
@@ -23,18 +23,19 @@ pub const UNIFORM: u32 = 8;
 const CAUGHT_UP: u32 = 2 * UNIFORM;
 /// The largest n.
 pub const MOST_PATHS: u32 = 64;
-/// Neighbours of the other colour, by column and row, in two halves that mirror each other: an edge through a pixel passes both.
-/// The variance of a neighbour counts by the inverse of its squared distance.
-const NEIGHBOURS: [[[isize; 2]; 6]; 2] =
-    [[[-1, 0], [0, -1], [-1, -2], [1, -2], [-2, -1], [-2, 1]], [[1, 0], [0, 1], [1, 2], [-1, 2], [2, 1], [2, -1]]];
+/// Neighbours of the other colour, by column and row. The variance of each counts by the inverse of its squared distance.
+const NEIGHBOURS: [[isize; 2]; 12] =
+    [[-1, 0], [1, 0], [0, -1], [0, 1], [-1, -2], [1, -2], [-1, 2], [1, 2], [-2, -1], [2, -1], [-2, 1], [2, 1]];
 
 /// How many paths the samples of each pixel have.
 #[derive(Debug, PartialEq, Eq)]
 pub struct PathCounts(Vec<u8>);
 
 impl PathCounts {
-    /// Memory for each pixel while they are computed: variances, their averages over the neighbours, and numbers of paths.
-    pub const BYTES: usize = 4 * size_of::<f32>() + 5;
+    /// Memory for each pixel while they are computed: its variance and number of paths; and for each of one colour its place, the estimate of
+    /// its variance and its own, the best number of paths so far, and three more.
+    pub const BYTES: usize =
+        size_of::<f32>() + 1 + (size_of::<usize>() + 2 * size_of::<f32>() + size_of::<(f64, u8)>() + 3).div_ceil(2);
 
     /// From the variances of the pixels of an image, row by row.
     pub fn new(variances: &[f32], width: usize) -> Self {
@@ -42,9 +43,9 @@ impl PathCounts {
         for colour in 0..2 {
             let is_of_colour = |pixel: &usize| (pixel % width + pixel / width) % 2 == colour;
             let pixels: Vec<usize> = (0..variances.len()).filter(is_of_colour).collect();
-            let halves = pixels.par_iter().map(|&pixel| neighbours(variances, width, pixel));
-            let (a, b): (Vec<f32>, Vec<f32>) = halves.unzip();
-            pixels.iter().zip(allocate(&a, &b)).for_each(|(&pixel, count)| counts[pixel] = count);
+            let estimated: Vec<f32> = pixels.par_iter().map(|&pixel| around(variances, width, pixel)).collect();
+            let own: Vec<f32> = pixels.iter().map(|&pixel| variances[pixel]).collect();
+            pixels.iter().zip(allocate(&estimated, &own)).for_each(|(&pixel, count)| counts[pixel] = count);
         }
         Self(counts)
     }
@@ -61,44 +62,54 @@ impl PathCounts {
     }
 }
 
-/// The averages of the variances around a pixel, one for each half of the neighbours; where an image has only one half of them, twice
-/// the same.
-fn neighbours(variances: &[f32], width: usize, pixel: usize) -> (f32, f32) {
+/// The average of the variances around a pixel.
+fn around(variances: &[f32], width: usize, pixel: usize) -> f32 {
     let height = variances.len() / width;
-    let [a, b] = NEIGHBOURS.map(|offsets| {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for [dx, dy] in offsets {
-            let (x, y) = ((pixel % width).wrapping_add_signed(dx), (pixel / width).wrapping_add_signed(dy));
-            if x < width && y < height {
-                let weight = 1.0 / (dx * dx + dy * dy) as f64;
-                sum += weight * f64::from(variances[y * width + x]);
-                count += weight;
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for [dx, dy] in NEIGHBOURS {
+        let (x, y) = ((pixel % width).wrapping_add_signed(dx), (pixel / width).wrapping_add_signed(dy));
+        if x < width && y < height {
+            let weight = 1.0 / (dx * dx + dy * dy) as f64;
+            sum += weight * f64::from(variances[y * width + x]);
+            weights += weight;
+        }
+    }
+    if weights > 0.0 { (sum / weights) as f32 } else { 0.0 }
+}
+
+/// The numbers of paths for pixels with these estimates of their variances, by cross-validation with their own.
+fn allocate(estimated: &[f32], own: &[f32]) -> Vec<u8> {
+    // The least product and the numbers that have it; a pixel that has stopped finds none below.
+    let mut best = vec![(f64::INFINITY, 1); own.len()];
+    let mut counts = vec![1; own.len()];
+    loop {
+        let [error, time] = sums(own, &counts);
+        let mut goes_on = false;
+        for (((least, kept), &count), &variance) in best.iter_mut().zip(&counts).zip(own) {
+            let n = f64::from(count);
+            let product = (error - f64::from(variance) / n) * (time - n);
+            if product < *least {
+                (*least, *kept, goes_on) = (product, count, true);
+            } else {
+                *least = f64::NEG_INFINITY;
             }
         }
-        (count > 0.0).then_some((sum / count) as f32)
-    });
-    match (a, b) {
-        (Some(a), Some(b)) => (a, b),
-        (Some(only), None) | (None, Some(only)) => (only, only),
-        (None, None) => (0.0, 0.0),
+        if !goes_on {
+            return best.into_iter().map(|(_, count)| count).collect();
+        }
+        counts = next(estimated, &counts);
     }
 }
 
-/// The numbers of paths for pixels whose variances two halves estimate.
-pub(super) fn allocate(a: &[f32], b: &[f32]) -> Vec<u8> {
-    let both: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
-    let uniform = || vec![1; both.len()];
-    let (mut accepted, mut candidate, mut halves, mut least) =
-        (uniform(), uniform(), [uniform(), uniform()], f64::INFINITY);
+/// The numbers of paths for pixels with these variances.
+pub(super) fn best_for(variances: &[f32]) -> Vec<u8> {
+    let mut counts = vec![1; variances.len()];
     loop {
-        let crossed = product(a, &halves[1]) + product(b, &halves[0]);
-        if crossed >= least {
-            return accepted;
+        let better = next(variances, &counts);
+        if product(variances, &better) >= product(variances, &counts) {
+            return counts;
         }
-        least = crossed;
-        accepted = candidate;
-        candidate = next(&both, &accepted);
-        halves = [next(a, &halves[0]), next(b, &halves[1])];
+        counts = better;
     }
 }
 
@@ -152,13 +163,19 @@ mod tests {
     }
 
     #[test]
-    fn paths_of_a_pixel_do_not_depend_on_what_its_colour_finds() {
+    fn paths_of_a_pixel_do_not_depend_on_what_it_finds() {
         let variances: Vec<f32> = (0..144).map(|i| if i % 12 == 5 { 1.0 } else { 1e-4 }).collect();
-        let is_of_first = |i: &usize| (i % 12 + i / 12).is_multiple_of(2);
-        let changed: Vec<f32> = (0..144).map(|i| if is_of_first(&i) { 1e6 } else { variances[i] }).collect();
-        let [before, after] = [variances, changed].map(|variances| PathCounts::new(&variances, 12).0);
-        assert!((0..144).filter(is_of_first).all(|i| before[i] == after[i]));
-        assert_ne!(before, after);
+        let counts = |variances: &[f32]| PathCounts::new(variances, 12).0;
+        let before = counts(&variances);
+        for pixel in 0..144 {
+            for variance in [0.0, 1e-2, 1e6] {
+                let mut changed = variances.clone();
+                changed[pixel] = variance;
+                assert_eq!(counts(&changed)[pixel], before[pixel]);
+            }
+        }
+        let other: Vec<f32> = (0..144).map(|i| if i % 12 == 8 { 1.0 } else { 1e-4 }).collect();
+        assert_ne!(counts(&other), before);
         for (width, height) in [(1, 1), (1, 5), (5, 1), (2, 2)] {
             assert_eq!(PathCounts::new(&vec![1.0; width * height], width).0, vec![1; width * height]);
         }
@@ -188,22 +205,29 @@ mod tests {
     }
 
     #[test]
-    fn each_step_has_a_smaller_product() {
+    fn known_variances_have_the_best_numbers() {
         let variances: Vec<f32> = (0..1000).map(|i| Independent::new(3, i, 0).pair(0)[0].powi(-2) as f32).collect();
-        let (mut before, mut least) = (vec![1; 1000], f64::INFINITY);
-        while product(&variances, &before) < least {
-            least = product(&variances, &before);
-            before = next(&variances, &before);
-        }
+        let counts = best_for(&variances);
+        let least = product(&variances, &counts);
         assert!(least < 0.2 * product(&variances, &[1; 1000]));
         // No other number of one pixel is better.
         for i in 0..1000 {
-            for other in [before[i] / 2, before[i].saturating_mul(2)].into_iter().filter(|n| (1..=64).contains(n)) {
-                let mut changed = before.clone();
+            for other in [counts[i] / 2, counts[i].saturating_mul(2)].into_iter().filter(|n| (1..=64).contains(n)) {
+                let mut changed = counts.clone();
                 changed[i] = other;
                 assert!(product(&variances, &changed) >= least * (1.0 - 1e-3));
             }
         }
+    }
+
+    #[test]
+    fn numbers_do_not_follow_noise() {
+        // Estimates that say nothing of the pixels
+        let of = |seed: u64| (0..1000).map(|i| 1e4f32.powf(Independent::new(seed, i, 0).pair(0)[0] as f32)).collect();
+        let [estimated, own]: [Vec<f32>; 2] = [of(1), of(2)];
+        let over_uniform = |counts: &[u8]| product(&own, counts) / product(&own, &[1; 1000]);
+        let [tested, trusting] = [allocate(&estimated, &own), best_for(&estimated)].map(|counts| over_uniform(&counts));
+        assert!(tested < 1.05 && trusting > 2.0, "{tested} {trusting}");
     }
 
     #[test]

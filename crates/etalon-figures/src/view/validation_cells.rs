@@ -117,9 +117,8 @@ fn said(outcome: &Outcome) -> Vec<String> {
 fn cut(text: &str) -> String {
     let is_open = |text: &str| text.matches('(').count() > text.matches(')').count();
     let ends = text.rmatch_indices([',', ':']).map(|(end, _)| text.split_at(end));
-    let is_end = |(start, rest): &(&str, &str)| {
-        rest[1..].starts_with(' ') && !rest.starts_with(", and ") && !is_open(start)
-    };
+    let is_end =
+        |(start, rest): &(&str, &str)| rest[1..].starts_with(' ') && !rest.starts_with(", and ") && !is_open(start);
     let ends = ends.filter(is_end).map(|(start, _)| start);
     let fits = |text: &&str| text.chars().count() <= WIDEST;
     std::iter::once(text).chain(ends).find(fits).unwrap_or(text).to_owned()
