@@ -11,7 +11,8 @@
 //! have independent errors, so half of their mean squared difference is the MSE of one, without any reference. All combinations render 4
 //! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
 //! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is. Other work on
-//! the machine only adds to times, so the least of all counts; `--times N` takes those of FILE again, N times, one process at a time.
+//! the machine only adds to times, so the least of all counts. Two processes side by side may slow each other down, and not each pair alike:
+//! `--times N` takes the times of the table again, N times, one process at a time, and only these count.
 
 mod program;
 
@@ -82,10 +83,32 @@ struct Case {
     has_map: bool,
 }
 
-/// What was measured of a combination: the least seconds of a render, and the MSE by each pair of renders with different seeds.
+/// What was measured of a combination: the least seconds of a render beside another process and alone, and the MSE by each pair of renders
+/// with different seeds.
 struct Measured {
-    seconds: f64,
+    beside: f64,
+    alone: f64,
     mses: Vec<f64>,
+}
+
+impl Measured {
+    /// Adds seconds: with the MSE of a pair, or of a process alone.
+    fn add(&mut self, seconds: f64, mse: Option<f64>) {
+        let least = if mse.is_some() { &mut self.beside } else { &mut self.alone };
+        *least = least.min(seconds);
+        self.mses.extend(mse);
+    }
+
+    /// Those alone, if they were taken.
+    fn seconds(&self) -> f64 {
+        if self.alone.is_finite() { self.alone } else { self.beside }
+    }
+}
+
+impl Default for Measured {
+    fn default() -> Self {
+        Self { beside: f64::INFINITY, alone: f64::INFINITY, mses: Vec::new() }
+    }
 }
 
 /// A case, a combination and a number of samples.
@@ -110,13 +133,6 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let mean = values.clone().sum::<f64>() / n;
     let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     (mean, (variance / n).sqrt() / mean)
-}
-
-/// Adds seconds, and the MSE of a pair if they are those of a new one.
-fn record(measured: &mut HashMap<Key, Measured>, key: Key, seconds: f64, mse: Option<f64>) {
-    let all = measured.entry(key).or_insert(Measured { seconds, mses: Vec::new() });
-    all.seconds = all.seconds.min(seconds);
-    all.mses.extend(mse);
 }
 
 impl Bench {
@@ -145,12 +161,12 @@ impl Bench {
             }
         }
         let runs = runs.expect("--runs FILE keeps what is measured");
-        let mut measured = HashMap::new();
+        let mut measured: HashMap<Key, Measured> = HashMap::new();
         for line in std::fs::read_to_string(&runs).unwrap_or_default().lines() {
             if let [case, combination, spp, seconds, mse] = line.split(',').collect::<Vec<_>>()[..]
                 && let (Ok(spp), Ok(seconds)) = (spp.parse(), seconds.parse())
             {
-                record(&mut measured, (case.into(), combination.into(), spp), seconds, mse.parse().ok());
+                measured.entry((case.into(), combination.into(), spp)).or_default().add(seconds, mse.parse().ok());
             }
         }
         let file = OpenOptions::new().create(true).append(true).open(&runs).expect("a file for the runs");
@@ -176,9 +192,7 @@ impl Bench {
             for path in files(folder, &["pbrt", "dae"]) {
                 let mut args = vec![path.display().to_string()];
                 if path.extension().is_some_and(|extension| extension == "dae") {
-                    // The renderer crops small images; camera settings do not.
-                    let camera = path.with_extension("txt").display().to_string();
-                    args.extend(["-m".into(), "5".into(), "-c".into(), camera]);
+                    args.extend(["-m", "5", "--fit"].map(str::to_owned));
                 } else if let Some(map) = &self.envmap
                     && std::fs::read_to_string(&path).is_ok_and(|text| text.contains("grace_latlong"))
                 {
@@ -255,10 +269,10 @@ impl Bench {
     ) -> Vec<(String, [f64; 2])> {
         let measured = self.measured.lock().expect("no panic");
         let of = |name: &String| {
-            let Measured { seconds, mses } = measured.get(&(case.name.clone(), name.clone(), spp))?;
-            let some: Vec<f64> = range.clone().filter_map(|i| mses.get(i).copied()).collect();
+            let measured = measured.get(&(case.name.clone(), name.clone(), spp))?;
+            let some: Vec<f64> = range.clone().filter_map(|i| measured.mses.get(i).copied()).collect();
             let (mse, error) = (some.len() > 1).then(|| mean(some.iter().copied()))?;
-            let log = -(seconds * mse).ln();
+            let log = -(measured.seconds() * mse).ln();
             log.is_finite().then(|| (name.clone(), [log, error]))
         };
         let mut ranked: Vec<_> = names.iter().filter_map(of).collect();
@@ -299,7 +313,7 @@ impl Bench {
         let line = format!("{},{name},{spp},{seconds},{written}", case.name);
         writeln!(self.file.lock().expect("no panic"), "{line}").expect("the line is written");
         let key = (case.name.clone(), name.to_owned(), spp);
-        record(&mut self.measured.lock().expect("no panic"), key, seconds, mse);
+        self.measured.lock().expect("no panic").entry(key).or_default().add(seconds, mse);
     }
 
     /// Seconds and images of the two renders of a pair; `None` for a combination that the program refuses.

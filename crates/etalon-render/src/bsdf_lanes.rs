@@ -4,7 +4,7 @@ use super::lanes::{BLOCK, LANES, Lane, Lane3, at, block, blocks, fill, put, set,
 use super::shaders::SurfaceShader;
 use etalon_core::bsdf::{Bsdf, BsdfSample, Lobe, Scatter, Vectorizable, VectorizedLoop};
 use etalon_core::math::circular::Circular;
-use etalon_core::math::{Frame, Rgb};
+use etalon_core::math::{Frame, Rgb, map_array};
 use glam::{Vec2, Vec3};
 use std::array::from_mut;
 
@@ -169,7 +169,7 @@ impl VectorizedLoop for SampleLoop<'_> {
             #[inline(always)]
             move || {
                 for number in 0..blocks(count) {
-                    let (wo, [uc, x, y]) = (block(wo, number), u.map(|u| u.as_chunks::<BLOCK>().0[number]));
+                    let (wo, [uc, x, y]) = (block(wo, number), map_array(u, |u| u.as_chunks::<BLOCK>().0[number]));
                     let mut found = Scattered::<BLOCK>::default();
                     for i in 0..BLOCK {
                         let sample = bsdf.sample_lane(at(&wo, i), uc[i], [x[i], y[i]]);

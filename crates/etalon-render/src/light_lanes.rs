@@ -4,15 +4,21 @@ use super::lanes::{BLOCK, LANES, Lane, Lane3, NONE, Ray, at, block, blocks, put,
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
 use super::light_selection::Lights;
 use super::light_tree::LightTreeAt;
-use super::lights::{LightKind, Sampled};
+use super::lights::{LightKind, SampledLight};
 use super::shaders::Kind;
 use std::array::from_mut;
 
 /// A direction towards a light from each of the first `count` positions.
-pub fn sample_one_light(light: &Sampled, positions: &Lane3, count: usize, u: &[Lane; 2], out: &mut LightSampleLanes) {
+pub fn sample_one_light(
+    light: &SampledLight,
+    positions: &Lane3,
+    count: usize,
+    u: &[Lane; 2],
+    out: &mut LightSampleLanes,
+) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        LightKind::Rectangle(panel) => sample_shape(panel, positions, count, u, out),
+        LightKind::Rectangle(light) => sample_shape(light, positions, count, u, out),
         LightKind::Triangle(triangle) => sample_shape(triangle, positions, count, u, out),
         LightKind::Sphere(sphere) => sample_shape(sphere, positions, count, u, out),
         LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {
@@ -55,7 +61,7 @@ fn sample_block<'l, L: SampleLight + 'l>(
 
 /// For each position a direction towards the light of `all` whose number `light` has; none where that is [`NONE`].
 pub fn sample_own_lights<'l>(
-    all: &'l [Sampled],
+    all: &'l [SampledLight],
     light: &[u32],
     positions: &Lane3,
     u: &[Lane; 2],
@@ -63,7 +69,10 @@ pub fn sample_own_lights<'l>(
 ) {
     for (i, &number) in light.iter().enumerate().take(LANES) {
         match all.get(number as usize) {
-            Some(Sampled { kind: LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_), .. }) => {}
+            Some(SampledLight {
+                kind: LightKind::Rectangle(_) | LightKind::Triangle(_) | LightKind::Sphere(_),
+                ..
+            }) => {}
             Some(other) => {
                 let point = at(positions, i);
                 let sample = other.sample(point, [u[0][i], u[1][i]]);
@@ -140,7 +149,7 @@ pub fn sample_chosen(
 
 /// The loop of [`sample_own_lights`] over the lights for which `of_shape` has a shape. It gathers them a block at a time.
 fn sample_own_lights_of<'l, L: SampleLight + Copy + 'l>(
-    all: &'l [Sampled],
+    all: &'l [SampledLight],
     light: &[u32],
     positions: &Lane3,
     u: &[Lane; 2],

@@ -6,7 +6,7 @@
 use super::lanes::NONE;
 use super::light_sample::{LightSample, SampleLight};
 use super::light_tree::{LightBounds, LightTree, LightTreeAt};
-use super::lights::Sampled;
+use super::lights::SampledLight;
 use glam::Vec3;
 
 /// So many lights, or fewer, are each sampled at every hit. A shadow ray for each of more lights costs more time than it
@@ -15,7 +15,7 @@ pub const MOST_EACH: usize = 2;
 
 /// The lights of a scene that are sampled.
 pub struct Lights {
-    pub all: Vec<Sampled>,
+    pub all: Vec<SampledLight>,
     rounds: Vec<Round>,
     /// Over all lights, if there are many at finite distance.
     tree: Option<LightTree>,
@@ -34,11 +34,12 @@ pub struct Round {
 impl Lights {
     /// About the memory that preparing a light takes: it and its bounds, twice while their lists are made, and its part of the
     /// tree.
-    pub const BYTES: usize = 2 * (size_of::<Sampled>() + size_of::<Option<LightBounds>>()) + LightTree::LIGHT_BYTES;
+    pub const BYTES: usize =
+        2 * (size_of::<SampledLight>() + size_of::<Option<LightBounds>>()) + LightTree::LIGHT_BYTES;
 
     /// Prepares the selection; `samples` at each hit for each light that has an extent.
-    pub fn new(all: Vec<Sampled>, samples: u32) -> Self {
-        let bounds: Vec<_> = all.iter().map(Sampled::bounds).collect();
+    pub fn new(all: Vec<SampledLight>, samples: u32) -> Self {
+        let bounds: Vec<_> = all.iter().map(SampledLight::bounds).collect();
         let is_finite = |light: &u32| bounds[*light as usize].is_some();
         let numbers = || 0..all.len() as u32;
         let in_tree = || bounds.iter().map(|bounds| bounds.unwrap_or(LightBounds::NONE)).collect::<Vec<_>>();

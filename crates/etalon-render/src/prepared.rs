@@ -8,7 +8,7 @@ use super::light_sample::SampleLight;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
 use super::lights;
-use super::lights::Sampled;
+use super::lights::SampledLight;
 use super::needs::Needs;
 use super::ray_samples::{RaySamples, Streams};
 use super::settings::{Sampling, Settings};
@@ -63,13 +63,13 @@ impl<'a> PreparedScene<'a> {
             memory::request(bytes, || format!("the tree of {} objects", scene.objects.len()))?;
         }
         let geometry = Arc::new(Geometry::new(scene, needs.tree));
-        let (objects, lights) = (scene.objects.len(), Sampled::most(scene));
+        let (objects, lights) = (scene.objects.len(), SampledLight::most(scene));
         memory::request(objects * SurfaceShader::BYTES + lights * Lights::BYTES, || {
             format!("the materials of {objects} objects, and {lights} lights")
         })?;
         let environment = EnvironmentSampling::new(scene, settings, &needs)?.map(Arc::new);
         let fixed = lights::of_cut(scene, settings)?;
-        let lights = Arc::new(Lights::new(Sampled::all(scene, settings, &fixed), request.light_samples));
+        let lights = Arc::new(Lights::new(SampledLight::all(scene, settings, &fixed), request.light_samples));
         let rounds = lights.rounds().len();
         if !RaySamples::suffice(request.max_depth, rounds) {
             let message = format!("{} scatterings with {rounds} light samples each are too many", request.max_depth);
@@ -90,7 +90,7 @@ impl<'a> PreparedScene<'a> {
         };
         let lights = match settings.sampling.by_light() == sampling.by_light() {
             true => lights.clone(),
-            false => Arc::new(Lights::new(Sampled::all(scene, settings, &[]), request.light_samples)),
+            false => Arc::new(Lights::new(SampledLight::all(scene, settings, &[]), request.light_samples)),
         };
         Ok(Self::assemble(scene, request, settings, needs, geometry.clone(), lights, environment))
     }

@@ -11,6 +11,6 @@ pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
 pub use crate::light_selection::Lights;
 pub use crate::light_tracing::{SAMPLES_PER_LIGHT_PATH, Start};
 pub use crate::light_tree::{LightTree, LightTreeAt};
-pub use crate::lights::Sampled;
+pub use crate::lights::SampledLight;
 pub use crate::prepared::PreparedScene;
 pub use crate::shaders::{Kind, adjoint_factor, is_sound};

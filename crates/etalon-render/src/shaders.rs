@@ -6,7 +6,7 @@
 //! Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, section 5.3.
 
 use super::geometry::Surface;
-use super::lights::Sampled;
+use super::lights::SampledLight;
 use super::settings::Settings;
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::math::{Frame, Rgb};
@@ -67,7 +67,7 @@ impl SurfaceShader {
     pub const BYTES: usize = size_of::<Self>() + size_of::<Bsdf>();
 
     /// The records of all objects; `lights` are those that are sampled.
-    pub fn all(scene: &Scene, settings: &Settings, lights: &[Sampled]) -> Vec<Self> {
+    pub fn all(scene: &Scene, settings: &Settings, lights: &[SampledLight]) -> Vec<Self> {
         let mut shaders: Vec<Self> = Vec::with_capacity(scene.objects.len());
         for (i, object) in scene.objects.iter().enumerate() {
             // Neighbours of one material share its BSDF. Textures are not compared: they may be large.
@@ -176,7 +176,7 @@ mod tests {
         scene.objects.push(scene.objects[lit].clone());
         scene.objects.push(Object { emission: None, ..scene.objects[lit].clone() });
         let settings = Settings::default();
-        let shaders = SurfaceShader::all(&scene, &settings, &Sampled::all(&scene, &settings, &[]));
+        let shaders = SurfaceShader::all(&scene, &settings, &SampledLight::all(&scene, &settings, &[]));
         let [.., one, other] = &shaders[..] else { panic!() };
         assert!(Arc::ptr_eq(&one.bsdf, &other.bsdf) && one.emission.is_some() && other.emission.is_none());
         assert_eq!((shaders[lit].light, one.light, other.light), (Some(0), Some(1), None));

@@ -40,14 +40,14 @@ pub trait Solid: Send + Sync {
 }
 
 /// A rectangle in the form that is quickest to meet.
-pub fn panel(rectangle: &Rectangle) -> Box<dyn Solid> {
+pub fn solid_of(rectangle: &Rectangle) -> Box<dyn Solid> {
     fn boxed(solid: impl Solid + 'static) -> Box<dyn Solid> {
         Box::new(solid)
     }
-    let x = || AxisPanel::<0>::new(rectangle).map(boxed);
-    let y = || AxisPanel::<1>::new(rectangle).map(boxed);
-    let z = || AxisPanel::<2>::new(rectangle).map(boxed);
-    x().or_else(y).or_else(z).unwrap_or_else(|| Box::new(TiltedPanel::new(rectangle)))
+    let x = || AxisAlignedRectangle::<0>::new(rectangle).map(boxed);
+    let y = || AxisAlignedRectangle::<1>::new(rectangle).map(boxed);
+    let z = || AxisAlignedRectangle::<2>::new(rectangle).map(boxed);
+    x().or_else(y).or_else(z).unwrap_or_else(|| Box::new(TiltedRectangle::new(rectangle)))
 }
 
 impl Solid for Sphere {
@@ -114,13 +114,13 @@ pub fn one_minus_cos_of_cone(sphere: &Sphere, point: Vec3) -> f32 {
 
 /// A rectangle as its plane and two coordinates on it that are −1 and 1 at the edges.
 #[derive(Debug, Clone, Copy)]
-struct TiltedPanel {
+struct TiltedRectangle {
     plane: Plane,
     across: [Vec3; 2],
     offset: [f32; 2],
 }
 
-impl TiltedPanel {
+impl TiltedRectangle {
     fn new(rectangle: &Rectangle) -> Self {
         let across = rectangle.half_sides().map(|half| half / half.length_squared());
         let offset = across.map(|a| a.dot(rectangle.centre()));
@@ -128,7 +128,7 @@ impl TiltedPanel {
     }
 }
 
-impl Solid for TiltedPanel {
+impl Solid for TiltedRectangle {
     #[inline(always)]
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let t = self.plane.distance(origin, direction);
@@ -143,13 +143,13 @@ impl Solid for TiltedPanel {
 /// A rectangle in a plane x, y or z = `height` with sides along the other two axes, as walls and area lights often are:
 /// a third of the arithmetic.
 #[derive(Debug, Clone, Copy)]
-pub struct AxisPanel<const AXIS: usize> {
+pub struct AxisAlignedRectangle<const AXIS: usize> {
     height: f32,
     low: [f32; 2],
     high: [f32; 2],
 }
 
-impl<const AXIS: usize> AxisPanel<AXIS> {
+impl<const AXIS: usize> AxisAlignedRectangle<AXIS> {
     const ACROSS: [usize; 2] = [(AXIS + 1) % 3, (AXIS + 2) % 3];
 
     pub fn new(rectangle: &Rectangle) -> Option<Self> {
@@ -166,7 +166,7 @@ impl<const AXIS: usize> AxisPanel<AXIS> {
     }
 }
 
-impl<const AXIS: usize> Solid for AxisPanel<AXIS> {
+impl<const AXIS: usize> Solid for AxisAlignedRectangle<AXIS> {
     #[inline(always)]
     fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let (origin, direction) = (origin.to_array(), direction.to_array());

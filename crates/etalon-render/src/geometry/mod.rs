@@ -8,7 +8,7 @@
 mod tests;
 
 use super::lanes::{Hits, LANES, Lane, NONE, Rays, at, fill};
-use super::solids::{Solid, offset_of_sphere, panel};
+use super::solids::{Solid, offset_of_sphere, solid_of};
 use etalon_core::math::Frame;
 use etalon_core::scene::bvh::{self, Bvh};
 use etalon_core::scene::{Object, Scene, Shape};
@@ -139,7 +139,7 @@ impl<'a> Geometry<'a> {
             whole = union(whole, bounds);
             let is_alone = outside_bvh[i as usize];
             match &object.shape {
-                Shape::Rectangle(rectangle) if is_alone => solids.push((panel(rectangle), i)),
+                Shape::Rectangle(rectangle) if is_alone => solids.push((solid_of(rectangle), i)),
                 Shape::Sphere(sphere) if is_alone => spheres.extend(sphere.bounds().map(|_| (*sphere, i))),
                 shape => {
                     in_tree = union(in_tree, bounds);

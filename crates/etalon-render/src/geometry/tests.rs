@@ -3,9 +3,9 @@
 use super::*;
 use crate::lanes::set;
 use crate::light_sample::SampleLight;
-use crate::lights::Sampled;
+use crate::lights::SampledLight;
 use crate::settings::Settings;
-use crate::solids::AxisPanel;
+use crate::solids::AxisAlignedRectangle;
 use etalon_core::math::Rgb;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::scene::{Camera, Emission, Material, Mesh, Projection, Rectangle, Sphere};
@@ -56,7 +56,7 @@ fn lights_do_not_occlude_their_own_samples() {
             }
         };
         let scene = scene([shape]);
-        let light = &Sampled::all(&scene, &Settings::default(), &[])[0];
+        let light = &SampledLight::all(&scene, &Settings::default(), &[])[0];
         let (mut rays, mut distance) = (Rays::default(), [0.0; LANES]);
         for k in 0..LANES {
             let j = 10 + 10 * k as u64;
@@ -116,8 +116,11 @@ fn the_tree_finds_what_one_by_one_is_found() {
     let mut kinds = [0; 4];
     for object in &scene.objects {
         if let Shape::Rectangle(r) = &object.shape {
-            let axes =
-                [AxisPanel::<0>::new(r).is_some(), AxisPanel::<1>::new(r).is_some(), AxisPanel::<2>::new(r).is_some()];
+            let axes = [
+                AxisAlignedRectangle::<0>::new(r).is_some(),
+                AxisAlignedRectangle::<1>::new(r).is_some(),
+                AxisAlignedRectangle::<2>::new(r).is_some(),
+            ];
             kinds[axes.iter().position(|is_axis| *is_axis).unwrap_or(3)] += 1;
         }
     }

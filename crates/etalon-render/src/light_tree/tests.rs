@@ -3,7 +3,7 @@
 use super::*;
 use crate::Settings;
 use crate::light_sample::SampleLight;
-use crate::lights::Sampled;
+use crate::lights::SampledLight;
 use etalon_core::math::Rgb;
 use etalon_core::sampling::stream::{Independent, Stream};
 use etalon_core::scene::{Emission, Material, Object, Rectangle, Scene, Shape, Sphere, builtin};
@@ -162,7 +162,7 @@ fn bounds_of_area_lights_hold_what_they_emit() {
         ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO })
     });
     let scene = Scene { objects: objects.into(), lights: Vec::new(), environment: None, ..scene };
-    let lights = Sampled::all(&scene, &Settings::default(), &[]);
+    let lights = SampledLight::all(&scene, &Settings::default(), &[]);
     let bounds: Vec<_> = lights.iter().map(|light| light.bounds().unwrap()).collect();
     let intensities = [0.5f32.sqrt(), std::f32::consts::PI / 4.0];
     assert!(bounds.iter().zip(intensities).all(|(bounds, expected)| (bounds.intensity / expected - 1.0).abs() < 1e-6));

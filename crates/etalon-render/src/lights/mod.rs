@@ -24,7 +24,7 @@ pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 
 /// A light that can be sampled.
 #[derive(Debug, Clone)]
-pub struct Sampled {
+pub struct SampledLight {
     pub kind: LightKind,
     /// The object that emits, or [`super::lanes::NONE`].
     pub object: u32,
@@ -41,11 +41,11 @@ pub enum LightKind {
     Hemisphere { radiance: Rgb },
 }
 
-impl Sampled {
+impl SampledLight {
     /// All lights to sample: the emissive objects (only if the strategy samples lights), and the scene's other lights and
     /// `fixed`, which no ray can hit.
     pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
-        let panel = |rectangle: &Rectangle, radiance, two_sided| {
+        let sampled = |rectangle: &Rectangle, radiance, two_sided| {
             LightKind::Rectangle(RectangleLight::new(rectangle, radiance, two_sided))
         };
         let of_object = |(i, object): (usize, &Object)| {
@@ -53,7 +53,7 @@ impl Sampled {
                 object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
             let Emission { radiance, two_sided, .. } = emission;
             let kinds = match &object.shape {
-                Shape::Rectangle(r) => vec![panel(r, radiance, two_sided)],
+                Shape::Rectangle(r) => vec![sampled(r, radiance, two_sided)],
                 Shape::Sphere(sphere) => vec![LightKind::Sphere(SphereLight::new(*sphere, radiance, two_sided))],
                 Shape::Mesh(mesh) => {
                     // A triangle without an area keeps its number and is never sampled.
@@ -70,7 +70,7 @@ impl Sampled {
         let emitters = emitters.filter(|_| settings.sampling.by_light());
         let others = scene.lights.iter().chain(fixed).map(|light| {
             let kind = match *light {
-                Light::Rectangle { ref rectangle, radiance } => panel(rectangle, radiance, false),
+                Light::Rectangle { ref rectangle, radiance } => sampled(rectangle, radiance, false),
                 Light::Point { position, intensity, falloff } => LightKind::Point { position, intensity, falloff },
                 Light::Directional { direction, irradiance } => {
                     LightKind::Directional { towards: -direction, irradiance }
@@ -82,7 +82,7 @@ impl Sampled {
         emitters.chain(others).collect()
     }
 
-    /// At least as many as [`Sampled::all`] finds without fixed ones.
+    /// At least as many as [`SampledLight::all`] finds without fixed ones.
     pub fn most(scene: &Scene) -> usize {
         let emitters = scene.objects.iter().filter(|object| object.emission.is_some());
         scene.lights.len() + emitters.map(|object| object.shape.triangles().max(1)).sum::<usize>()
@@ -154,12 +154,12 @@ impl Sampled {
     }
 }
 
-impl SampleLight for Sampled {
+impl SampleLight for SampledLight {
     #[inline(always)]
     fn sample(&self, point: Vec3, u: [f32; 2]) -> LightSample {
         match &self.kind {
-            LightKind::Rectangle(panel) => panel.sample(point, u),
-            LightKind::Triangle(triangle) => triangle.sample(point, u),
+            LightKind::Rectangle(light) => light.sample(point, u),
+            LightKind::Triangle(light) => light.sample(point, u),
             LightKind::Sphere(light) => light.sample(point, u),
             LightKind::Point { position, intensity, falloff } => {
                 let to = *position - point;
@@ -186,8 +186,8 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn t_max(&self, ray: Ray, distance: f32) -> f32 {
         match &self.kind {
-            LightKind::Rectangle(panel) => panel.t_max(ray, distance),
-            LightKind::Triangle(triangle) => triangle.t_max(ray, distance),
+            LightKind::Rectangle(light) => light.t_max(ray, distance),
+            LightKind::Triangle(light) => light.t_max(ray, distance),
             LightKind::Sphere(light) => light.t_max(ray, distance),
             LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => distance * SHORT,
         }
@@ -196,9 +196,9 @@ impl SampleLight for Sampled {
     #[inline(always)]
     fn pdf(&self, point: Vec3) -> f32 {
         match &self.kind {
-            LightKind::Rectangle(panel) => panel.pdf(point),
+            LightKind::Rectangle(light) => light.pdf(point),
             LightKind::Sphere(light) => light.pdf(point),
-            LightKind::Triangle(triangle) => triangle.pdf(point),
+            LightKind::Triangle(light) => light.pdf(point),
             LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => 0.0,
         }
     }

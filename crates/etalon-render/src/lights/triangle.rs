@@ -4,7 +4,7 @@ use crate::lanes::Ray;
 use crate::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
 use crate::light_tree::LightBounds;
 use crate::solids;
-use etalon_core::math::{Rgb, mean_rgb};
+use etalon_core::math::{Rgb, map_array, mean_rgb};
 use etalon_core::sampling::spherical_triangle::SphericalTriangle;
 use etalon_core::scene::Plane;
 use glam::Vec3;
@@ -34,7 +34,7 @@ impl TriangleLight {
 
     #[inline(always)]
     fn seen_from(&self, point: Vec3) -> SphericalTriangle<f32> {
-        SphericalTriangle::new((self.corner - point).to_array(), self.edges.map(|edge| edge.to_array()))
+        SphericalTriangle::new((self.corner - point).to_array(), map_array(self.edges, |edge| edge.to_array()))
     }
 }
 

@@ -15,7 +15,7 @@ use etalon_core::scene::{
 };
 use etalon_render::Settings;
 use etalon_render::probe::{
-    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, LightTreeAt, Lights, NONE, SampleLight, Sampled,
+    BLOCK, LANES, Lane, LightSample, LightSampleLanes, LightTree, LightTreeAt, Lights, NONE, SampleLight, SampledLight,
 };
 use etalon_render::probe::{sample_one_light, sample_own_lights};
 use etalon_stats::bsdf::{
@@ -80,7 +80,7 @@ pub fn directions() -> Vec<Case> {
 
 /// A light of the renderer as its users call it: samples of it, their pdfs, and rays that meet it.
 struct Emitter {
-    light: Sampled,
+    light: SampledLight,
     shape: Option<(Shape, Bvh)>,
     two_sided: bool,
 }
@@ -220,14 +220,14 @@ fn viewed<T: Circular + Send + Sync + 'static>(
 }
 
 /// The only light of a scene, as the renderer has it.
-fn light_of(object: Option<Object>, light: Option<Light>) -> Option<Sampled> {
+fn light_of(object: Option<Object>, light: Option<Light>) -> Option<SampledLight> {
     let (scene, _) = builtin::furnace();
     let lights = light.into_iter().collect();
     let scene = Scene { objects: object.into_iter().collect(), lights, environment: None, ..scene };
-    Sampled::all(&scene, &Settings::default(), &[]).pop()
+    SampledLight::all(&scene, &Settings::default(), &[]).pop()
 }
 
-fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
+fn emitting(shape: Shape, two_sided: bool) -> Option<SampledLight> {
     let emission = Emission { radiance: Rgb::ONE, two_sided, visibility: EmitterVisibility::Sampled };
     light_of(
         Some(Object { emission: Some(emission), ..Object::new(shape, Material::Diffuse { albedo: Rgb::ZERO }) }),
@@ -238,7 +238,7 @@ fn emitting(shape: Shape, two_sided: bool) -> Option<Sampled> {
 /// Samples towards a light, as the kernel takes them of one light and of lights chosen for each hit, mapped to points of a
 /// domain by `place`. A sample that the two loops do not agree on, or with another weight than radiance 1 over the pdf, is
 /// missing.
-fn samples_towards(light: Option<Sampled>, place: impl Fn(LightSample) -> Sample + Sync) -> impl Sampler {
+fn samples_towards(light: Option<SampledLight>, place: impl Fn(LightSample) -> Sample + Sync) -> impl Sampler {
     let positions = POINT.to_array().map(|x| [x; LANES]);
     in_lanes(move |[u], count| {
         let [mut out, mut each] = [LightSampleLanes::default(), LightSampleLanes::default()];
@@ -386,7 +386,7 @@ pub fn selections() -> Vec<Case> {
 pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, pmf: Pmf) -> Case {
     Case::of(name, Discrete { outcomes: count }, move || {
         let lights = Lights::new(lights(count), 1);
-        let tree = LightTree::new(&lights.all.iter().filter_map(Sampled::bounds).collect::<Vec<_>>());
+        let tree = LightTree::new(&lights.all.iter().filter_map(SampledLight::bounds).collect::<Vec<_>>());
         let choose = move |[u]: &[[Lane; 2]; 1], count: usize| {
             let mut chosen = [NONE; LANES];
             let mut probability = u[0];
@@ -409,7 +409,7 @@ pub fn selection(name: String, count: usize, point: Vec3, normal: Option<Vec3>, 
 }
 
 /// `count` lights of all shapes in the unit cube, with sizes and powers over two orders of magnitude.
-fn lights(count: usize) -> Vec<Sampled> {
+fn lights(count: usize) -> Vec<SampledLight> {
     let random = |i: usize, dimension| Independent::new(1, 0, i as u32).pair(dimension).map(|u| u as f32);
     let (scene, _) = builtin::furnace();
     let mut scene = Scene { objects: Vec::new(), lights: Vec::new(), environment: None, ..scene };
@@ -437,5 +437,5 @@ fn lights(count: usize) -> Vec<Sampled> {
             None => scene.lights.push(Light::Point { position: centre, intensity: radiance * size * size, falloff }),
         }
     }
-    Sampled::all(&scene, &Settings::default(), &[])
+    SampledLight::all(&scene, &Settings::default(), &[])
 }

@@ -51,7 +51,7 @@ pub trait Microfacet<T: Real>: Copy {
     #[inline(always)]
     fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
         // cos/(cos + cos Λ + cos'Λ' cos/cos') for the smaller cosine, whose ratio to the other neither over- nor underflows.
-        let [a, b] = [wo, wi].map(|w| (w[2].abs(), self.cos_lambda(w)));
+        let (a, b) = ((wo[2].abs(), self.cos_lambda(wo)), (wi[2].abs(), self.cos_lambda(wi)));
         let ((least, lambda), (most, other)) = if a.0 < b.0 { (a, b) } else { (b, a) };
         let ratio = if most > T::zero() { least / most } else { T::zero() };
         least / (least + lambda + ratio * other)

@@ -105,7 +105,11 @@ fn letter(index: usize) -> char {
 fn panel(erratum: &Erratum, letter: char) -> Page {
     let curves = &erratum.curves;
     // Scattered are places on a map, whose first row is at the top.
-    let y = Axis::linear(curves.y);
+    let differences = if curves.scattered { None } else { differences(curves) };
+    let (curves, y) = match &differences {
+        Some(differences) => (differences, Axis::linear(format!("error of {}", curves.y))),
+        None => (curves, Axis::linear(curves.y)),
+    };
     let x = Axis::linear(curves.x).every(curves.every);
     let [x, y] = match curves.scattered {
         true => [x.range(-0.2, 4.2), y.range(8.2, 3.8).every(1.0)],
@@ -119,6 +123,18 @@ fn panel(erratum: &Erratum, letter: char) -> Page {
         panel.line("", CORRECTED, curves.right.clone()).line("", PRINTED, curves.printed.clone())
     };
     Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw().natural()
+}
+
+/// What both curves differ by from the corrected one, where they are so close that nobody tells one from the other.
+fn differences(curves: &ErratumCurves) -> Option<ErratumCurves> {
+    /// Least distance of the curves over the height of the panel.
+    const SEEN: f64 = 0.05;
+    let pairs = || curves.printed.iter().zip(&curves.right);
+    let printed: Vec<[f64; 2]> = pairs().map(|(printed, right)| [right[0], printed[1] - right[1]]).collect();
+    let [low, high] = [f64::min, f64::max].map(|of| curves.right.iter().map(|point| point[1]).fold(f64::NAN, of));
+    let is_seen = printed.iter().any(|[_, difference]| difference.abs() > SEEN * (high - low));
+    let right = curves.right.iter().map(|[x, _]| [*x, 0.0]).collect();
+    (!is_seen).then(|| ErratumCurves { printed, right, ..curves.clone() })
 }
 
 /// An axis that ends a little beyond the curves, so that those at the end are seen.
