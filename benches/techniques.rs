@@ -12,7 +12,8 @@
 //! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
 //! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is. Other work on
 //! the machine only adds to times, so the least of all counts. Two processes side by side may slow each other down, and not each pair alike:
-//! `--times N` takes the times of the table again, N times, one process at a time, and only these count.
+//! each run with `--times N` takes those of the table again, N times, one process at a time, and
+//! then only these count in the table.
 
 mod program;
 
@@ -86,28 +87,28 @@ struct Case {
 /// What was measured of a combination: the least seconds of a render beside another process and alone, and the MSE by each pair of renders
 /// with different seeds.
 struct Measured {
-    beside: f64,
-    alone: f64,
+    seconds_beside: f64,
+    seconds_alone: f64,
     mses: Vec<f64>,
 }
 
 impl Measured {
-    /// Adds seconds: with the MSE of a pair, or of a process alone.
+    /// Adds the time of a pair of renders with its MSE, or, without one, a time that was taken alone.
     fn add(&mut self, seconds: f64, mse: Option<f64>) {
-        let least = if mse.is_some() { &mut self.beside } else { &mut self.alone };
+        let least = if mse.is_some() { &mut self.seconds_beside } else { &mut self.seconds_alone };
         *least = least.min(seconds);
         self.mses.extend(mse);
     }
 
     /// Those alone, if they were taken.
     fn seconds(&self) -> f64 {
-        if self.alone.is_finite() { self.alone } else { self.beside }
+        if self.seconds_alone.is_finite() { self.seconds_alone } else { self.seconds_beside }
     }
 }
 
 impl Default for Measured {
     fn default() -> Self {
-        Self { beside: f64::INFINITY, alone: f64::INFINITY, mses: Vec::new() }
+        Self { seconds_beside: f64::INFINITY, seconds_alone: f64::INFINITY, mses: Vec::new() }
     }
 }
 
@@ -165,6 +166,7 @@ impl Bench {
         for line in std::fs::read_to_string(&runs).unwrap_or_default().lines() {
             if let [case, combination, spp, seconds, mse] = line.split(',').collect::<Vec<_>>()[..]
                 && let (Ok(spp), Ok(seconds)) = (spp.parse(), seconds.parse())
+                && (mse.is_empty() || mse.parse::<f64>().is_ok())
             {
                 measured.entry((case.into(), combination.into(), spp)).or_default().add(seconds, mse.parse().ok());
             }
@@ -233,7 +235,8 @@ impl Bench {
     fn measure(&self, case: &Case) {
         let all = self.combinations(case);
         all.iter().for_each(|name| self.render(case, name, FIRST_LOOK, PAIRS[0]));
-        let all = self.ranked(case, &all, FIRST_LOOK, 0..PAIRS[0]);
+        let beside = |measured: &Measured| measured.seconds_beside;
+        let all = self.ranked(case, &all, FIRST_LOOK, 0..PAIRS[0], beside);
         let Some(best) = all.first().map(|(_, [log, _])| *log) else { return };
         let mut kept: Vec<String> =
             all.iter().filter(|(_, [log, _])| log - best > DROPPED.ln()).map(|(name, _)| name.clone()).collect();
@@ -247,7 +250,7 @@ impl Bench {
         for &spp in &self.spp {
             kept.iter().for_each(|name| self.render(case, name, spp, PAIRS[1]));
             for count in (PAIRS[1] + 2..=self.most).step_by(2) {
-                let ranked = self.ranked(case, &kept, spp, 0..count);
+                let ranked = self.ranked(case, &kept, spp, 0..count, beside);
                 let mut wanted: Vec<_> = ranked.iter().take(3).collect();
                 wanted.extend(ranked.iter().filter(|(name, _)| name == DEFAULT));
                 let unknown: Vec<_> = wanted.iter().filter(|(_, [_, error])| Z * error > KNOWN).collect();
@@ -266,13 +269,14 @@ impl Bench {
         names: &[String],
         spp: u32,
         range: impl Iterator<Item = usize> + Clone,
+        seconds: fn(&Measured) -> f64,
     ) -> Vec<(String, [f64; 2])> {
         let measured = self.measured.lock().expect("no panic");
         let of = |name: &String| {
             let measured = measured.get(&(case.name.clone(), name.clone(), spp))?;
             let some: Vec<f64> = range.clone().filter_map(|i| measured.mses.get(i).copied()).collect();
             let (mse, error) = (some.len() > 1).then(|| mean(some.iter().copied()))?;
-            let log = -(measured.seconds() * mse).ln();
+            let log = -(seconds(measured) * mse).ln();
             log.is_finite().then(|| (name.clone(), [log, error]))
         };
         let mut ranked: Vec<_> = names.iter().filter_map(of).collect();
@@ -289,7 +293,7 @@ impl Bench {
         }
     }
 
-    /// Takes the time of the first pair of each combination that is in the table once more.
+    /// Takes the time of the first pair of each combination that has enough of them for the table once more, alone.
     fn time(&self, case: &Case) {
         for (name, &spp) in self.combinations(case).iter().flat_map(|name| self.spp.iter().map(move |spp| (name, spp)))
         {
@@ -382,8 +386,9 @@ impl Bench {
     /// interval.
     fn ratio(&self, case: &Case, spp: u32) -> Option<(String, [f64; 2])> {
         let (even, odd) = ((0..self.most).step_by(2), (1..self.most).step_by(2));
-        let (best, _) = self.ranked(case, &self.combinations(case), spp, even).into_iter().next()?;
-        let by_odd = |name: &str| Some(self.ranked(case, &[name.to_owned()], spp, odd.clone()).pop()?.1);
+        let (best, _) = self.ranked(case, &self.combinations(case), spp, even, Measured::seconds).into_iter().next()?;
+        let by_odd =
+            |name: &str| Some(self.ranked(case, &[name.to_owned()], spp, odd.clone(), Measured::seconds).pop()?.1);
         let ([a, da], [b, db]) = (by_odd(DEFAULT)?, by_odd(&best)?);
         let width = if best == DEFAULT { 0.0 } else { Z * da.hypot(db) };
         Some((best, [a - b, width]))
@@ -403,7 +408,7 @@ impl Bench {
                     let names: Vec<_> = self.combinations(case);
                     let ours: Vec<_> =
                         names.into_iter().filter(|name| !name.starts_with("rival") && name != DEFAULT).collect();
-                    let all = self.ranked(case, &ours, JUDGED, 0..self.most);
+                    let all = self.ranked(case, &ours, JUDGED, 0..self.most, Measured::seconds);
                     let without = all.iter().find(|(name, _)| !has(name, technique))?;
                     Some((without.1[0] - all.first()?.1[0]).exp())
                 };

@@ -1,15 +1,18 @@
 //! Adaptive sampling: how many camera paths each sample of a pixel has.
 //!
-//! The first samples of all pixels have one path each and estimate the variance σ² of every pixel. Pixels are coloured like a
-//! chessboard: σ² of a pixel is taken from the neighbours of the other colour alone. The number of paths in a pixel does not depend on
-//! what the paths of the pixel find, so that every pixel is unbiased.
+//! The first samples of all pixels have one path each and estimate the variance of every pixel. Pixels are coloured like a chessboard: the
+//! variance σ² of a path in a pixel is taken from neighbours of the other colour alone.
 //!
-//! With n paths in a pixel, the mean squared error of the image is in proportion to the mean of σ²/n, and its time to the mean of n. The
-//! product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The numbers are
-//! powers of two. The iteration computes λ from the numbers that it has, and then new numbers. It starts from n = 1.
+//! With n paths in each sample of a pixel, the mean squared error of the image is in proportion to the mean of σ²/n, and its time to the mean
+//! of n. The product of both is smallest for n = σ/λ with λ² = mean(σ²/n) / mean(n) (Neyman's allocation with the constraint n ≥ 1). The
+//! numbers are powers of two up to 64. The iteration computes λ from the numbers that it has, and then new numbers. It starts from n = 1.
 //!
-//! Variances from few paths of other pixels are noisy, and further steps follow the noise. Cross-validation ends the iteration: a pixel
-//! takes the last step before the product no longer falls, by the own variances of all other pixels of its colour.
+//! Averages of a few neighbours are noisy, and later steps follow the noise. Cross-validation ends the iteration: after each step the
+//! product is computed with the variances of the other pixels of the colour themselves, in place of the averages. A pixel stops at the
+//! first step that does not lower it, and keeps the number of the step before.
+//!
+//! Nowhere is the variance of the pixel itself used: its number of paths does not depend on what its paths find, so that its mean is
+//! unbiased.
 //!
 //! The samples after the first ones have more paths each until a pixel has n times as many paths as samples: then 16, 32, 64 … samples
 //! have a power of two of paths, as many as Sobol' points are well distributed in.
@@ -32,20 +35,23 @@ const NEIGHBOURS: [[isize; 2]; 12] =
 pub struct PathCounts(Vec<u8>);
 
 impl PathCounts {
-    /// Memory for each pixel while they are computed: its variance and number of paths; and for each of one colour its place, the estimate of
-    /// its variance and its own, the best number of paths so far, and three more.
-    pub const BYTES: usize =
-        size_of::<f32>() + 1 + (size_of::<usize>() + 2 * size_of::<f32>() + size_of::<(f64, u8)>() + 3).div_ceil(2);
+    /// Memory for each pixel while they are computed: its variance and number of paths; and for each of one colour its index, the estimate of
+    /// its variance and its own variance, the least product with the number of paths, the error of the pixel and of those after it, and the
+    /// numbers of this step and the next.
+    pub const BYTES: usize = size_of::<f32>()
+        + 1
+        + (size_of::<usize>() + 2 * size_of::<f32>() + size_of::<(f64, u8)>() + 2 * size_of::<f64>() + 2).div_ceil(2);
 
     /// From the variances of the pixels of an image, row by row.
     pub fn new(variances: &[f32], width: usize) -> Self {
         let mut counts = vec![1; variances.len()];
         for colour in 0..2 {
             let is_of_colour = |pixel: &usize| (pixel % width + pixel / width) % 2 == colour;
-            let pixels: Vec<usize> = (0..variances.len()).filter(is_of_colour).collect();
+            let mut pixels = Vec::with_capacity(variances.len().div_ceil(2));
+            pixels.extend((0..variances.len()).filter(is_of_colour));
             let estimated: Vec<f32> = pixels.par_iter().map(|&pixel| around(variances, width, pixel)).collect();
             let own: Vec<f32> = pixels.iter().map(|&pixel| variances[pixel]).collect();
-            pixels.iter().zip(allocate(&estimated, &own)).for_each(|(&pixel, count)| counts[pixel] = count);
+            pixels.iter().zip(cross_validated(&estimated, &own)).for_each(|(&pixel, count)| counts[pixel] = count);
         }
         Self(counts)
     }
@@ -77,22 +83,30 @@ fn around(variances: &[f32], width: usize, pixel: usize) -> f32 {
     if weights > 0.0 { (sum / weights) as f32 } else { 0.0 }
 }
 
-/// The numbers of paths for pixels with these estimates of their variances, by cross-validation with their own.
-fn allocate(estimated: &[f32], own: &[f32]) -> Vec<u8> {
-    // The least product and the numbers that have it; a pixel that has stopped finds none below.
+/// The numbers of paths for pixels with these estimates of their variances, by cross-validation with their own variances.
+fn cross_validated(estimated: &[f32], own: &[f32]) -> Vec<u8> {
+    // Of each pixel the least product and the number of paths at that step; −∞ once it has stopped
     let mut best = vec![(f64::INFINITY, 1); own.len()];
     let mut counts = vec![1; own.len()];
     loop {
-        let [error, time] = sums(own, &counts);
         let mut goes_on = false;
-        for (((least, kept), &count), &variance) in best.iter_mut().zip(&counts).zip(own) {
-            let n = f64::from(count);
-            let product = (error - f64::from(variance) / n) * (time - n);
+        let time: f64 = counts.iter().map(|&count| f64::from(count)).sum();
+        let errors: Vec<f64> =
+            own.iter().zip(&counts).map(|(&own, &count)| f64::from(own) / f64::from(count)).collect();
+        // Sums without the pixel: a difference would keep a trace of a very large variance
+        let mut after: Vec<f64> = vec![0.0; errors.len()];
+        for i in (1..errors.len()).rev() {
+            after[i - 1] = after[i] + errors[i];
+        }
+        let mut before = 0.0;
+        for (i, (least, kept)) in best.iter_mut().enumerate() {
+            let product = (before + after[i]) * (time - f64::from(counts[i]));
             if product < *least {
-                (*least, *kept, goes_on) = (product, count, true);
+                (*least, *kept, goes_on) = (product, counts[i], true);
             } else {
                 *least = f64::NEG_INFINITY;
             }
+            before += errors[i];
         }
         if !goes_on {
             return best.into_iter().map(|(_, count)| count).collect();
@@ -102,14 +116,15 @@ fn allocate(estimated: &[f32], own: &[f32]) -> Vec<u8> {
 }
 
 /// The numbers of paths for pixels with these variances.
-pub(super) fn best_for(variances: &[f32]) -> Vec<u8> {
+pub(super) fn allocate(variances: &[f32]) -> Vec<u8> {
     let mut counts = vec![1; variances.len()];
     loop {
         let better = next(variances, &counts);
-        if product(variances, &better) >= product(variances, &counts) {
+        if product(variances, &better) < product(variances, &counts) {
+            counts = better;
+        } else {
             return counts;
         }
-        counts = better;
     }
 }
 
@@ -125,14 +140,14 @@ fn product(variances: &[f32], counts: &[u8]) -> f64 {
     error * time
 }
 
-/// Numbers of paths with a smaller product of error and time than these.
+/// The numbers of paths that are best for the λ of these.
 fn next(variances: &[f32], counts: &[u8]) -> Vec<u8> {
     let [error, time] = sums(variances, counts);
-    variances.iter().map(|&variance| best(f64::from(variance) * time / error)).collect()
+    variances.iter().map(|&variance| power_of_two(f64::from(variance) * time / error)).collect()
 }
 
 /// The power of two n for which ratio/n + n is smallest.
-fn best(ratio: f64) -> u8 {
+fn power_of_two(ratio: f64) -> u8 {
     let mut count = 1;
     // 2n is better than n where the ratio is above 2n².
     while count < MOST_PATHS && ratio > f64::from(2 * count * count) {
@@ -168,7 +183,7 @@ mod tests {
         let counts = |variances: &[f32]| PathCounts::new(variances, 12).0;
         let before = counts(&variances);
         for pixel in 0..144 {
-            for variance in [0.0, 1e-2, 1e6] {
+            for variance in [0.0, 1e-2, 1e6, f32::MAX] {
                 let mut changed = variances.clone();
                 changed[pixel] = variance;
                 assert_eq!(counts(&changed)[pixel], before[pixel]);
@@ -207,7 +222,7 @@ mod tests {
     #[test]
     fn known_variances_have_the_best_numbers() {
         let variances: Vec<f32> = (0..1000).map(|i| Independent::new(3, i, 0).pair(0)[0].powi(-2) as f32).collect();
-        let counts = best_for(&variances);
+        let counts = allocate(&variances);
         let least = product(&variances, &counts);
         assert!(least < 0.2 * product(&variances, &[1; 1000]));
         // No other number of one pixel is better.
@@ -215,7 +230,7 @@ mod tests {
             for other in [counts[i] / 2, counts[i].saturating_mul(2)].into_iter().filter(|n| (1..=64).contains(n)) {
                 let mut changed = counts.clone();
                 changed[i] = other;
-                assert!(product(&variances, &changed) >= least * (1.0 - 1e-3));
+                assert!(product(&variances, &changed) >= least * (1.0 - 1e-5));
             }
         }
     }
@@ -226,7 +241,8 @@ mod tests {
         let of = |seed: u64| (0..1000).map(|i| 1e4f32.powf(Independent::new(seed, i, 0).pair(0)[0] as f32)).collect();
         let [estimated, own]: [Vec<f32>; 2] = [of(1), of(2)];
         let over_uniform = |counts: &[u8]| product(&own, counts) / product(&own, &[1; 1000]);
-        let [tested, trusting] = [allocate(&estimated, &own), best_for(&estimated)].map(|counts| over_uniform(&counts));
+        let [tested, trusting] =
+            [cross_validated(&estimated, &own), allocate(&estimated)].map(|counts| over_uniform(&counts));
         assert!(tested < 1.05 && trusting > 2.0, "{tested} {trusting}");
     }
 

@@ -18,7 +18,7 @@ pub fn sample_one_light(
 ) {
     match &light.kind {
         // Loops without a case distinction inside, which vectorize.
-        LightKind::Rectangle(light) => sample_shape(light, positions, count, u, out),
+        LightKind::Rectangle(rectangle) => sample_shape(rectangle, positions, count, u, out),
         LightKind::Triangle(triangle) => sample_shape(triangle, positions, count, u, out),
         LightKind::Sphere(sphere) => sample_shape(sphere, positions, count, u, out),
         LightKind::Point { .. } | LightKind::Directional { .. } | LightKind::Hemisphere { .. } => {

@@ -113,7 +113,7 @@ fn said(outcome: &Outcome) -> Vec<String> {
     all.flat_map(clauses).map(|clause| finding(&cut(&clause))).collect()
 }
 
-/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long; two causes that belong together are not cut.
+/// The beginning of a text, up to a comma or colon outside of brackets, that is not too long; two causes that belong together are not cut apart.
 fn cut(text: &str) -> String {
     let is_open = |text: &str| text.matches('(').count() > text.matches(')').count();
     let ends = text.rmatch_indices([',', ':']).map(|(end, _)| text.split_at(end));

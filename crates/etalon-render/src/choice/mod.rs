@@ -1,7 +1,7 @@
 //! Which technique, and which density of the environment map, a render chooses for its scene: by theory where it says so, or else by
 //! the error and the counted work of a few pixels.
 
-use super::adaptive::best_for;
+use super::adaptive::allocate;
 use super::film::Splat;
 use super::job::Job;
 use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
@@ -259,10 +259,10 @@ impl Score {
     /// From blocks of pixels, and the costs of camera samples and of light paths.
     fn new(blocks: &[Block], [of_camera, of_light]: [f64; 2], adaptive: bool) -> Self {
         let blocks: Vec<&Block> = blocks.iter().filter(|block| block.pixels > 0.0).collect();
-        // The camera paths of a sample, as adaptive sampling would have them; light paths are as many as ever.
+        // The camera paths of a sample, as adaptive sampling would have them if it knew these variances; light paths are as many as ever.
         let variance = |block: &&Block| ((block.variance / block.pixels) as f32).min(f32::MAX);
         let variances: Vec<f32> = blocks.iter().map(variance).collect();
-        let counts = if adaptive { best_for(&variances) } else { vec![1; blocks.len()] };
+        let counts = if adaptive { allocate(&variances) } else { vec![1; blocks.len()] };
         let terms = blocks.iter().zip(counts).map(|(block, count)| {
             let count = f64::from(count);
             [block.variance / count + block.of_light_paths, block.pixels * (count * of_camera + of_light)]

@@ -45,7 +45,7 @@ impl SampledLight {
     /// All lights to sample: the emissive objects (only if the strategy samples lights), and the scene's other lights and
     /// `fixed`, which no ray can hit.
     pub fn all(scene: &Scene, settings: &Settings, fixed: &[Light]) -> Vec<Self> {
-        let sampled = |rectangle: &Rectangle, radiance, two_sided| {
+        let rectangle_light = |rectangle: &Rectangle, radiance, two_sided| {
             LightKind::Rectangle(RectangleLight::new(rectangle, radiance, two_sided))
         };
         let of_object = |(i, object): (usize, &Object)| {
@@ -53,7 +53,7 @@ impl SampledLight {
                 object.emission.filter(|e| e.visibility == EmitterVisibility::Sampled && e.radiance != Rgb::ZERO)?;
             let Emission { radiance, two_sided, .. } = emission;
             let kinds = match &object.shape {
-                Shape::Rectangle(r) => vec![sampled(r, radiance, two_sided)],
+                Shape::Rectangle(r) => vec![rectangle_light(r, radiance, two_sided)],
                 Shape::Sphere(sphere) => vec![LightKind::Sphere(SphereLight::new(*sphere, radiance, two_sided))],
                 Shape::Mesh(mesh) => {
                     // A triangle without an area keeps its number and is never sampled.
@@ -70,7 +70,7 @@ impl SampledLight {
         let emitters = emitters.filter(|_| settings.sampling.by_light());
         let others = scene.lights.iter().chain(fixed).map(|light| {
             let kind = match *light {
-                Light::Rectangle { ref rectangle, radiance } => sampled(rectangle, radiance, false),
+                Light::Rectangle { ref rectangle, radiance } => rectangle_light(rectangle, radiance, false),
                 Light::Point { position, intensity, falloff } => LightKind::Point { position, intensity, falloff },
                 Light::Directional { direction, irradiance } => {
                     LightKind::Directional { towards: -direction, irradiance }

@@ -104,13 +104,13 @@ fn letter(index: usize) -> char {
 
 fn panel(erratum: &Erratum, letter: char) -> Page {
     let curves = &erratum.curves;
-    // Scattered are places on a map, whose first row is at the top.
-    let differences = if curves.scattered { None } else { differences(curves) };
+    let differences = (!curves.scattered).then(|| differences(curves)).flatten();
     let (curves, y) = match &differences {
         Some(differences) => (differences, Axis::linear(format!("error of {}", curves.y))),
         None => (curves, Axis::linear(curves.y)),
     };
     let x = Axis::linear(curves.x).every(curves.every);
+    // Scattered are places on a map, whose first row is at the top.
     let [x, y] = match curves.scattered {
         true => [x.range(-0.2, 4.2), y.range(8.2, 3.8).every(1.0)],
         false => [x, beyond(y, curves)],
@@ -125,9 +125,9 @@ fn panel(erratum: &Erratum, letter: char) -> Page {
     Plot::new([panel]).frame_size(FRAME[0], FRAME[1]).draw().natural()
 }
 
-/// What both curves differ by from the corrected one, where they are so close that nobody tells one from the other.
+/// The error of the printed curve, which is drawn in place of both curves where it is small.
 fn differences(curves: &ErratumCurves) -> Option<ErratumCurves> {
-    /// Least distance of the curves over the height of the panel.
+    /// Least error for which the curves are drawn, over the range of the corrected one.
     const SEEN: f64 = 0.05;
     let pairs = || curves.printed.iter().zip(&curves.right);
     let printed: Vec<[f64; 2]> = pairs().map(|(printed, right)| [right[0], printed[1] - right[1]]).collect();
