@@ -12,8 +12,7 @@
 //! seeds at 16 samples per pixel; those worse than 1.5 times the best are dropped. The others render at every number of samples until the
 //! efficiencies of the default and of the three best are known to 7 %. Even pairs choose the best, odd pairs say how good it is. Other work on
 //! the machine only adds to times, so the least of all counts. Two processes side by side may slow each other down, and not each pair alike:
-//! each run with `--times N` takes those of the table again, N times, one process at a time, and
-//! then only these count in the table.
+//! each run with `--times N` takes those of the table again, N times, one process at a time, and then only these count in the table.
 
 mod program;
 

@@ -85,7 +85,7 @@ fn around(variances: &[f32], width: usize, pixel: usize) -> f32 {
 
 /// The numbers of paths for pixels with these estimates of their variances, by cross-validation with their own variances.
 fn cross_validated(estimated: &[f32], own: &[f32]) -> Vec<u8> {
-    // Of each pixel the least product and the number of paths at that step; −∞ once it has stopped
+    // For each pixel, the least product and the number of paths at that step; −∞ once it has stopped
     let mut best = vec![(f64::INFINITY, 1); own.len()];
     let mut counts = vec![1; own.len()];
     loop {

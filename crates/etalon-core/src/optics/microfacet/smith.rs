@@ -51,6 +51,7 @@ pub trait Microfacet<T: Real>: Copy {
     #[inline(always)]
     fn g2(&self, wo: [T; 3], wi: [T; 3]) -> T {
         // cos/(cos + cos Λ + cos'Λ' cos/cos') for the smaller cosine, whose ratio to the other neither over- nor underflows.
+        // Not a map over both: loops over lanes vectorize only if it is inlined, which is not certain.
         let (a, b) = ((wo[2].abs(), self.cos_lambda(wo)), (wi[2].abs(), self.cos_lambda(wi)));
         let ((least, lambda), (most, other)) = if a.0 < b.0 { (a, b) } else { (b, a) };
         let ratio = if most > T::zero() { least / most } else { T::zero() };

@@ -104,7 +104,7 @@ fn letter(index: usize) -> char {
 
 fn panel(erratum: &Erratum, letter: char) -> Page {
     let curves = &erratum.curves;
-    let differences = (!curves.scattered).then(|| differences(curves)).flatten();
+    let differences = differences(curves);
     let (curves, y) = match &differences {
         Some(differences) => (differences, Axis::linear(format!("error of {}", curves.y))),
         None => (curves, Axis::linear(curves.y)),
@@ -132,7 +132,7 @@ fn differences(curves: &ErratumCurves) -> Option<ErratumCurves> {
     let pairs = || curves.printed.iter().zip(&curves.right);
     let printed: Vec<[f64; 2]> = pairs().map(|(printed, right)| [right[0], printed[1] - right[1]]).collect();
     let [low, high] = [f64::min, f64::max].map(|of| curves.right.iter().map(|point| point[1]).fold(f64::NAN, of));
-    let is_seen = printed.iter().any(|[_, difference]| difference.abs() > SEEN * (high - low));
+    let is_seen = curves.scattered || printed.iter().any(|[_, difference]| difference.abs() > SEEN * (high - low));
     let right = curves.right.iter().map(|[x, _]| [*x, 0.0]).collect();
     (!is_seen).then(|| ErratumCurves { printed, right, ..curves.clone() })
 }
