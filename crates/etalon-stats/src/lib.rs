@@ -13,6 +13,7 @@
 
 mod bounded;
 pub mod bsdf;
+mod causes;
 mod counting;
 pub mod cubature;
 mod diagnosis;
@@ -40,6 +41,7 @@ pub mod sweep;
 mod weights;
 pub mod welch;
 
+pub use causes::{Finding, causes};
 pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
 pub use domain::{
     Axis, Barycentric, Chart, ChartFunctions, Circle, Cube, DOMAINS, Directions, Discrete, Disk, Domain, Entry,
@@ -54,7 +56,7 @@ pub use grid::{Cell, Grid};
 pub use mass::{Bound, Integral};
 pub use mistakes::{Follows, Mistake, Variable};
 pub use named_mistake::NamedMistake;
-pub use outcome::{Compared, Counts, Finding, Finer, Outcome, Verdict, causes, decide};
+pub use outcome::{Compared, Counts, Finer, Outcome, Verdict, decide};
 pub use sampler::{
     Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
 };

@@ -13,12 +13,23 @@ pub struct NamedMistake {
     suffix: String,
     /// The mistakes, at least one; each with the names of what is the same here, by a symmetry or for one angle, the usual one first.
     open: Vec<Vec<String>>,
+    /// The factor, if nothing else is wrong.
+    factor: Option<Factor>,
+}
+
+/// A factor by which a function is too large, where its shape is right.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Factor {
+    /// What follows what: "samples", "the pdf".
+    pub names: [String; 2],
+    /// How many times as large as it should be the second is.
+    pub value: f64,
 }
 
 impl NamedMistake {
     /// One of these mistakes, each by its names, after the words `prefix` and before `suffix`; `None` if there is none.
     pub(crate) fn one_of(prefix: &str, open: Vec<Vec<String>>, suffix: &str) -> Option<Self> {
-        (!open.is_empty()).then(|| Self { prefix: prefix.to_owned(), suffix: suffix.to_owned(), open })
+        (!open.is_empty()).then(|| Self { prefix: prefix.to_owned(), suffix: suffix.to_owned(), open, factor: None })
     }
 
     /// Explanations of different findings; `None` if there is none.
@@ -37,6 +48,16 @@ impl NamedMistake {
     #[must_use]
     pub fn with_suffix(self, words: &str) -> Self {
         Self { suffix: self.suffix + words, ..self }
+    }
+
+    /// The same, where nothing is wrong but this factor.
+    pub(crate) fn with_factor(self, names: [&str; 2], value: f64) -> Self {
+        Self { factor: Some(Factor { names: names.map(str::to_owned), value }), ..self }
+    }
+
+    /// The factor, if nothing else is wrong.
+    pub(crate) fn factor(&self) -> Option<&Factor> {
+        self.factor.as_ref()
     }
 
     /// Whether it is left open which mistake it is.
@@ -65,7 +86,7 @@ impl NamedMistake {
 impl From<String> for NamedMistake {
     /// One mistake, in these words.
     fn from(words: String) -> Self {
-        Self { prefix: String::new(), suffix: String::new(), open: vec![vec![words]] }
+        Self { prefix: String::new(), suffix: String::new(), open: vec![vec![words]], factor: None }
     }
 }
 

@@ -70,6 +70,7 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
         all.extend(Mistake::factor("the Jacobian of the half-vector", jacobian));
         all.extend(Mistake::exact_factor("η² where light is transmitted", eta2));
         all.extend(Mistake::exact_factor("η⁴ where light is transmitted", move |wi| eta2(wi).powi(2)));
+        all.push(Mistake::factor_in("where light is transmitted", move |wi| !of_reflection(wi)));
     }
     all
 }

@@ -3,9 +3,10 @@
 use super::contract::{BatchBsdf, Direction};
 use super::subject::place;
 use super::{ALL, Check, UNSEEN};
+use crate::causes::{Finding, causes};
 use crate::error::Result;
 use crate::examine::Protocol;
-use crate::outcome::{Finding, Outcome, Verdict, causes, decide};
+use crate::outcome::{Outcome, Verdict, decide};
 use std::fmt;
 
 /// One check for one `wo`.

@@ -284,6 +284,46 @@ fn an_eta_that_is_not_declared_is_named() {
     assert!(report.contains("transmitted, as of eta = 1.5, which is not declared"), "{report}");
 }
 
+/// Cosine-weighted directions on both sides, transmitted with the first probability; the pdf has the second, times the third.
+struct BothSides(f64, f64, f64);
+
+impl Bsdf for BothSides {
+    fn properties(&self) -> Properties {
+        Properties { transmission: true, ..Properties::default() }
+    }
+
+    fn eval(&self, _: Direction, _: Direction, _: &[f64]) -> Spectrum {
+        [0.4 / PI; 3]
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        let Self(_, transmitted, factor) = self;
+        let share = if wo[2] * wi[2] < 0.0 { transmitted * factor } else { 1.0 - transmitted };
+        share * wi[2].abs() / PI
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        let Self(transmitted, ..) = *self;
+        let is_transmitted = u[0] < transmitted;
+        let u0 = if is_transmitted { u[0] / transmitted } else { (u[0] - transmitted) / (1.0 - transmitted) };
+        let (r, phi) = (u0.sqrt(), 2.0 * PI * u[1]);
+        let side = if is_transmitted { -wo[2].signum() } else { wo[2].signum() };
+        let wi = [r * phi.cos(), r * phi.sin(), side * (1.0 - u0).sqrt()];
+        let share = if is_transmitted { transmitted } else { 1.0 - transmitted };
+        Some(BsdfSample::new(wi, [0.4 / share; 3], Density::Unknown))
+    }
+}
+
+#[test]
+fn a_factor_of_one_side_is_named_and_is_a_square_only_where_the_other_is_right() {
+    let told = |bsdf: BothSides| test("under test", &bsdf, &[towards(40.0)], &Protocol::default()).unwrap().to_string();
+    let square = told(BothSides(0.7, 0.7, 1.0 / 2.25));
+    assert!(square.contains(" = (1.49") && square.contains(")² where light is transmitted"), "{square}");
+    let shares = told(BothSides(0.6, 0.5, 1.0));
+    assert!(shares.contains(" where light is transmitted") && !shares.contains(")²"), "{shares}");
+    assert!(told(BothSides(0.7, 0.7, 1.0)).contains("0 reject"));
+}
+
 #[test]
 fn a_side_that_is_declared_and_dark_is_a_remark() {
     let report = test("under test", &SaidToTransmit, &[towards(40.0), towards(130.0)], &quick()).unwrap();
@@ -302,7 +342,8 @@ fn the_books_page_has_every_factor() {
     let (protocol, wo) = (Protocol::default(), towards(40.0));
     let subject = super::subject::Subject::new(&SaidToTransmit, wo, &protocol, 0).unwrap();
     for mistake in super::mistakes::of_pdf(&subject) {
-        let name = mistake.name.trim_start_matches("times ").trim_start_matches("divided by ");
+        let name =
+            mistake.name.trim_start_matches("times ").trim_start_matches("divided by ").trim_start_matches("{} ");
         let name = name.split(" where light").next().unwrap();
         assert!(page.contains(&format!("*{name}")), "{name}");
     }

@@ -2,7 +2,7 @@
 
 use super::axis::{self, Axis, Direction};
 use super::centre;
-use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_cancelled};
+use super::{BATCH, Follows, MOST_CELLS, Mistake, SCALES, all, asked, marginals, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -384,6 +384,14 @@ impl<'a> Table<'a> {
                 let of_parts = self.integrals(&both);
                 values = mixture(both, of_parts);
             }
+            Follows::TimesIn(is_inside) => {
+                let inside: Vec<bool> = self.points.iter().map(|&point| is_inside(point)).collect();
+                (limits, rest, own) = (SCALES, 1.0, String::new());
+                values = Box::new(move |factor: f64| {
+                    let pdfs = self.pdfs.iter().zip(&inside);
+                    Ok(pdfs.map(|(pdf, inside)| if *inside { factor * pdf } else { *pdf }).collect())
+                });
+            }
             Follows::Power => {
                 let ends = [0, POWERS.len() - 1].map(|i| POWERS[i].0);
                 (limits, rest, own) = ([0.5 * ends[0], 1.5 * ends[1]], 1.0, String::new());
@@ -468,9 +476,15 @@ impl<'a> Table<'a> {
         let known = Some(error.at_least(PRECISION * amount.abs())).filter(|error| error.is_finite());
         let error = known.unwrap_or(near);
         let power = |(power, _): &&(f64, &str)| (amount - power).abs() <= LEFT_BY_CHANCE * error;
-        let text = match mistake.follows {
+        let text = match &mistake.follows {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
             _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
+            // Wrong shares of two lobes make both parts wrong; where one is right, the factor of the other may be the square of an index.
+            Follows::TimesIn(is_inside) if self.is_right_outside(is_inside) => {
+                let (one_over, index) = if amount < 1.0 { ("1/", amount.sqrt().recip()) } else { ("", amount.sqrt()) };
+                let of_index = with_error(index, 0.5 * error / amount * index);
+                Some(format!("{} = {one_over}({of_index})²", with_error(amount, error)))
+            }
             _ => Some(with_error(amount, error)),
         };
         let Some(text) = text else { return Ok(None) };
@@ -502,6 +516,15 @@ impl<'a> Table<'a> {
         let angle = axis::dot(to, from.direction).within(-1.0, 1.0).acos().to_degrees();
         let name = || format!("{of} around {} in place of its axis {}, {angle:.2}° away", axis::name(to), from.name());
         Ok(found.map(|_| name()))
+    }
+
+    /// Whether as many samples as expected lie outside of a part of the domain, by the cells that have no point in it.
+    fn is_right_outside(&self, is_inside: impl Fn(Point) -> bool) -> bool {
+        let inside = self.sums(self.points.iter().map(|&point| if is_inside(point) { 1.0 } else { 0.0 }));
+        let outside = (0..inside.len()).filter(|&i| inside[i] == 0.0);
+        let [n, expected] =
+            outside.fold([0.0; 2], |[n, expected], i| [n + self.observed[i] as f64, expected + self.expected[i]]);
+        (n - expected).abs() <= CHANCE * expected.sqrt() + PRECISION * expected
     }
 
     /// Observed and expected counts of all that may be drawn: of atoms, of "no sample", then of all other samples.
@@ -587,7 +610,12 @@ impl<'a> Table<'a> {
             let is_factor = ratio.is_finite() && (is_much || kinds != Kinds::Local && self.is_mass_wrong());
             let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
             let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
-            return Ok(of_draws().or_else(|| is_factor.then(told).map(Named::new)));
+            let told = of_draws().or_else(|| is_factor.then(told).map(Named::new));
+            // Without atoms, the rest of the draws has what the factor lacks.
+            let has_atoms = self.others.len() > 1;
+            let with_factor =
+                |Named { what, is_fitted }| Named { what: what.with_factor([samples, of], ratio), is_fitted };
+            return Ok(if has_atoms { told } else { told.map(with_factor) });
         }
         let clear = if self.is_early { CHANCE } else { CLEAR };
         if of_pdf.is_nan() || of_pdf < clear * spread {

@@ -38,6 +38,8 @@ pub enum Follows<'a> {
     Times(Box<dyn Fn(Point) -> f64 + 'a>),
     /// The pdf at this point.
     At(Box<dyn Fn(Point) -> Point + 'a>),
+    /// The pdf, times some factor in a part of the domain.
+    TimesIn(Box<dyn Fn(Point) -> bool + 'a>),
     /// A power of the pdf's value, one of those that are usual.
     Power,
     /// The pdf, times a factor, at the place where a motion by some amount, of these limits, takes the point.
@@ -118,6 +120,11 @@ impl<'a> Mistake<'a> {
         Self::new(name, Follows::Moved { limits: SCALES, rest: 1.0, place: Box::new(place) })
     }
 
+    /// A factor of any size in a part of the domain, where refracted light is.
+    pub fn factor_in(name: &str, is_inside: impl Fn(Point) -> bool + 'a) -> Self {
+        Self::new(&format!("times {{}} {name}"), Follows::TimesIn(Box::new(is_inside)))
+    }
+
     /// Samples of two parts with other shares.
     pub fn mixed(name: &str, parts: impl Fn(&[Point]) -> Result<[Vec<f64>; 2]> + 'a) -> Self {
         Self::new(name, Follows::Mixed(Box::new(parts)))
@@ -139,12 +146,13 @@ impl<'a> Mistake<'a> {
 
     /// Whether it needs an amount.
     fn is_family(&self) -> bool {
-        matches!(self.follows, Follows::Moved { .. } | Follows::Mixed(_) | Follows::Added(_) | Follows::Power)
+        use Follows::{Added, Mixed, Moved, Power, TimesIn};
+        matches!(self.follows, Moved { .. } | Mixed(_) | Added(_) | TimesIn(_) | Power)
     }
 
     /// Whether it changes the pdf's values where they are.
     fn is_local(&self) -> bool {
-        matches!(self.follows, Follows::Times(_) | Follows::Power)
+        matches!(self.follows, Follows::Times(_) | Follows::TimesIn(_) | Follows::Power)
     }
 
     /// Whether the pdf's values at the points themselves are enough.
@@ -161,7 +169,7 @@ impl<'a> Mistake<'a> {
             Follows::Times(factor) => both.map(|(&point, pdf)| pdf * factor(point)).collect(),
             Follows::At(place) => asked(density, &points.iter().map(|&point| place(point)).collect::<Vec<_>>())?,
             // Nothing is known without an amount: see `fitted`.
-            Follows::Moved { .. } | Follows::Mixed(_) | Follows::Added(_) | Follows::Power => {
+            Follows::Moved { .. } | Follows::Mixed(_) | Follows::Added(_) | Follows::TimesIn(_) | Follows::Power => {
                 vec![f64::NAN; points.len()]
             }
             Follows::Asked(values) => {
