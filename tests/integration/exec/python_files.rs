@@ -265,23 +265,27 @@ def pdf(wo, wi):
 
 def sample(wo, u):
     r, phi = np.sqrt(u[:, 0]), 2 * np.pi * u[:, 1]
-    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 0])], axis=1)
+    wi = np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 0])], axis=1)
+    return np.where(SAMPLED, wi, 0.0)
 ";
 
 #[test]
 fn bsdfs_of_files_are_written_for_arrays_of_wo_or_for_one() {
     let few = ["--samples", "10000", "--json", "reciprocity", "mine/sampling/30"];
-    let found = |z: &str| {
-        validate(&DIFFUSE_ARRAYS.replace('Z', z), &few).map(|ran| {
+    let found = |z: &str, sampled: &str| {
+        validate(&DIFFUSE_ARRAYS.replace('Z', z).replace("SAMPLED", sampled), &few).map(|ran| {
             let mut value: serde_json::Value = serde_json::from_str(&ran.stdout).expect(&ran.stderr);
             let tests = value["tests"].as_array_mut().unwrap();
             tests.iter_mut().for_each(|test| test["seconds"] = 0.into());
             (ran.code, value["tests"].clone())
         })
     };
-    let Some(of_arrays) = found("wo[:, 2]") else { return };
+    let Some(of_arrays) = found("wo[:, 2]", "wo[:, 2:] > 0") else { return };
     assert_eq!(of_arrays.0, 0, "{}", of_arrays.1);
-    assert_eq!(found("wo[2]").unwrap(), of_arrays);
+    // The last is also a value for arrays of wo: of the third wo, coordinate by coordinate.
+    for sampled in ["wo[2] > 0", "(wi[:, 2:3] > 1e-6) & (wo[2] > 1e-6)"] {
+        assert_eq!(found("wo[2]", sampled).unwrap(), of_arrays, "{sampled}");
+    }
 }
 
 #[test]

@@ -68,6 +68,10 @@ fn factors<'a>(subject: &'a Subject) -> Vec<Mistake<'a>> {
     }
     if subject.properties.transmission {
         all.extend(Mistake::factor("the Jacobian of the half-vector", jacobian));
+        let cosines = move |wi: Point| (dot(wo, normal(wi)) / dot(wi.into(), normal(wi))).abs();
+        all.extend(Mistake::factor("(wo · wm)/(wi · wm) where light is transmitted", move |wi| {
+            if of_reflection(wi) { 1.0 } else { cosines(wi) }
+        }));
         all.extend(Mistake::exact_factor("η² where light is transmitted", eta2));
         all.extend(Mistake::exact_factor("η⁴ where light is transmitted", move |wi| eta2(wi).powi(2)));
         all.push(Mistake::factor_in("where light is transmitted", move |wi| !of_reflection(wi)));

@@ -182,11 +182,25 @@ def forms(function, name, widths, read, rows):
         # The same wo, so that a call has as many rows
         return call, call([rows[0][: call.wo] + row[call.wo :] for row in rows])
 
+    def of_arrays(as_numbers):
+        """For arrays, unless it gives other results than for one `wo`: then `wo[2]` is meant as a coordinate, and is a row of an array."""
+        call, found = attempt(True, False, as_numbers)
+        try:
+            of_one, _ = attempt(True, True, as_numbers)
+        except Exception:
+            return call, found
+        for start in range(len(rows)):
+            turned = rows[start:] + rows[:start]
+            several, single = (flat([row or [] for row in form(turned)]) for form in (call, of_one))
+            if len(several) != len(single) or not numpy().allclose(several, single, equal_nan=True):
+                raise Refused(f"{name} takes one wo: for arrays of them it returns other numbers")
+        return call, found
+
+    of_one_wo = lambda as_numbers: attempt(True, True, as_numbers)
+    one_by_one = lambda as_numbers: attempt(False, False, as_numbers)
+    several = [of_arrays, of_one_wo] if len(widths) > 1 else [lambda as_numbers: attempt(True, False, as_numbers)]
     numbers = (True, False) if 1 in widths else (False,)
-    arrays = [(True, False)] if numpy() else []
-    if numpy() and len(widths) > 1:
-        arrays.append((True, True))
-    return [lambda a=a, n=n: attempt(*a, n) for n in numbers for a in [*arrays, (False, False)]]
+    return [lambda f=f, n=n: f(n) for n in numbers for f in [*(several if numpy() else []), one_by_one]]
 
 
 def expected_width(function, name, width):
@@ -409,7 +423,9 @@ class BsdfFile:
         if count is not None and count < 2:
             raise Refused(f"sample takes {count} arguments; wanted sample({'point' if self.kind == 'light' else 'wo'}, u)")
         self.module, self.parameters = module, ranges_of(module)
-        wos = [[0.6 * x, 0.6 * y, (1 - 0.36 * (x * x + y * y)) ** 0.5] for x, y in uniform(ROWS, 2)]
+        # On all sides, as signs tell wo[2] of one wo from the third of several
+        sides = [[1.2 * x - 0.6, 1.2 * y - 0.6] for x, y in uniform(ROWS, 2)]
+        wos = [[x, y, (1 - x * x - y * y) ** 0.5] for x, y in sides]
         pairs = [[*wo, *wi] for wo, wi in zip(wos, reversed(wos))]
         self.channels = getattr(module, "channels", 1)
         if self.is_delta:
