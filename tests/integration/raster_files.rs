@@ -379,38 +379,6 @@ fn false_sizes_in_a_dwa_block_are_refused() {
     }
 }
 
-/// Every damaged file gives an error or an image: no panic, no abort.
-#[test]
-fn the_hostile_folder_is_survived() {
-    let Some(assets) = assets() else { return };
-    let mut images = Vec::new();
-    let files = ["hostile/exr", "hostile/other"].map(|f| std::fs::read_dir(assets.join(f)).unwrap());
-    for entry in files.into_iter().flatten() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        match load(&path) {
-            Ok(image) => images.push(format!("{name} {}x{}", image.width(), image.height())),
-            Err(e) => {
-                println!("{e} ({})", e.hint().unwrap_or("no hint"));
-                assert!(!e.to_string().contains("cannot be decompressed"), "the codec panicked: {e}");
-                assert!(e.hint().is_some(), "{e}");
-            }
-        }
-    }
-    images.sort();
-    println!("{images:#?}");
-    for expected in [
-        "BrightRingsNanInf.exr 800x800",
-        "GrayRampsDiagonal.exr 800x800",
-        "WideFloatRange.exr 500x500",
-        "hopper.pfm 128x128",
-        "hopper_be.pfm 128x128",
-        "old-rle.hdr",
-    ] {
-        assert!(images.iter().any(|p| p.starts_with(expected)), "{expected}");
-    }
-}
-
 // Real files.
 
 #[test]
@@ -425,37 +393,4 @@ fn odd_but_sound_files_are_read_right() {
     assert_eq!(big, little.map(|p| p * 2.5), "the scale of the second file is 2.5");
     let pointer = load(&assets.join("hostile/other/lfs-pointer.exr")).unwrap_err();
     assert!(pointer.hint().unwrap().contains("git lfs pull"));
-}
-
-#[test]
-fn grace_has_its_known_values() {
-    let Some(assets) = assets() else { return };
-    let grace = load(&assets.join("envmaps/grace_latlong.exr")).unwrap();
-    assert_eq!((grace.width(), grace.height()), (1024, 512));
-    // Stored upside-down: row 382 is row 129 from the top.
-    let brightest = grace.get(502, 382);
-    assert!((brightest - Rgb::new(18.30, 15.07, 2.04)).abs().max_element() < 0.005, "{brightest}");
-    let intensity = |p: &Rgb| p.element_sum();
-    assert!(grace.pixels().iter().all(|p| intensity(p) <= intensity(&brightest)));
-    let values = || grace.pixels().iter().flat_map(|p| p.to_array());
-    assert_eq!(values().fold(0.0, f32::max), 18.375);
-    assert!((values().fold(1.0, f32::min) - 7.4e-6).abs() < 5e-8);
-    let mean = values().map(f64::from).sum::<f64>() / values().count() as f64;
-    assert!((mean - 0.0157).abs() < 5e-5, "{mean}");
-}
-
-#[test]
-fn other_maps_are_read() {
-    let Some(assets) = assets() else { return };
-    for (name, size, negative) in [
-        ("StinsonBeach.hdr", (1024, 512), false),
-        ("interior.exr", (1024, 512), true),
-        ("sunset.exr", (1024, 512), true),
-        ("park-512-negatives.exr", (512, 256), true),
-    ] {
-        let map = load(&assets.join("envmaps").join(name)).unwrap();
-        assert_eq!((map.width(), map.height()), size, "{name}");
-        assert!(map.pixels().iter().all(|p| p.is_finite()), "{name}");
-        assert_eq!(map.pixels().iter().any(|p| p.min_element() < 0.0), negative, "{name}");
-    }
 }
