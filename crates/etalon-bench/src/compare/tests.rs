@@ -115,7 +115,13 @@ fn planted_biases_are_found_where_they_are() {
         },
         0,
     );
-    assert!([&bright, &clamped, &shifted].into_iter().all(is_different), "{}", show(&[bright, clamped, shifted]));
+    // Paths that end too early.
+    let (scene, request) = scene();
+    let short = (scene, Request { max_depth: 2, ..request });
+    let a = Side::replicates(replicates_of(&short, Sampling::Mis, 500_000, 16));
+    let short = compare(a, Side::replicates(replicates(Sampling::Mis, 600_000, 16)), PLAN).unwrap();
+    let found = [bright, clamped, shifted, short];
+    assert!(found.iter().all(is_different), "{}", show(&found));
     // One tile alone.
     let spot = finds(
         |image| {
