@@ -1,5 +1,5 @@
-//! Faults that published software had, as models of a few lines: the first line of the test names each, and the same without the
-//! fault is accepted.
+//! Faults that published software had, as models of a few lines, beside those of the museum of `etalon validate`: the first line
+//! of the test names each, and the same without the fault is accepted.
 
 use etalon_stats::{
     Density, Directions, Discrete, Domain, Pole, Protocol, Sample, Sampler, Verdict, density, sampler, validate,
@@ -12,7 +12,7 @@ fn direction(z: f64, u: f64) -> [f64; 3] {
 }
 
 /// The tests of this file share the level of 1 %.
-const TESTS: usize = 14;
+const TESTS: usize = 8;
 
 /// Without the fault `faulty` is accepted; with it, the reason has the words `named`.
 fn check(domain: &dyn Domain, pairs: [(&dyn Sampler, &dyn Density); 2], named: &str) {
@@ -25,8 +25,8 @@ fn check(domain: &dyn Domain, pairs: [(&dyn Sampler, &dyn Density); 2], named: &
 }
 
 #[test]
-fn faults_of_maps_and_of_directions_are_named() {
-    let (sphere, hemisphere) = (Directions::sphere(Pole::Y), Directions::hemisphere(Pole::Z));
+fn faults_of_maps_are_named() {
+    let sphere = Directions::sphere(Pole::Y);
     let uniform = density(|_: [f64; 3]| 0.25 / PI);
     let even = sampler(2, |u| Some(Sample::new(direction(1.0 - 2.0 * u[0], u[1]))));
 
@@ -54,19 +54,6 @@ fn faults_of_maps_and_of_directions_are_named() {
     let with_sine = density(move |w: [f64; 3]| per_angle(w) / w[0].hypot(w[2]));
     let without = density(per_angle).with_steps([lines(), Vec::new()]);
     check(&sphere, [(&texel, &with_sine), (&texel, &without)], "samples follow the pdf divided by sin θ, not the pdf");
-
-    // Cosine-weighted samples with the pdf of uniform ones: raytracing.github.io 933
-    let cosine = sampler(2, |u| Some(Sample::new(direction((1.0 - u[0]).sqrt(), u[1]))));
-    let (of_cosine, of_even) = (density(|w: [f64; 3]| w[2] / PI), density(|_: [f64; 3]| 1.0 / TAU));
-    check(&hemisphere, [(&cosine, &of_cosine), (&cosine, &of_even)], "samples follow cos θ/π, not the pdf");
-
-    // x and y twice as large as they should be: TheRestOfYourLife dab1a1b
-    let doubled = sampler(2, |u| {
-        let [x, y, z] = direction((1.0 - u[0]).sqrt(), u[1]);
-        Some(Sample::new([2.0 * x, 2.0 * y, z]))
-    });
-    let right = (&cosine as &dyn Sampler, &of_cosine as &dyn Density);
-    check(&hemisphere, [right, (&doubled, &of_cosine)], "is outside of the domain: its length is ");
 }
 
 #[test]
@@ -95,11 +82,4 @@ fn faults_of_phase_functions_and_of_carried_pdfs_are_named() {
     let outcomes = density(|i: usize| if i < 4 { 0.0625 } else { 0.1875 });
     let (right, faulty) = (halves(true), halves(false));
     check(&Discrete { outcomes: 8 }, [(&right, &outcomes), (&faulty, &outcomes)], " % too many for outcome 0");
-
-    // Reservoirs are merged, and samples carry the pdf of one: pbrt-v4 e273b3d8
-    let merged = |factor: f64| sampler(1, move |u| Some(Sample::with_pdf((8.0 * u[0]) as usize, 0.125 * factor)));
-    let eighth = density(|_: usize| 0.125);
-    let (right, faulty) = (merged(1.0), merged(5.0 / 3.0));
-    let named = "what samples carry is 1.666667 times the pdf";
-    check(&Discrete { outcomes: 8 }, [(&right, &eighth), (&faulty, &eighth)], named);
 }

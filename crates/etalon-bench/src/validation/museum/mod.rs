@@ -202,4 +202,18 @@ mod tests {
             [(Some("exact"), Finds), (Some("exact"), Misses), (Some("formula"), Misses), (Some("compare"), Cannot)];
         assert_eq!(told, expected);
     }
+
+    #[test]
+    fn mistakes_in_pdfs_are_named() {
+        let named = [
+            ("pdf/cosine-lobe-doubled", "is outside of the domain: its length is "),
+            ("pdf/uniform-for-cosine", "samples follow cos θ/π, not the pdf"),
+        ];
+        let museum = shown(&named.map(|(name, _)| name));
+        for (name, named) in named {
+            let finding = &museum.tests.iter().find(|test| test.finding.name == name).unwrap().finding;
+            let reason = finding.outcome.reason().unwrap();
+            assert!(reason.contains(named), "{name}: {reason}");
+        }
+    }
 }

@@ -491,3 +491,30 @@ pub fn domains() -> Vec<PlantedFault> {
         .mistake("five uniform numbers divided by their sum, not five exponential ones"),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::run;
+    use super::numbers;
+    use etalon_stats::Protocol;
+
+    #[test]
+    fn mistakes_in_random_numbers_are_named() {
+        const DEPEND: &str = "samples depend on those before them";
+        let named = [
+            "random numbers of 12",
+            "where the pdf has no atom",
+            "parts of",
+            DEPEND,
+            DEPEND,
+            DEPEND,
+            "with the same samples",
+        ];
+        let found = run(numbers(), &Protocol::default(), &|_| ()).unwrap();
+        assert!(found.is_good() && found.tests.len() == named.len());
+        for (finding, named) in found.tests.iter().zip(named) {
+            let said = finding.outcome.to_string();
+            assert!(said.contains(named), "{}: {said}", finding.name);
+        }
+    }
+}
