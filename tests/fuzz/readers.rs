@@ -49,8 +49,9 @@ pub fn exr(path: &Path) -> Result<()> {
     image(path)
 }
 
-/// A part of a render.
+/// A part of a render: all layers, then the part.
 pub fn part(path: &Path) -> Result<()> {
+    let _ = ExrFile::open(path).and_then(|file| file.layers());
     let mut part = Part::read(path)?;
     let (_, _) = (part.film.standard_error(), part.film.path_layers());
     let _ = part.next(0..u32::MAX);
@@ -60,6 +61,9 @@ pub fn part(path: &Path) -> Result<()> {
 /// A PLY or OBJ mesh, rendered as the statue.
 pub fn mesh(path: &Path) -> Result<()> {
     let mut mesh = import::mesh::read(path, &mut Vec::new())?;
+    assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
+    assert!(mesh.normals.is_empty() || mesh.normals.len() == mesh.positions.len());
+    assert!(mesh.positions.iter().all(|p| p.is_finite()));
     let _ = (0..mesh.triangles.len() as u32).filter_map(|i| mesh.tangent(i)).count();
     if mesh.normals.is_empty() {
         mesh.smooth();

@@ -156,10 +156,7 @@ fn fresnel_of_a_conductor() {
         let list = value["channels"].as_array().unwrap();
         assert_eq!(list.len(), channels);
         for c in list {
-            assert_keys(
-                c,
-                "eta, k, r_normal, pseudo_brewster_deg, approximate_max_abs_error, schlick_max_abs_error",
-            );
+            assert_keys(c, "eta, k, r_normal, pseudo_brewster_deg, approximate_max_abs_error, schlick_max_abs_error");
         }
         let csv = files.iter().find(|f| f.ends_with(".csv")).unwrap();
         assert!(csv.starts_with("out/"), "without -o results go to out/, not to {csv}");

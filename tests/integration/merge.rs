@@ -191,31 +191,18 @@ fn what_does_not_belong_together_is_refused() {
 }
 
 #[test]
-fn damaged_parts_are_errors() {
+fn parts_cut_anywhere_are_errors() {
     let dir = folder();
     let path = write(dir.path(), "a.exr", &part(0..3));
     let sound = std::fs::read(&path).unwrap();
-    let spoilt = dir.path().join("b.exr");
-    let try_bytes = |bytes: &[u8]| {
-        std::fs::write(&spoilt, bytes).unwrap();
-        if let Ok(file) = ExrFile::open(&spoilt) {
-            let _ = file.layers();
-        }
-        Part::read(&spoilt).is_ok()
-    };
     let header = sound.windows(12).position(|w| w == b"droppedFirst").unwrap();
     for i in 0..150 {
-        let [u, v] = Independent::new(4, 0, i).pair(0);
-        // Half of the damage in the header, where it is most interesting.
+        let [u, _] = Independent::new(4, 0, i).pair(0);
+        // Half of the cuts in the header, where they are most interesting.
         let place = (u * if i % 2 == 0 { header as f64 } else { sound.len() as f64 }) as usize;
-        let mut bytes = sound.clone();
-        bytes[place] ^= 1 << (v * 8.0) as u32;
-        try_bytes(&bytes);
-        bytes[place] = 0xff;
-        try_bytes(&bytes);
-        assert!(!try_bytes(&sound[..place]), "cut off at byte {place}");
+        std::fs::write(&path, &sound[..place]).unwrap();
+        assert!(Part::read(&path).is_err(), "cut off at byte {place}");
     }
-    assert!(try_bytes(&sound));
 }
 
 #[test]
