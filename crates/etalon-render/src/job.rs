@@ -344,7 +344,6 @@ pub struct Rendered {
     pub image: Image,
     /// The film: every pixel's samples, their standard error, and the light by path class.
     pub part: Part,
-    /// What was rendered.
     pub request: Request,
     /// Wall-clock time of preparation and rendering, without reading or writing files.
     pub seconds: f64,

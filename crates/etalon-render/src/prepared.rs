@@ -28,22 +28,16 @@ pub const ROULETTE_AFTER: u32 = 5;
 
 /// A scene made ready for rendering.
 pub struct PreparedScene<'a> {
-    /// What is rendered.
     pub scene: &'a Scene,
-    /// Size, samples and depth.
     pub request: Request,
-    /// What of the renderer the scene needs.
     pub needs: Needs,
-    /// Shapes prepared for intersection.
     pub geometry: Arc<Geometry<'a>>,
     /// BSDF and emission by object.
     pub shaders: Vec<SurfaceShader>,
     pub lights: Arc<Lights>,
     /// Light samples of the environment, if they are taken.
     pub environment: Option<Arc<EnvironmentSampling<'a>>>,
-    /// Light tracing, if it is one of the techniques.
     pub light_tracing: Option<LightTracing>,
-    /// Which techniques find the light.
     pub sampling: Sampling,
     /// Whether rays can hit light.
     pub has_emitters: bool,

@@ -57,7 +57,6 @@ pub struct RaySamples<'a> {
     pub direct: Dimension<'a>,
     /// Light samples of the environment.
     pub environment: Dimension<'a>,
-    /// The choice of a light.
     pub light_choice: Dimension<'a>,
 }
 

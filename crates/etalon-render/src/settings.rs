@@ -75,15 +75,11 @@ pub enum Kernel {
 /// How to render, besides what the [`Request`] says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Settings {
-    /// Which techniques find the light.
     pub sampling: Sampling,
-    /// Where random numbers come from.
     pub stream: StreamKind,
-    /// Seed of all random numbers.
     pub seed: u64,
     /// How the environment map is sampled; by default [`Settings::map_sampling`].
     pub density: Option<MapSampling>,
-    /// Models of scattering.
     pub model: ScatterModel,
     /// Choose `sampling` and `density` among the [candidates](Self::candidates) for the scene, by the variance of a few pixels.
     pub choose: bool,
@@ -93,7 +89,6 @@ pub struct Settings {
     pub paths: Option<u32>,
     /// Prepare and run everything, also what the scene does not need, for comparison.
     pub general: bool,
-    /// Which implementation renders.
     pub kernel: Kernel,
 }
 

@@ -27,7 +27,6 @@ pub struct SurfaceShader {
     pub two_sided: bool,
     /// Whether the BSDF depends on the surface's tangent.
     pub is_anisotropic: bool,
-    /// Emitted radiance.
     pub emission: Option<Emission>,
     /// The number of the first light that samples this object: the only one, or that of the first triangle.
     pub light: Option<u32>,

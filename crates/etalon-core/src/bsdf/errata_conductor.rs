@@ -18,11 +18,8 @@ use glam::Vec3;
 /// is [`pdf_without_cosine`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrataConductor {
-    /// Distribution of the microfacets' normals.
     pub distribution: Beckmann<f32>,
-    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
-    /// Which errors.
     pub errors: MetalErrors,
 }
 

@@ -33,7 +33,6 @@ impl Scatter for Mirror {
 /// A smooth conductor, visible from the side of the normal (z > 0): reflects the share that Fresnel's equations give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothConductor {
-    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
 }
 

@@ -50,9 +50,7 @@ impl NormalSampling {
 /// A rough metal, visible from the side of the normal (z > 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoughConductor<D> {
-    /// Distribution of the microfacets' normals.
     pub distribution: D,
-    /// Complex index of refraction of the metal.
     pub fresnel: ConductorFresnel,
     /// How directions are sampled.
     pub normals: NormalSampling,

@@ -29,7 +29,6 @@ use glam::Vec3;
 /// A rough dielectric boundary, on either side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoughDielectric<D> {
-    /// Distribution of the microfacets' normals.
     pub distribution: D,
     /// What reflected light is multiplied by, besides Fresnel's reflectance.
     pub reflectance: Rgb,

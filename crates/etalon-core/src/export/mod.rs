@@ -75,7 +75,6 @@ struct Aside {
     pub stem: String,
     /// Its extension: files of different formats stand beside each other.
     extension: String,
-    /// Their names and contents.
     pub files: Vec<(String, Content)>,
     /// Where the other renderer's image has another expectation.
     pub notes: Vec<String>,

@@ -7,7 +7,6 @@ use glam::{DVec3, Vec3};
 /// A half-line. The direction has unit length.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Ray {
-    /// Where it starts.
     pub origin: Vec3,
     /// Where it goes, of unit length.
     pub direction: Vec3,
@@ -43,9 +42,7 @@ pub struct Camera {
     pub up: DVec3,
     /// Towards what is in its middle.
     pub forward: DVec3,
-    /// How film positions become rays.
     pub projection: Projection,
-    /// How a pixel weights the radiance around its centre.
     pub filter: PixelFilter,
 }
 

@@ -8,15 +8,11 @@ use std::sync::Arc;
 /// A scene. World space is right-handed with y up; lengths are in the scene's own unit.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// What results and messages call it.
     pub name: String,
-    /// Position, orientation and projection.
     pub camera: Camera,
-    /// What rays can hit.
     pub objects: Vec<Object>,
     /// Lights that are not objects.
     pub lights: Vec<Light>,
-    /// The light from infinity, if there is any.
     pub environment: Option<Environment>,
 }
 
@@ -78,9 +74,7 @@ impl Scene {
 pub struct Object {
     /// Its surface, in the world.
     pub shape: Shape,
-    /// How the surface scatters light.
     pub material: Material,
-    /// The light that the surface gives off; `None` for most.
     pub emission: Option<Emission>,
     /// The unit axis, in the world, around which the tangents of a sphere run: +z of its object space, as in pbrt. The
     /// tangents of a rectangle run along its first edge, those of a mesh are [`Mesh::tangent`]. Only anisotropic

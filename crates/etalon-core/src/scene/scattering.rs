@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub struct ScatterModel {
     /// How rough conductors are sampled.
     pub normals: NormalSampling,
-    /// What glass reflects.
     pub dielectric: DielectricFresnel,
     /// Errors of rough metal of Beckmann's distribution, whose directions are then sampled by all normals.
     pub metal: MetalErrors,

@@ -58,7 +58,6 @@ impl RoughnessScale {
 pub struct UvMapping {
     /// Factors on u and v.
     pub scale: DVec2,
-    /// What is added.
     pub offset: DVec2,
 }
 
@@ -88,7 +87,6 @@ pub struct ImageTexture {
     pub texels: Arc<Texels>,
     /// From (u, v) to (s, t).
     pub mapping: UvMapping,
-    /// What is outside.
     pub wrap: Wrap,
     /// Factor on the texels, at least 0.
     pub scale: f32,

@@ -22,18 +22,14 @@ pub struct Film {
     top: usize,
     /// Row by row from the top.
     pub(super) pixels: Vec<Pixel>,
-    /// Samples that were not finite or negative.
     pub(super) dropped: Dropped,
-    /// Sums by path class, if asked for.
     pub(super) paths: Option<Paths>,
-    /// Contributions of light paths, if there are any.
     pub(super) splats: Option<Splats>,
 }
 
 /// The light of each pixel by the class of its path: for each pixel a sum for each class.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Paths {
-    /// Their classes.
     pub classes: PathClasses,
     /// All classes of a pixel side by side.
     pub sums: Vec<FixedRgb>,
@@ -42,7 +38,6 @@ pub(super) struct Paths {
 /// The estimate of a pixel: its mean, and the standard error of the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelEstimate {
-    /// Mean of the pixel's samples.
     pub mean: Rgb,
     /// Standard error of the mean.
     pub error: Rgb,

@@ -30,7 +30,6 @@ use std::ops::Range;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// The samples so far.
     pub film: Film,
     /// Which samples the film holds.
     pub(super) ranges: Ranges,

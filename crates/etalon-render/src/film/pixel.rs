@@ -9,9 +9,7 @@ use std::fmt;
 /// The samples of one pixel, as sums that lose nothing and hence depend on no order; 104 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Pixel {
-    /// Number of samples.
     pub(super) n: u32,
-    /// Number of their camera paths.
     pub(super) camera_paths: u32,
     /// Σ x per channel, over the paths.
     pub(super) sum: FixedRgb,

@@ -13,7 +13,6 @@ pub struct Row<'a> {
     pixels: &'a mut [Pixel],
     classes: usize,
     paths: &'a mut [FixedRgb],
-    /// The samples that were dropped so far.
     pub(super) dropped: Dropped,
     /// Contributions that are not on the film yet, and the sums that they are for.
     splats: Vec<OfPath>,

@@ -15,7 +15,6 @@ pub struct Params {
     pub owner: String,
     /// The first string after the directive.
     pub kind: String,
-    /// Position of the directive.
     pub at: At,
     pub(super) given: BTreeMap<String, Param>,
     /// The names that were asked for: what the directive understands.

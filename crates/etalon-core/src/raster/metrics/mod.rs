@@ -29,7 +29,6 @@ pub struct Comparison {
     pub mean_b: f64,
     /// mean((a - b)²).
     pub mse: f64,
-    /// √mse.
     pub rmse: f64,
     /// mean((a - b)² / (b² + ε)) with ε = 0.01.
     pub rel_mse: f64,
@@ -37,13 +36,9 @@ pub struct Comparison {
     pub mape: f64,
     /// mean(|a - b| / ((|a| + |b|)/2 + ε)).
     pub smape: f64,
-    /// [`mse`](Self::mse), trimmed.
     pub mse_trimmed: f64,
-    /// [`rel_mse`](Self::rel_mse), trimmed.
     pub rel_mse_trimmed: f64,
-    /// [`mape`](Self::mape), trimmed.
     pub mape_trimmed: f64,
-    /// [`smape`](Self::smape), trimmed.
     pub smape_trimmed: f64,
     /// max |a - b|; 0 when nothing was compared.
     pub max_abs: f64,

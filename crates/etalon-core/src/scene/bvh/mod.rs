@@ -238,7 +238,6 @@ impl Hit {
 /// Rays, component by component. The slices are of one length.
 #[derive(Debug, Clone, Copy)]
 pub struct Rays<'a> {
-    /// Where they start.
     pub origin: [&'a [f32]; 3],
     pub direction: [&'a [f32]; 3],
     /// Where each ray ends; one that is not above 0 hits nothing and costs nothing.
