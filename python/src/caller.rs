@@ -41,7 +41,7 @@ impl std::fmt::Display for Ended {
 impl std::error::Error for Ended {}
 
 impl Caller {
-    /// Another one of so many steps is done.
+    /// Another one of n steps is done.
     pub fn step(&self, of: u64) {
         let [done, all] = &*self.steps;
         all.store(of, Ordering::Relaxed);

@@ -121,7 +121,7 @@ fn array(py: Python<'_>, values: Vec<f64>, width: usize) -> PyResult<Bound<'_, P
 }
 
 impl OwnChart {
-    /// Calls a function with places of the cube; `read` takes what it returns for so many.
+    /// Calls a function with places of the cube; `read` takes what it returns for n of them.
     fn at_places<T: Send + 'static>(
         &self,
         function: &Arc<Py<PyAny>>,

@@ -113,7 +113,7 @@ impl Console {
         self.ticking(steps, what, bar_style("{msg} [{bar:40}] {percent:>3} %  {rate}").with_key("rate", rate))
     }
 
-    /// The progress of work that ends after at most so many seconds.
+    /// The progress of work that ends after at most n seconds.
     pub fn countdown(&self, most: f64, what: &str) -> ProgressBar {
         let left = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
             let left = Duration::from_secs_f64(most).saturating_sub(state.elapsed());

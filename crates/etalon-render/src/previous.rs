@@ -41,7 +41,7 @@ impl PreviousVertex {
 }
 
 impl PreparedScene<'_> {
-    /// Whether a path that has scattered so many times before this vertex may scatter at the next one.
+    /// Whether a path that has scattered n times before this vertex may scatter at the next one.
     #[inline]
     pub fn may_continue(&self, scatterings: u32) -> bool {
         scatterings + 1 < self.request.max_depth && self.needs.occlusion

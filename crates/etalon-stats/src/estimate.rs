@@ -152,7 +152,7 @@ impl Difference {
         self.detectable_then(level, self)
     }
 
-    /// The same of a test to come, whose standard error `then` is this one's, but for a known factor.
+    /// The same of a test to come, whose standard error `then` is this one's, except for a known factor.
     ///
     /// With the standard errors s₁ of this run and s₂ of a run with the bias λ s₁, it is found if Z + λ s₁/σ > c s₂/σ, c the
     /// critical t. To first order, s/σ has the variance 1/(2ν), so that λ − c = z √(1 + λ²/(2ν₁) + c²/(2ν₂)), z exceeded with

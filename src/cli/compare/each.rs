@@ -353,7 +353,7 @@ const FLOATS: [&str; 3] = ["exr", "pfm", "hdr"];
 /// So many files are named in a warning.
 const NAMED: usize = 3;
 
-/// The first so many metrics are in every table.
+/// The first n metrics are in every table.
 const USUAL: usize = 5;
 
 /// The best first; what could not be compared, or has no such metric, at the end.

@@ -339,7 +339,7 @@ impl<'a> Tracer<'a> {
         (0..self.request.width * self.request.height).filter(shows).collect()
     }
 
-    /// Random numbers of a path after so many scatterings; those of its film position are of the number `u32::MAX`.
+    /// Random numbers of a path after n scatterings; those of its film position are of the number `u32::MAX`.
     fn random(&self, sample: u32, scatterings: u32, pixel: usize) -> CounterRng {
         CounterRng::new(self.seed ^ (u64::from(sample) << 32), (u64::from(scatterings) << 32) | pixel as u64)
     }

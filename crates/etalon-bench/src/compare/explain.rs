@@ -829,7 +829,7 @@ impl Grid {
     }
 
     /// The sum over the blocks of the difference of B and changed A by their sum, which treats both alike and in which no block,
-    /// however bright, has more weight than others, but for the `weight` that its value in A has.
+    /// however bright, has more weight than others, except for the `weight` that its value in A has.
     fn balance(
         &self,
         of_a: &[[f64; 3]],

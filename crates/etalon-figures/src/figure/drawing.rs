@@ -58,7 +58,7 @@ impl Drawing {
         Self::Headed { title: title.into(), lines, below: Box::new(self) }
     }
 
-    /// The pages of this drawing in a style: one, but for slides, which have a fixed height, and columns, which have a largest one.
+    /// The pages of this drawing in a style: one, except for slides, which have a fixed height, and columns, which have a largest one.
     ///
     /// # Errors
     /// [`Error::Parameter`] if no panel has one of the names of [`Style::panels`], or a part does not fit.

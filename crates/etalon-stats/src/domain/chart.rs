@@ -115,7 +115,7 @@ pub struct Chart<F> {
 }
 
 impl<F: ChartFunctions> Chart<F> {
-    /// The chart to the unit cube of so many dimensions, from one to six.
+    /// The chart to the unit cube of n dimensions, n from one to six.
     pub fn new(functions: F, dimension: usize) -> Self {
         let axes = (0..dimension).map(|axis| format!("u{axis}")).collect();
         Self {

@@ -139,7 +139,7 @@ pub trait Domain: Sync {
         None
     }
 
-    /// The lines of the chart between the entries of a table of pdfs with so many rows and columns; `None` if such a table makes no
+    /// The lines of the chart between the entries of a table of pdfs with that number of rows and columns; `None` if such a table makes no
     /// sense.
     fn table(&self, _sides: [usize; 2]) -> Option<[Vec<f64>; 2]> {
         None
@@ -183,7 +183,7 @@ pub trait Domain: Sync {
     }
 }
 
-/// The names of so many coordinates.
+/// The names of n coordinates.
 fn names(width: usize) -> Vec<&'static str> {
     let all = if width <= 4 {
         ["x", "y", "z", "w", "", "", "", ""]

@@ -261,7 +261,7 @@ fn all<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Mistake<'a>>
     all
 }
 
-/// The outcomes of so many that end at one of them.
+/// The outcomes of n that end at one of them.
 type EndAt = fn(usize, usize) -> Range<usize>;
 
 /// Indices of a finite set that are off by one, around its ends or kept within them; and sums for single outcomes.

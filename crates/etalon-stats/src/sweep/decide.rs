@@ -159,7 +159,7 @@ pub struct Survivors {
 const FEWEST_RERUN: u64 = 1000;
 
 impl Survivors {
-    /// None yet of a sweep of families with at most so many configurations each.
+    /// None yet of a sweep of families with at most n configurations each.
     #[must_use]
     pub fn new(configurations: u64) -> Self {
         let most = FEWEST_RERUN.max((2.0 * SCREEN_LEVEL * configurations as f64) as u64) as usize;

@@ -65,7 +65,7 @@ impl Space {
         Ok(Self::over(family.name(), parameters, sides, strategy, configurations, seed))
     }
 
-    /// At most `configurations` of what is called `name` and has these parameters, seen from so many `sides`; 0 for what has no directions.
+    /// At most `configurations` of what is called `name` and has these parameters, seen from a number of `sides`; 0 for what has no directions.
     pub(super) fn over(
         name: &str,
         parameters: Vec<Parameter>,

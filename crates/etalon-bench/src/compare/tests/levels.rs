@@ -372,7 +372,7 @@ fn the_numbers_named_find_the_bias_and_a_third_of_them_does_not() {
         runs.sort_unstable();
         let [all, third] = [0, 1].map(|k| runs.iter().filter(|(_, found)| found[k]).count() as u64);
         println!("{n:?}: {all} of {}, by a third {third}; median {:?}", runs.len(), runs[runs.len() / 2].0);
-        // As often as 90 % make it, but for one test of a thousand.
+        // As often as 90 % make it, except for one test of a thousand.
         let least = Binomial::new(0.9, runs.len() as u64).unwrap().inverse_cdf(0.001);
         assert!(runs.len() > 150 && all >= least && third < least, "{n:?}: {all} and {third} of {}", runs.len());
     }
