@@ -50,7 +50,7 @@ impl Summary for Validation {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        csv(&view::validation::rows(self)).map(Some)
+        view::validation::csv(self).map(Some)
     }
 }
 
@@ -65,7 +65,7 @@ impl Summary for Compared {
     }
 
     fn csv(&self) -> Result<Option<Vec<u8>>> {
-        csv(&view::compare::rows(self)).map(Some)
+        view::compare::csv(self).map(Some)
     }
 }
 

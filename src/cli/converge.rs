@@ -206,9 +206,9 @@ impl Converge {
         result.notes.iter().for_each(|note| console.warn(&format!("{note}; {MORE_SAMPLES} may help")));
         let mut saving = Saving::default();
         if !result.curves.is_empty() {
-            saving.add(output::write(&stem, &view::curves(&result), &style, &output::csv(&view::rows(&result))?));
+            saving.add(output::write(&stem, &view::curves(&result), &style, &view::csv(&[&result])?));
             let table = output::with_extension(&replicates, "csv");
-            let rows = output::csv(&view::replicate_rows(&result))?;
+            let rows = view::replicates_csv(&result)?;
             saving.add(files::write_bytes(&table, &rows).map(|()| vec![table]));
             // Panels are those of the curves
             saving.add(view::images(&result, usize::MAX).write(&images, &style.with_all_panels()));

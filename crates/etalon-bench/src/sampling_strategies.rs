@@ -8,7 +8,6 @@ use etalon_core::error::Result;
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
 use etalon_core::scene::{Request, Scene};
 use etalon_render::Settings;
-use serde::Serialize;
 
 /// How far from the silhouette the profile goes, in pixels: into the statue, and out of it.
 const INSIDE: i32 = 24;
@@ -18,32 +17,11 @@ pub const RIM: f64 = 3.0;
 /// Pixels of the statue deeper than this are its interior.
 const INTERIOR: f64 = 2.0 * RIM;
 
-/// All pixels at about the same distance from the silhouette. Field names are the CSV columns. Distances are negative
-/// outside the statue; radiance is (R + G + B) / 3.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+/// All pixels at about the same distance from the silhouette, in pixels; it is negative outside the statue.
 pub struct ProfileBin {
-    /// Lower end of the distances.
     pub from_px: f64,
-    /// Upper end of the distances.
     pub to_px: f64,
-    /// Pixels at these distances.
-    pub pixels: usize,
-    /// Mean radiance by importance sampling.
-    pub importance_mean: f64,
-    /// Mean radiance by hemisphere sampling.
-    pub hemisphere_mean: f64,
-    /// Standard errors of these means.
-    pub importance_mean_error: f64,
-    pub hemisphere_mean_error: f64,
-    /// Half of the pixels are darker.
-    pub importance_median: f64,
-    pub hemisphere_median: f64,
-    /// Mean 8-bit value of the tone-mapped image.
-    pub importance_shown: f64,
-    pub hemisphere_shown: f64,
-    /// Root of the mean square of the pixels' standard errors.
-    pub importance_error: f64,
-    pub hemisphere_error: f64,
+    pub zone: Zone,
 }
 
 /// Both images and their profile.
@@ -126,25 +104,7 @@ fn profile(pairs: &[Pair; 2], depth: &[f64]) -> Vec<ProfileBin> {
             .zip(&shown)
             .map(|(&d, &here)| here && (from_px..to_px).contains(&from_silhouette(d)))
             .collect();
-        if !mask.contains(&true) {
-            return None;
-        }
-        let [a, b] = pairs.each_ref().map(|pair| ZoneImage::of(pair, &mask));
-        Some(ProfileBin {
-            from_px,
-            to_px,
-            pixels: a.mean.pixels,
-            importance_mean: a.light()[0],
-            hemisphere_mean: b.light()[0],
-            importance_mean_error: a.light()[1],
-            hemisphere_mean_error: b.light()[1],
-            importance_median: a.median[0],
-            hemisphere_median: b.median[0],
-            importance_shown: a.shown[0],
-            hemisphere_shown: b.shown[0],
-            importance_error: a.noise[0],
-            hemisphere_error: b.noise[0],
-        })
+        mask.contains(&true).then(|| ProfileBin { from_px, to_px, zone: Zone::of(pairs, &mask) })
     });
     bins.collect()
 }
@@ -165,7 +125,7 @@ impl<'a> Pair<'a> {
 /// Some of the pixels of one image: numbers with standard errors. Those of median, brightness and noise are upper bounds: they count
 /// the differences between pixels as chance, too.
 pub struct ZoneImage {
-    mean: PixelMean,
+    pub mean: PixelMean,
     /// Median radiance of the pixels.
     pub median: [f64; 2],
     /// Mean 8-bit value of the tone-mapped pixels.
@@ -247,8 +207,9 @@ mod tests {
         assert_eq!(result.statue.importance.noise[0], result.importance.row.noise);
         let rim: Vec<&ProfileBin> = result.profile.iter().filter(|b| b.from_px >= 0.0 && b.to_px <= RIM).collect();
         assert_eq!(rim.len(), 3);
-        assert!(rim.iter().all(|b| b.hemisphere_median < 0.5 * b.importance_median), "{rim:?}");
-        let total: usize = result.profile.iter().map(|b| b.pixels).sum();
+        let medians = rim.iter().map(|b| b.zone.ratio(|image| image.median)[0]);
+        assert!(medians.clone().all(|ratio| ratio < 0.5), "{:?}", medians.collect::<Vec<_>>());
+        let total: usize = result.profile.iter().map(|b| b.zone.importance.mean.pixels).sum();
         assert!(total > 500 && total < 64 * 48);
     }
 }

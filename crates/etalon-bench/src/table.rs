@@ -1,7 +1,9 @@
-//! Tables of results: as CSV by the fields of their rows; as text, Markdown and HTML by columns for people. Names of their files.
+//! Tables of results by columns: as CSV by their keys; as text, Markdown and HTML for people. Structs that are records themselves as
+//! CSV by their fields. Names of the files.
 
 use etalon_core::error::{Error, Result};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -11,16 +13,64 @@ pub fn csv<T: Serialize + Default>(rows: &[T]) -> Result<Vec<u8>> {
         let text = csv(&[T::default()])?;
         return Ok(text.split_inclusive(|b| *b == b'\n').next().unwrap_or_default().to_vec());
     }
+    text_of(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
+}
+
+/// What `write` writes.
+fn text_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let written = rows.iter().try_for_each(|row| writer.serialize(row)).map_err(std::io::Error::from);
+    let written = write(&mut writer).map_err(std::io::Error::from);
     let text = written.and_then(|()| writer.into_inner().map_err(csv::IntoInnerError::into_error));
     text.map_err(|e| Error::io(Path::new("table"), e))
 }
 
-/// Rows in columns for people. Cells and headings are in the language of the output: Markdown for Markdown, HTML for HTML.
+/// A cell of a CSV file.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum Cell<'a> {
+    Empty,
+    Double(f64),
+    Single(f32),
+    Count(u64),
+    Flag(bool),
+    Text(Cow<'a, str>),
+}
+
+macro_rules! cells {
+    ($($of:ty: $cell:ident),*) => {
+        $(impl<'a> From<$of> for Cell<'a> {
+            fn from(value: $of) -> Self {
+                Self::$cell(value.into())
+            }
+        })*
+    };
+}
+
+cells!(f64: Double, f32: Single, u32: Count, u64: Count, bool: Flag, String: Text, &'a str: Text, &'a String: Text);
+
+impl From<usize> for Cell<'_> {
+    fn from(count: usize) -> Self {
+        Self::Count(count as u64)
+    }
+}
+
+impl<'a, C: Into<Self>> From<Option<C>> for Cell<'a> {
+    fn from(value: Option<C>) -> Self {
+        value.map_or(Self::Empty, Into::into)
+    }
+}
+
+/// The cell of a row in a CSV file.
+type Field<'a, T> = Box<dyn Fn(&'a T) -> Cell<'a> + 'a>;
+
+/// Rows in columns: of a CSV file, or for people. Cells and headings for people are in the language of the output: Markdown for
+/// Markdown, HTML for HTML.
 pub struct Table<'a, T> {
     rows: &'a [T],
+    /// For people.
     pub columns: Vec<Column>,
+    /// Columns of the CSV file with their keys. Their cells are made as they are written: such tables may have millions.
+    fields: Vec<(&'static str, Field<'a, T>)>,
 }
 
 pub struct Column {
@@ -33,7 +83,22 @@ pub struct Column {
 
 impl<'a, T> Table<'a, T> {
     pub fn of(rows: &'a [T]) -> Self {
-        Self { rows, columns: Vec::new() }
+        Self { rows, columns: Vec::new(), fields: Vec::new() }
+    }
+
+    /// Adds a column of the CSV file.
+    pub fn field<C: Into<Cell<'a>>>(mut self, key: &'static str, cell: impl Fn(&'a T) -> C + 'a) -> Self {
+        self.fields.push((key, Box::new(move |row| cell(row).into())));
+        self
+    }
+
+    /// The columns with keys as CSV text, with their keys as header.
+    pub fn csv(&self) -> Result<Vec<u8>> {
+        text_of(|writer| {
+            writer.write_record(self.fields.iter().map(|(key, _)| key))?;
+            let cells = |row: &'a T| self.fields.iter().map(|(_, cell)| cell(row)).collect::<Vec<_>>();
+            self.rows.iter().try_for_each(|row| writer.serialize(cells(row)))
+        })
     }
 
     /// Adds a column of words. Where no column has a heading, there is no line of headings.
@@ -122,6 +187,36 @@ mod tests {
         }
         assert_eq!(csv(&[Row { theta_deg: 0.5 }]).unwrap(), b"theta_deg\n0.5\n");
         assert_eq!(csv::<Row>(&[]).unwrap(), b"theta_deg\n");
+    }
+
+    #[test]
+    fn columns_with_keys_are_the_csv_of_a_struct_of_their_cells() {
+        #[derive(Clone, Copy, Default, Serialize)]
+        struct Row {
+            double: f64,
+            single: f32,
+            count: u64,
+            size: usize,
+            flag: bool,
+            maybe: Option<f64>,
+            text: &'static str,
+        }
+        let numbers = [0.0, -0.0, 1.0, 0.1, 1e-5, 1e-7, 1e15, 1e16, 1e17, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE];
+        let texts = ["", "plain", "a, b", "\"quoted\"", "two\nlines", " η "];
+        let row = |(i, double): (usize, f64)| {
+            let (maybe, text) = ((i % 2 == 0).then_some(double), texts[i % texts.len()]);
+            Row { double, single: double as f32, count: u64::MAX >> i, size: i, flag: maybe.is_none(), maybe, text }
+        };
+        let rows: Vec<Row> = numbers.into_iter().enumerate().map(row).collect();
+        for rows in [&rows[..], &[]] {
+            let table = Table::of(rows).field("double", |row| row.double).field("single", |row| row.single);
+            let table = table.field("count", |row| row.count).field("size", |row| row.size);
+            let table = table.field("flag", |row| row.flag).field("maybe", |row| row.maybe);
+            assert_eq!(table.field("text", |row| row.text).csv().unwrap(), csv(rows).unwrap());
+        }
+        // A lone empty cell is no empty line
+        let table = Table::of(&rows[..1]).field("text", |row| row.text);
+        assert_eq!(table.csv().unwrap(), b"text\n\"\"\n");
     }
 
     #[test]

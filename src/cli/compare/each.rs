@@ -8,7 +8,7 @@ use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_core::raster::{Comparison, DisplayMetrics, Image};
+use etalon_core::raster::{Comparison, Image};
 use etalon_figures::output::{self, Saving, name_of_pair};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::compare::{self as view, Shown, Thumbnail};
@@ -122,32 +122,6 @@ struct Record<'a> {
     error: Option<String>,
 }
 
-/// A line of the table. Field names are the CSV columns.
-#[derive(Default, Serialize)]
-struct Row {
-    file: String,
-    mse: Option<f64>,
-    rel_mse: Option<f64>,
-    hdr_flip: Option<f64>,
-    ssim: Option<f64>,
-    psnr: Option<f64>,
-    rmse: Option<f64>,
-    mape: Option<f64>,
-    smape: Option<f64>,
-    max_abs: Option<f64>,
-    mean: Option<f64>,
-    mean_of_reference: Option<f64>,
-    non_finite: Option<usize>,
-    identical: Option<bool>,
-    explanation: Option<String>,
-    mse_left: Option<f64>,
-    beyond_noise: Option<bool>,
-    same_as: Option<String>,
-    rejected: Option<bool>,
-    limits: Option<String>,
-    error: Option<String>,
-}
-
 impl Compare {
     pub(super) fn measure_each(&self, reference: &Path, global: &Global, console: &Console) -> Result<Verdict> {
         let start = Instant::now();
@@ -205,8 +179,7 @@ impl Compare {
         let mut saving = Saving::default();
         let cells: Vec<Shown> = entries.iter().map(shown).collect();
         let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
-        let rows: Vec<Row> = entries.iter().map(row).collect();
-        saving.add(output::write(&stem, &sheet, &style, &output::csv(&rows)?));
+        saving.add(output::write(&stem, &sheet, &style, &csv(&entries)?));
         let list = entries.iter().flat_map(|entry| self.checks_of(entry, reference)).collect();
         let title = format!("etalon compare --each against {}", reference.display());
         let mut checks = Checks { title, list, seconds: start.elapsed().as_secs_f64() };
@@ -434,36 +407,30 @@ fn record(entry: &Entry) -> Record<'_> {
     }
 }
 
-fn row(entry: &Entry) -> Row {
-    let Record { rejected, limits, error, .. } = record(entry);
-    let common = Row {
-        file: entry.file.clone(),
-        explanation: entry.explanation().map(Explanation::told),
-        mse_left: entry.explanation().map(|explanation| explanation.mse_left).filter(|left| !left.is_nan()),
-        same_as: entry.same_as.clone(),
-        rejected,
-        limits: rejected.map(|_| limits.join(";")),
-        error,
-        ..Row::default()
-    };
-    let Some(Measured { numbers, shown, beyond_noise, identical, .. }) = entry.measured() else { return common };
-    let DisplayMetrics { hdr_flip, psnr, ssim } = *shown;
-    let Comparison { mse, rel_mse, rmse, mape, smape, max_abs, mean_a, mean_b, non_finite, .. } = *numbers;
-    Row {
-        mse: Some(mse),
-        rel_mse: Some(rel_mse),
-        hdr_flip,
-        ssim,
-        psnr: Some(psnr).filter(|psnr| !psnr.is_nan()),
-        rmse: Some(rmse),
-        mape: Some(mape),
-        smape: Some(smape),
-        max_abs: Some(max_abs),
-        mean: Some(mean_a),
-        mean_of_reference: Some(mean_b),
-        non_finite: Some(non_finite),
-        identical: Some(*identical),
-        beyond_noise: *beyond_noise,
-        ..common
-    }
+/// A row for each image, as CSV.
+fn csv(entries: &[Entry]) -> Result<Vec<u8>> {
+    let number = |of: fn(&Comparison) -> f64| move |entry: &Entry| entry.measured().map(|done| of(&done.numbers));
+    Table::of(entries)
+        .field("file", |entry| &entry.file)
+        .field("mse", number(|numbers| numbers.mse))
+        .field("rel_mse", number(|numbers| numbers.rel_mse))
+        .field("hdr_flip", |entry| entry.measured()?.shown.hdr_flip)
+        .field("ssim", |entry| entry.measured()?.shown.ssim)
+        .field("psnr", |entry| entry.measured().map(|done| done.shown.psnr).filter(|psnr| !psnr.is_nan()))
+        .field("rmse", number(|numbers| numbers.rmse))
+        .field("mape", number(|numbers| numbers.mape))
+        .field("smape", number(|numbers| numbers.smape))
+        .field("max_abs", number(|numbers| numbers.max_abs))
+        .field("mean", number(|numbers| numbers.mean_a))
+        .field("mean_of_reference", number(|numbers| numbers.mean_b))
+        .field("non_finite", |entry| entry.measured().map(|done| done.numbers.non_finite))
+        .field("identical", |entry| entry.measured().map(|done| done.identical))
+        .field("explanation", |entry| entry.explanation().map(Explanation::told))
+        .field("mse_left", |entry| entry.explanation().map(|found| found.mse_left).filter(|left| !left.is_nan()))
+        .field("beyond_noise", |entry| entry.measured()?.beyond_noise)
+        .field("same_as", |entry| entry.same_as.as_ref())
+        .field("rejected", |entry| record(entry).rejected)
+        .field("limits", |entry| Some(record(entry)).filter(|of| of.rejected.is_some()).map(|of| of.limits.join(";")))
+        .field("error", Entry::problem)
+        .csv()
 }

@@ -88,7 +88,7 @@ impl Compare {
         let compared = compare(a, b, Plan { level: self.level, detect: self.detect })?;
         bar.finish_and_clear();
         let mut saving = Saving::default();
-        saving.add(output::write(&stem, &view::drawing(&compared), &style, &output::csv(&view::rows(&compared))?));
+        saving.add(output::write(&stem, &view::drawing(&compared), &style, &view::csv(&compared)?));
         let of_side = |paths: &[PathBuf]| match paths {
             [only] => only.display().to_string(),
             [first, ..] => format!("{} ({} images)", first.display(), paths.len()),

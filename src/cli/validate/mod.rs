@@ -136,7 +136,7 @@ impl Validate {
         bar.finish_and_clear();
         let mut saving = Saving::default();
         let mut wanted = Wanted::of(&style);
-        let (drawing, table) = (view::drawing(&validation), output::csv(&view::rows(&validation))?);
+        let (drawing, table) = (view::drawing(&validation), view::csv(&validation)?);
         saving.add(output::write(&stem, &drawing, &wanted.style(&drawing), &table));
         // What is rejected is drawn without being asked for; a single test is drawn already.
         for tested in &validation.tests {
@@ -199,7 +199,7 @@ impl Validate {
 fn numbers(Tested { outcome, .. }: &Tested) -> Result<Option<Vec<u8>>> {
     match (&outcome.counts, &outcome.compared) {
         (Some(counts), _) => output::csv(&cells::rows(counts)).map(Some),
-        (None, Some(compared)) => output::csv(&cells::compared_rows(compared)).map(Some),
+        (None, Some(compared)) => cells::compared_csv(compared).map(Some),
         (None, None) => Ok(None),
     }
 }

@@ -33,7 +33,7 @@ pub fn run(
     let museum = museum::run(exhibits, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     let mut saving = Saving::default();
-    saving.add(files::write_bytes(&path, &output::csv(&view::museum_rows(&museum))?).map(|()| vec![path]));
+    saving.add(files::write_bytes(&path, &view::museum_csv(&museum)?).map(|()| vec![path]));
     let mut wanted = Wanted::of(style);
     for Shown { finding, .. } in museum.tests.iter().filter(|_| !names.is_empty()) {
         let tested = Tested { name: finding.name.to_owned(), outcome: finding.outcome.clone() };

@@ -31,7 +31,7 @@ pub fn run(
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
     let mut saving = Saving::default();
-    saving.add(files::write_bytes(&path, &output::csv(&view::planted_rows(&findings))?).map(|()| vec![path]));
+    saving.add(files::write_bytes(&path, &view::planted_csv(&findings)?).map(|()| vec![path]));
     saving.add(reports.write(&checks(&findings)));
     let (files, saved) = saving.end();
     console.saved(&findings, &target.written(files), || text(&findings, !names.is_empty()));

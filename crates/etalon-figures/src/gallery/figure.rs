@@ -135,21 +135,26 @@ pub struct Content {
 impl Content {
     /// A drawing, the rows of its table, and its checks.
     pub fn new<T: Serialize + Default>(drawing: Drawing, rows: &[T], checks: Vec<Check>) -> Result<Self> {
-        Ok(Self { drawing: Some(drawing), ..Self::of_text(rows, checks)? })
+        Ok(Self::of_csv(drawing, output::csv(rows)?, checks))
     }
 
     /// The rows of a table that the page shows as text, and its checks.
     pub fn of_text<T: Serialize + Default>(rows: &[T], checks: Vec<Check>) -> Result<Self> {
-        Ok(Self {
-            drawing: None,
-            table: output::csv(rows)?,
+        Ok(Self::of_csv(None, output::csv(rows)?, checks))
+    }
+
+    /// A drawing, if there is one, its table as CSV text, and its checks.
+    pub fn of_csv(drawing: impl Into<Option<Drawing>>, table: Vec<u8>, checks: Vec<Check>) -> Self {
+        Self {
+            drawing: drawing.into(),
+            table,
             image: None,
             checks,
             errata: Vec::new(),
             claims: Vec::new(),
             printed: Vec::new(),
             numbers: Numbers::default(),
-        })
+        }
     }
 
     /// Adds numbers that a report prints.

@@ -10,9 +10,9 @@ use etalon_bench::compare::{
     NotFinite, Related, Tested,
 };
 use etalon_bench::table::Table;
+use etalon_core::error::Result;
 use etalon_core::math::Rgb;
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
-use serde::Serialize;
 use std::cmp::Ordering;
 
 /// Longest side of the drawing of the difference, in pixels.
@@ -268,48 +268,28 @@ fn robust_limit(values: &[f64]) -> f64 {
     limit.or(sizes.last().copied()).unwrap_or(0.0)
 }
 
-/// A line of the table of tests. Field names are the CSV columns.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct Row {
-    family: &'static str,
-    functional: String,
-    channel: &'static str,
-    mean_a: f64,
-    mean_b: f64,
-    standard_error: f64,
-    dof: f64,
-    t: f64,
-    /// The normal deviate that is as unlikely as t.
-    z: f64,
-    p: f64,
-    /// p times the number of tests of the family and of families.
-    adjusted_p: f64,
-    dominated: bool,
-    /// The difference that would have been found with 90 % probability.
-    detectable: f64,
-}
-
-pub fn rows(compared: &Compared) -> Vec<Row> {
-    let family = |family: &etalon_bench::compare::FamilyResult| {
-        let level = family.level(compared.plan);
-        let row = |test: &Tested| Row {
-            family: family.family.name(),
-            functional: test.functional.to_string(),
-            channel: compared.channels[test.channel],
-            mean_a: test.means[0],
-            mean_b: test.means[1],
-            standard_error: test.difference.standard_error,
-            dof: test.difference.dof,
-            t: test.difference.t(),
-            z: test.difference.z(),
-            p: test.difference.p(),
-            adjusted_p: family.adjusted(test),
-            dominated: test.dominated,
-            detectable: test.difference.detectable(level),
-        };
-        family.tests.iter().map(row).collect::<Vec<_>>()
-    };
-    compared.families.iter().flat_map(family).collect()
+/// A row for each test, as CSV.
+pub fn csv(compared: &Compared) -> Result<Vec<u8>> {
+    let tests = compared.families.iter().flat_map(|family| family.tests.iter().map(move |test| (family, test)));
+    let tests: Vec<(&FamilyResult, &Tested)> = tests.collect();
+    Table::of(&tests)
+        .field("family", |(family, _)| family.family.name())
+        .field("functional", |(_, test)| test.functional.to_string())
+        .field("channel", |(_, test)| compared.channels[test.channel])
+        .field("mean_a", |(_, test)| test.means[0])
+        .field("mean_b", |(_, test)| test.means[1])
+        .field("standard_error", |(_, test)| test.difference.standard_error)
+        .field("dof", |(_, test)| test.difference.dof)
+        .field("t", |(_, test)| test.difference.t())
+        // The normal deviate that is as unlikely as t
+        .field("z", |(_, test)| test.difference.z())
+        .field("p", |(_, test)| test.difference.p())
+        // p times the number of tests of the family and of families
+        .field("adjusted_p", |(family, test)| family.adjusted(test))
+        .field("dominated", |(_, test)| test.dominated)
+        // The difference that would have been found with 90 % probability
+        .field("detectable", |(family, test)| test.difference.detectable(family.level(compared.plan)))
+        .csv()
 }
 
 /// A tile with its channel that differs most.

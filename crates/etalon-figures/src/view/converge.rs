@@ -9,124 +9,74 @@ use etalon_bench::converge::contender::Contender;
 use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
 use etalon_bench::converge::strategy::DEFAULT;
 use etalon_bench::table::Table;
+use etalon_core::error::Result;
 use etalon_core::raster::{Image, ToneMap, auto_exposure, to_rgb8};
 use serde::Serialize;
 use std::rc::Rc;
 
-/// One level of one strategy. Field names are the CSV columns; errors are those of radiance, intervals of 95 %.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Row {
-    strategy: String,
-    spp: u32,
-    replicates: usize,
-    cpu_seconds: f64,
-    wall_seconds: f64,
-    preparation_seconds: f64,
-    rmse: f64,
-    rmse_low: f64,
-    rmse_high: f64,
-    rel_mse: f64,
-    rel_mse_half_width: f64,
-    /// Mean HDR-FLIP of the first replicate.
-    flip: Option<f64>,
-    /// PSNR of the first replicate, in dB.
-    psnr: f64,
-    /// SSIM of the first replicate.
-    ssim: Option<f64>,
-    /// 1 / (MSE · processor seconds).
-    efficiency_per_second: f64,
-    /// p of RMSE ∝ sppᵖ.
-    slope: f64,
-    slope_half_width: f64,
-    /// Squared bias of the last level.
-    mean_squared_bias: f64,
-    mean_squared_bias_error: f64,
-    verdict: &'static str,
-    /// Time to unit variance, MSE · processor seconds: the inverse of the efficiency.
-    ttuv_seconds: f64,
-    /// Mean of the last level's images over that of the reference, minus 1.
-    mean_bias: f64,
-    mean_bias_half_width: f64,
-    /// Processor seconds until every strategy without bias has the same RMSE; empty if never.
-    seconds_to_common_rmse: Option<f64>,
+/// A row for each level of each strategy, as CSV. Errors are those of radiance, intervals of 95 %.
+pub fn csv(results: &[&Convergence]) -> Result<Vec<u8>> {
+    let curves = results.iter().flat_map(|result| {
+        let target = result.common_rmse();
+        result.curves.iter().map(move |curve| (curve, target))
+    });
+    let levels = curves.flat_map(|(curve, target)| curve.levels.iter().map(move |level| (curve, level, target)));
+    let levels: Vec<(&Curve, &Level, _)> = levels.collect();
+    Table::of(&levels)
+        .field("strategy", |(curve, ..)| &curve.strategy)
+        .field("spp", |(_, level, _)| level.spp)
+        .field("replicates", |(curve, ..)| curve.replicates)
+        .field("cpu_seconds", |(_, level, _)| level.cpu_seconds)
+        .field("wall_seconds", |(_, level, _)| level.wall_seconds)
+        .field("preparation_seconds", |(curve, ..)| curve.preparation_seconds)
+        .field("rmse", |(_, level, _)| level.rmse())
+        .field("rmse_low", |(_, level, _)| level.rmse_band()[0])
+        .field("rmse_high", |(_, level, _)| level.rmse_band()[1])
+        .field("rel_mse", |(_, level, _)| level.rel_mse.value)
+        .field("rel_mse_half_width", |(_, level, _)| level.rel_mse.half_width)
+        // Mean HDR-FLIP, PSNR in dB and SSIM are those of the first replicate
+        .field("flip", |(_, level, _)| level.flip)
+        .field("psnr", |(_, level, _)| level.psnr)
+        .field("ssim", |(_, level, _)| level.ssim)
+        // 1 / (MSE · processor seconds)
+        .field("efficiency_per_second", |(_, level, _)| level.efficiency)
+        // p of RMSE ∝ sppᵖ
+        .field("slope", |(curve, ..)| curve.slope.value)
+        .field("slope_half_width", |(curve, ..)| curve.slope.half_width)
+        // The squared bias of the last level
+        .field("mean_squared_bias", |(curve, ..)| curve.bias2.value)
+        .field("mean_squared_bias_error", |(curve, ..)| curve.bias2.standard_error)
+        .field("verdict", |(curve, ..)| word(curve.verdict))
+        // Time to unit variance, MSE · processor seconds: the inverse of the efficiency
+        .field("ttuv_seconds", |(_, level, _)| 1.0 / level.efficiency)
+        // Mean of the last level's images over that of the reference, minus 1
+        .field("mean_bias", |(curve, ..)| curve.mean_bias.value)
+        .field("mean_bias_half_width", |(curve, ..)| curve.mean_bias.half_width)
+        // Processor seconds until every strategy without bias has the same RMSE; empty if never
+        .field("seconds_to_common_rmse", |(curve, _, target)| curve.time_to(*target))
+        .csv()
 }
 
-pub fn rows(result: &Convergence) -> Vec<Row> {
-    let target = result.common_rmse();
-    let of_curve = |curve: &Curve| {
-        let row = move |level: &Level| {
-            let [rmse_low, rmse_high] = level.rmse_band();
-            Row {
-                strategy: curve.strategy.clone(),
-                spp: level.spp,
-                replicates: curve.replicates,
-                cpu_seconds: level.cpu_seconds,
-                wall_seconds: level.wall_seconds,
-                preparation_seconds: curve.preparation_seconds,
-                rmse: level.rmse(),
-                rmse_low,
-                rmse_high,
-                rel_mse: level.rel_mse.value,
-                rel_mse_half_width: level.rel_mse.half_width,
-                flip: level.flip,
-                psnr: level.psnr,
-                ssim: level.ssim,
-                efficiency_per_second: level.efficiency,
-                slope: curve.slope.value,
-                slope_half_width: curve.slope.half_width,
-                mean_squared_bias: curve.bias2.value,
-                mean_squared_bias_error: curve.bias2.standard_error,
-                verdict: word(curve.verdict),
-                ttuv_seconds: 1.0 / level.efficiency,
-                mean_bias: curve.mean_bias.value,
-                mean_bias_half_width: curve.mean_bias.half_width,
-                seconds_to_common_rmse: curve.time_to(target),
-            }
-        };
-        curve.levels.iter().map(row).collect::<Vec<_>>()
-    };
-    result.curves.iter().flat_map(of_curve).collect()
-}
-
-/// One image of one replicate. Field names are the CSV columns; times of renderers in other programs are those of the whole
-/// process.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct ReplicateRow {
-    strategy: String,
-    /// From 1.
-    replicate: usize,
-    seed: u64,
-    spp: u32,
-    wall_seconds: f64,
-    cpu_seconds: f64,
-    mse: f64,
-    /// Without the worst 0.1 % of channel values.
-    mse_trimmed: f64,
-    rel_mse: f64,
-    /// Mean of the channel values of the image.
-    mean: f64,
-}
-
-pub fn replicate_rows(result: &Convergence) -> Vec<ReplicateRow> {
-    let of_curve = |curve: &Curve| {
-        let of_run = |(i, run): (usize, &Run)| {
-            let row = |level: &Measured| ReplicateRow {
-                strategy: curve.strategy.clone(),
-                replicate: i + 1,
-                seed: run.seed,
-                spp: level.spp,
-                wall_seconds: level.times.wall,
-                cpu_seconds: level.times.cpu,
-                mse: level.errors.mse,
-                mse_trimmed: level.errors.mse_trimmed,
-                rel_mse: level.errors.rel_mse,
-                mean: level.errors.mean_a,
-            };
-            run.levels.iter().map(row).collect::<Vec<_>>()
-        };
-        curve.runs.iter().enumerate().flat_map(of_run).collect::<Vec<_>>()
-    };
-    result.curves.iter().flat_map(of_curve).collect()
+/// A row for each image of each replicate, as CSV. Times of renderers in other programs are those of the whole process.
+pub fn replicates_csv(result: &Convergence) -> Result<Vec<u8>> {
+    let runs =
+        result.curves.iter().flat_map(|curve| curve.runs.iter().enumerate().map(move |(i, run)| (curve, i, run)));
+    let images = runs.flat_map(|(curve, i, run)| run.levels.iter().map(move |level| (curve, i, run, level)));
+    let images: Vec<(&Curve, usize, &Run, &Measured)> = images.collect();
+    Table::of(&images)
+        .field("strategy", |(curve, ..)| &curve.strategy)
+        .field("replicate", |(_, i, ..)| i + 1)
+        .field("seed", |(_, _, run, _)| run.seed)
+        .field("spp", |(.., level)| level.spp)
+        .field("wall_seconds", |(.., level)| level.times.wall)
+        .field("cpu_seconds", |(.., level)| level.times.cpu)
+        .field("mse", |(.., level)| level.errors.mse)
+        // Without the worst 0.1 % of channel values
+        .field("mse_trimmed", |(.., level)| level.errors.mse_trimmed)
+        .field("rel_mse", |(.., level)| level.errors.rel_mse)
+        // The mean of the channel values of the image
+        .field("mean", |(.., level)| level.errors.mean_a)
+        .csv()
 }
 
 /// The methods at their last levels, those with bias at the end; their efficiency is that of the answer, after equal time.

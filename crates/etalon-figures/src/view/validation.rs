@@ -5,71 +5,44 @@ use super::text::{LINE, counted, p_is, p_value, plain_p_value, rounded, wrapped}
 use super::validation_cells;
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
 use etalon_bench::table::Table;
-use etalon_bench::validation::museum::{Museum, Seen, Shown};
-use etalon_bench::validation::planted::{By, Finding, Findings};
+use etalon_bench::validation::museum::{Museum, Seen};
+use etalon_bench::validation::planted::{By, Findings};
 use etalon_bench::validation::{Tested, Validation};
-use etalon_stats::{Bound, Outcome, Verdict};
-use serde::Serialize;
+use etalon_core::error::Result;
+use etalon_stats::{Outcome, Verdict};
 
-/// A line of the table. Field names are the CSV columns.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct Row<'a> {
-    name: &'a str,
-    verdict: String,
-    statistic: f64,
-    dof: usize,
-    p: Option<f64>,
-    samples: u64,
-    /// Relative error of the pdf (root mean square) that is detected with 90 % probability.
-    detectable: Option<f64>,
-    mass: Option<f64>,
-    mass_error: Option<f64>,
-    mass_bound: Option<Bound>,
-    cells: usize,
-    /// Cells put together for lack of expected samples.
-    pooled: usize,
-    /// Samples without a direction.
-    none: u64,
-    repeated: bool,
-    seconds: f64,
-    /// The usual mistake that explains a rejection.
-    named: Option<String>,
-    /// Why the test does not accept.
-    remark: String,
-    /// Where samples and pdf differ most, of a rejected test.
-    diagnosis: &'a str,
-    /// What users should know though it does not decide.
-    remarks: String,
-    /// What is detected between the cells.
-    finer: String,
-}
-
-pub fn rows(validation: &Validation) -> Vec<Row<'_>> {
-    let tests = validation.tests.iter();
-    tests
-        .map(|Tested { name, outcome }| Row {
-            name,
-            verdict: outcome.verdict.to_string(),
-            statistic: outcome.statistic,
-            dof: outcome.dof,
-            p: outcome.p,
-            samples: outcome.samples,
-            detectable: outcome.detectable,
-            mass: outcome.mass.map(|mass| mass.value),
-            mass_error: outcome.mass.map(|mass| mass.error),
-            mass_bound: outcome.mass.map(|mass| mass.bound),
-            cells: outcome.cells,
-            pooled: outcome.pooled,
-            none: outcome.none,
-            repeated: outcome.repeated,
-            seconds: outcome.seconds,
-            named: outcome.mistake.as_ref().map(ToString::to_string),
-            remark: outcome.reason().unwrap_or_default(),
-            diagnosis: outcome.diagnosis.as_deref().unwrap_or_default(),
-            remarks: outcome.remarks.join("; "),
-            finer: outcome.finer().unwrap_or_default(),
-        })
-        .collect()
+/// A row for each test, as CSV.
+pub fn csv(validation: &Validation) -> Result<Vec<u8>> {
+    Table::of(&validation.tests)
+        .field("name", |test| &test.name)
+        .field("verdict", |test| test.outcome.verdict.to_string())
+        .field("statistic", |test| test.outcome.statistic)
+        .field("dof", |test| test.outcome.dof)
+        .field("p", |test| test.outcome.p)
+        .field("samples", |test| test.outcome.samples)
+        // The relative error of the pdf (root mean square) that is detected with 90 % probability
+        .field("detectable", |test| test.outcome.detectable)
+        .field("mass", |test| test.outcome.mass.map(|mass| mass.value))
+        .field("mass_error", |test| test.outcome.mass.map(|mass| mass.error))
+        .field("mass_bound", |test| test.outcome.mass.map(|mass| mass.bound.to_string()))
+        .field("cells", |test| test.outcome.cells)
+        // Cells put together for lack of expected samples
+        .field("pooled", |test| test.outcome.pooled)
+        // Samples without a direction
+        .field("none", |test| test.outcome.none)
+        .field("repeated", |test| test.outcome.repeated)
+        .field("seconds", |test| test.outcome.seconds)
+        // The usual mistake that explains a rejection
+        .field("named", |test| test.outcome.mistake.as_ref().map(ToString::to_string))
+        // Why the test does not accept
+        .field("remark", |test| test.outcome.reason())
+        // Where samples and pdf differ most, of a rejected test
+        .field("diagnosis", |test| test.outcome.diagnosis.as_deref())
+        // What users should know though it does not decide
+        .field("remarks", |test| test.outcome.remarks.join("; "))
+        // What is detected between the cells
+        .field("finer", |test| test.outcome.finer())
+        .csv()
 }
 
 /// A single test; or why tests are not accepted, what the first rejected one looked at, and the checks of one BSDF, or the p-values of all.
@@ -210,96 +183,53 @@ fn p_values(validation: &Validation) -> Drawing {
     .headed(title, Vec::new())
 }
 
-/// One fault. Field names are the CSV columns.
-#[derive(Debug, Default, Serialize)]
-pub struct PlantedRow<'a> {
-    name: &'a str,
-    mistake: &'a str,
-    verdict: String,
-    by: &'a str,
-    /// The usual mistake that the test names.
-    named: Option<String>,
-    violation: &'a str,
-    diagnosis: &'a str,
-    statistic: f64,
-    dof: usize,
-    p: Option<f64>,
-    samples: u64,
-    detectable: Option<f64>,
-    error: Option<f64>,
-    verdict_without: String,
-    p_without: Option<f64>,
-    remark_without: &'a str,
+/// A row for each planted fault, as CSV.
+pub fn planted_csv(findings: &Findings) -> Result<Vec<u8>> {
+    Table::of(&findings.tests)
+        .field("name", |test| test.name)
+        .field("mistake", |test| test.mistake)
+        .field("verdict", |test| test.outcome.verdict.to_string())
+        .field("by", |test| test.by.map(By::name))
+        // The usual mistake that the test names
+        .field("named", |test| test.outcome.mistake.as_ref().map(ToString::to_string))
+        .field("violation", |test| test.outcome.violation.as_deref())
+        .field("diagnosis", |test| test.outcome.diagnosis.as_deref())
+        .field("statistic", |test| test.outcome.statistic)
+        .field("dof", |test| test.outcome.dof)
+        .field("p", |test| test.outcome.p)
+        .field("samples", |test| test.outcome.samples)
+        .field("detectable", |test| test.outcome.detectable)
+        .field("error", |test| test.error)
+        .field("verdict_without", |test| test.sound.to_string())
+        .field("p_without", |test| test.sound_p)
+        .field("remark_without", |test| test.sound_remark.as_deref())
+        .csv()
 }
 
-pub fn planted_rows<'a>(findings: &'a Findings) -> Vec<PlantedRow<'a>> {
-    let row = |test: &'a Finding| {
-        let Finding { name, mistake, outcome, by, error, sound, sound_p, sound_remark } = test;
-        PlantedRow {
-            name,
-            mistake,
-            verdict: outcome.verdict.to_string(),
-            by: by.map_or("", By::name),
-            named: outcome.mistake.as_ref().map(ToString::to_string),
-            violation: outcome.violation.as_deref().unwrap_or(""),
-            diagnosis: outcome.diagnosis.as_deref().unwrap_or(""),
-            statistic: outcome.statistic,
-            dof: outcome.dof,
-            p: outcome.p,
-            samples: outcome.samples,
-            detectable: outcome.detectable,
-            error: *error,
-            verdict_without: sound.to_string(),
-            p_without: *sound_p,
-            remark_without: sound_remark.as_deref().unwrap_or(""),
-        }
-    };
-    findings.tests.iter().map(row).collect()
-}
-
-/// One fault of published software. Field names are the CSV columns.
-#[derive(Debug, Default, Serialize)]
-pub struct MuseumRow<'a> {
-    name: &'a str,
-    source: &'a str,
-    /// What of the source was read.
-    seen: Option<Seen>,
-    story: &'a str,
-    verdict: String,
-    check: &'a str,
-    named: Option<String>,
-    reason: String,
-    would_find: &'a str,
-    p: Option<f64>,
-    samples: u64,
-    seconds: f64,
-    verdict_without: String,
-    plain_p: Option<f64>,
-    plain_p_without: Option<f64>,
-}
-
-pub fn museum_rows<'a>(museum: &'a Museum) -> Vec<MuseumRow<'a>> {
-    let row = |test: &'a Shown| {
-        let Finding { name, mistake, outcome, sound, .. } = &test.finding;
-        MuseumRow {
-            name,
-            source: test.source,
-            seen: Some(test.seen),
-            story: mistake,
-            verdict: outcome.verdict.to_string(),
-            check: test.check.unwrap_or(""),
-            named: outcome.mistake.as_ref().map(ToString::to_string),
-            reason: outcome.reason().unwrap_or_default(),
-            would_find: test.would_find.unwrap_or(""),
-            p: outcome.p,
-            samples: outcome.samples,
-            seconds: outcome.seconds,
-            verdict_without: sound.to_string(),
-            plain_p: test.plain,
-            plain_p_without: test.plain_sound,
-        }
-    };
-    museum.tests.iter().map(row).collect()
+/// A row for each fault of published software, as CSV.
+pub fn museum_csv(museum: &Museum) -> Result<Vec<u8>> {
+    Table::of(&museum.tests)
+        .field("name", |test| test.finding.name)
+        .field("source", |test| test.source)
+        // What of the source was read
+        .field("seen", |test| match test.seen {
+            Seen::Diff => "diff",
+            Seen::Thread => "thread",
+            Seen::Title => "title",
+        })
+        .field("story", |test| test.finding.mistake)
+        .field("verdict", |test| test.finding.outcome.verdict.to_string())
+        .field("check", |test| test.check)
+        .field("named", |test| test.finding.outcome.mistake.as_ref().map(ToString::to_string))
+        .field("reason", |test| test.finding.outcome.reason())
+        .field("would_find", |test| test.would_find)
+        .field("p", |test| test.finding.outcome.p)
+        .field("samples", |test| test.finding.outcome.samples)
+        .field("seconds", |test| test.finding.outcome.seconds)
+        .field("verdict_without", |test| test.finding.sound.to_string())
+        .field("plain_p", |test| test.plain)
+        .field("plain_p_without", |test| test.plain_sound)
+        .csv()
 }
 
 /// What a run found: of several tests the verdict and why first, then those that need a look, and those that were accepted by family, or, if

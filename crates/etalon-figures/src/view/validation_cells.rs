@@ -2,7 +2,9 @@
 
 use super::text::{capitalized, clauses, finding, p_value, rounded};
 use crate::figure::{Axis, Drawing, Heatmap, Marker, Panel, Plot, Point, Shading, Stroke, theme};
+use etalon_bench::table::Table;
 use etalon_bench::validation::{Tested, Validation};
+use etalon_core::error::Result;
 use etalon_stats::{Cell, Compared, Counts, Finer, Outcome, Point as Place, Verdict};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -185,22 +187,14 @@ fn nothing() -> Drawing {
     Drawing::stacked(Vec::new(), 0.5)
 }
 
-/// Numbers of an exact check. Field names are the CSV columns.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct ComparedRow {
-    /// The direction `wi`.
-    theta_deg: f64,
-    phi_deg: f64,
-    found: f64,
-    expected: f64,
-}
-
-pub fn compared_rows(compared: &Compared) -> Vec<ComparedRow> {
-    let row = |&(place, [found, expected]): &(Place, [f64; 2])| {
-        let [theta_deg, phi] = polar(place.into());
-        ComparedRow { theta_deg, phi_deg: phi.rem_euclid(360.0), found, expected }
-    };
-    compared.places.iter().map(row).collect()
+/// The numbers of an exact check as CSV, by the direction `wi`.
+pub fn compared_csv(compared: &Compared) -> Result<Vec<u8>> {
+    Table::of(&compared.places)
+        .field("theta_deg", |(place, _)| polar((*place).into())[0])
+        .field("phi_deg", |(place, _)| polar((*place).into())[1].rem_euclid(360.0))
+        .field("found", |(_, [found, _])| *found)
+        .field("expected", |(_, [_, expected])| *expected)
+        .csv()
 }
 
 /// What was found over what is expected, by place, the worst marked; and where they differ much, both.

@@ -81,8 +81,8 @@ fn error_of_lights(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         checks.push(Check::at_most(format!("error of 256 lights over that of one, {cut}"), ratio, 0.05));
         checks.extend(fixed.curve(&format!("{cut}-64")).map(biased));
     }
-    let rows = [converge::rows(&fixed), converge::rows(&sampled)].concat();
-    Content::new(lights(&fixed, &sampled), &rows, unless_stopped(&fixed, checks))
+    let table = converge::csv(&[&fixed, &sampled])?;
+    Ok(Content::of_csv(lights(&fixed, &sampled), table, unless_stopped(&fixed, checks)))
 }
 
 /// Error over the number of lights, and over time: fixed lights, and random light samples.

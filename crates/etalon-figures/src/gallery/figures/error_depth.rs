@@ -5,12 +5,12 @@ use crate::figure::{Axis, Drawing, Panel, Plot, theme};
 use crate::gallery::prelude::*;
 use crate::view::text::duration;
 use etalon_bench::converge::doubling::{Deadline, Doubling};
+use etalon_bench::table::Table;
 use etalon_core::error::Result;
 use etalon_core::raster::Image;
 use etalon_core::scene::{Request, Scene, builtin};
 use etalon_render::Settings;
 use etalon_stats::estimate::Estimate;
-use serde::Serialize;
 
 pub fn figures() -> Vec<Maker> {
     vec![maker("error-depth", |inputs, _| content(inputs))]
@@ -25,7 +25,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
     };
     let scenes = [of_scene(inputs.spheres())?, of_scene(builtin::cornell_lambert())?];
     let checks = scenes.iter().flat_map(checks).collect();
-    Content::new(depths(&scenes), &depth_rows(&scenes), checks)
+    Ok(Content::of_csv(depths(&scenes), csv(&scenes)?, checks))
 }
 
 /// Skipped without any depth, which the time limit may cause.
@@ -118,38 +118,21 @@ fn mean(image: &Image) -> f64 {
     sum / (3.0 * image.pixels().len() as f64)
 }
 
-/// One depth of one scene. Field names are the CSV columns; half widths are those of 95 % intervals.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-struct DepthRow {
-    scene: String,
-    depth: u32,
-    spp: u32,
-    replicates: u32,
-    /// Share of the light of the deepest image.
-    missing_share: f64,
-    missing_share_half_width: f64,
-    cpu_seconds: f64,
-    cpu_seconds_half_width: f64,
-    /// Share of the time of the deepest image.
-    time_share: f64,
-}
-
-fn depth_rows(scenes: &[DepthCurve]) -> Vec<DepthRow> {
-    let of_scene = |depths: &DepthCurve| {
-        let DepthCurve { scene, replicates, spp, levels } = depths.clone();
-        levels.into_iter().map(move |level| DepthRow {
-            scene: scene.clone(),
-            depth: level.depth,
-            spp,
-            replicates,
-            missing_share: level.missing.value,
-            missing_share_half_width: level.missing.half_width,
-            cpu_seconds: level.cpu_seconds.value,
-            cpu_seconds_half_width: level.cpu_seconds.half_width,
-            time_share: level.time_share,
-        })
-    };
-    scenes.iter().flat_map(of_scene).collect()
+/// A row for each depth of each scene, as CSV; half widths are those of 95 % intervals, shares those of the deepest image.
+fn csv(scenes: &[DepthCurve]) -> Result<Vec<u8>> {
+    let levels = scenes.iter().flat_map(|curve| curve.levels.iter().map(move |level| (curve, level)));
+    let levels: Vec<(&DepthCurve, &DepthLevel)> = levels.collect();
+    Table::of(&levels)
+        .field("scene", |(curve, _)| &curve.scene)
+        .field("depth", |(_, level)| level.depth)
+        .field("spp", |(curve, _)| curve.spp)
+        .field("replicates", |(curve, _)| curve.replicates)
+        .field("missing_share", |(_, level)| level.missing.value)
+        .field("missing_share_half_width", |(_, level)| level.missing.half_width)
+        .field("cpu_seconds", |(_, level)| level.cpu_seconds.value)
+        .field("cpu_seconds_half_width", |(_, level)| level.cpu_seconds.half_width)
+        .field("time_share", |(_, level)| level.time_share)
+        .csv()
 }
 
 /// Missing light over the depth, and over the time that the render takes.

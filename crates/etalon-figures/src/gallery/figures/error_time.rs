@@ -80,7 +80,7 @@ fn sphere_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
             checks.push(faster(curve));
         }
     }
-    let content = Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))?;
+    let content = Content::of_csv(sheet(&result), view::csv(&[&result])?, unless_stopped(&result, checks));
     Ok(Content { numbers: names([&*result]), ..content })
 }
 
@@ -119,7 +119,7 @@ fn cornell_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let reference = result.reference.as_ref().map_or(f64::NAN, |facts| facts.rmse.powi(2));
     let least = result.curves.iter().filter_map(|c| Some(c.levels.last()?.mse.value)).fold(f64::INFINITY, f64::min);
     checks.push(Check::at_most("squared error, the reference over the least measured", reference / least, 0.1));
-    let content = Content::new(sheet(&result), &view::rows(&result), unless_stopped(&result, checks))?;
+    let content = Content::of_csv(sheet(&result), view::csv(&[&result])?, unless_stopped(&result, checks));
     Ok(Content { numbers: names([&*result]), ..content })
 }
 

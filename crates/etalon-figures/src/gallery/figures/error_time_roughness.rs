@@ -6,6 +6,7 @@ use crate::gallery::prelude::*;
 use crate::view::converge::label;
 use etalon_bench::converge::doubling::{Deadline, Times};
 use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean, inside};
+use etalon_bench::table::Table;
 use etalon_core::bsdf::NormalSampling;
 use etalon_core::error::Result;
 use etalon_core::raster::Metadata;
@@ -13,7 +14,6 @@ use etalon_core::sampling::stream::StreamKind;
 use etalon_core::scene::{Material, Request, Scene};
 use etalon_render::{Job, Settings};
 use etalon_stats::estimate::Estimate;
-use serde::Serialize;
 
 /// Roughnesses of a full run and of a quick one.
 const ALPHAS: [f32; 6] = [0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
@@ -37,7 +37,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
             checks.extend(visible_against_all(visible, all));
         }
     }
-    Content::new(roughness(&levels), &roughness_rows(&levels), checks)
+    Ok(Content::of_csv(roughness(&levels), csv(&levels)?, checks))
 }
 
 fn visible_against_all(visible: &RoughnessLevel, all: &RoughnessLevel) -> [Check; 2] {
@@ -151,36 +151,20 @@ fn efficiency(replicates: &[[f64; 2]]) -> Estimate {
     })
 }
 
-/// One way of sampling normals at one roughness. Field names are the CSV columns; mse is that of the metal's radiance.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-struct RoughnessRow {
-    alpha: f32,
-    normals: &'static str,
-    spp: u32,
-    replicates: u32,
-    mse: f64,
-    mse_half_width: f64,
-    cpu_seconds: f64,
-    cpu_seconds_half_width: f64,
-    /// 1 / (MSE · processor seconds).
-    efficiency_per_second: f64,
-    efficiency_half_width: f64,
-}
-
-fn roughness_rows(levels: &[RoughnessLevel]) -> Vec<RoughnessRow> {
-    let row = |l: &RoughnessLevel| RoughnessRow {
-        alpha: l.alpha,
-        normals: l.normals,
-        spp: l.spp,
-        replicates: l.replicates,
-        mse: l.mse.value,
-        mse_half_width: l.mse.half_width,
-        cpu_seconds: l.cpu_seconds.value,
-        cpu_seconds_half_width: l.cpu_seconds.half_width,
-        efficiency_per_second: l.efficiency.value,
-        efficiency_half_width: l.efficiency.half_width,
-    };
-    levels.iter().map(row).collect()
+/// The levels as CSV; mse is that of the metal's radiance.
+fn csv(levels: &[RoughnessLevel]) -> Result<Vec<u8>> {
+    Table::of(levels)
+        .field("alpha", |level| level.alpha)
+        .field("normals", |level| level.normals)
+        .field("spp", |level| level.spp)
+        .field("replicates", |level| level.replicates)
+        .field("mse", |level| level.mse.value)
+        .field("mse_half_width", |level| level.mse.half_width)
+        .field("cpu_seconds", |level| level.cpu_seconds.value)
+        .field("cpu_seconds_half_width", |level| level.cpu_seconds.half_width)
+        .field("efficiency_per_second", |level| level.efficiency.value)
+        .field("efficiency_half_width", |level| level.efficiency.half_width)
+        .csv()
 }
 
 /// Noise and efficiency over the roughness, with 95 % intervals, a curve for each way of sampling normals.

@@ -5,7 +5,8 @@ use crate::gallery::prelude::*;
 use crate::view::converge::label;
 use crate::view::depth;
 use etalon_bench::roughness::StatueRender;
-use etalon_bench::sampling_strategies::{ProfileBin, StrategyComparison, compare};
+use etalon_bench::sampling_strategies::{ProfileBin, StrategyComparison, Zone, ZoneImage, compare};
+use etalon_bench::table::Table;
 use etalon_core::raster::ToneMap;
 
 /// Standard errors by which two means may differ.
@@ -53,7 +54,26 @@ fn errors(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let limit = if inputs.originals.is_some() { 1.0 } else { 4.0 };
     let name = "noise on the statue, hemisphere over importance sampling";
     checks.push(Check::at_least(name, result.statue.ratio(|image| image.noise)[0], limit));
-    Content::new(noise_and_profile(&result), &result.profile, checks)
+    Ok(Content::of_csv(noise_and_profile(&result), csv(&result.profile)?, checks))
+}
+
+/// The profile as CSV; radiance is (R + G + B) / 3.
+fn csv(profile: &[ProfileBin]) -> Result<Vec<u8>> {
+    Table::of(profile)
+        .field("from_px", |bin| bin.from_px)
+        .field("to_px", |bin| bin.to_px)
+        .field("pixels", |bin| bin.zone.importance.mean.pixels)
+        .field("importance_mean", |bin| bin.zone.importance.light()[0])
+        .field("hemisphere_mean", |bin| bin.zone.hemisphere.light()[0])
+        .field("importance_mean_error", |bin| bin.zone.importance.light()[1])
+        .field("hemisphere_mean_error", |bin| bin.zone.hemisphere.light()[1])
+        .field("importance_median", |bin| bin.zone.importance.median[0])
+        .field("hemisphere_median", |bin| bin.zone.hemisphere.median[0])
+        .field("importance_shown", |bin| bin.zone.importance.shown[0])
+        .field("hemisphere_shown", |bin| bin.zone.hemisphere.shown[0])
+        .field("importance_error", |bin| bin.zone.importance.noise[0])
+        .field("hemisphere_error", |bin| bin.zone.hemisphere.noise[0])
+        .csv()
 }
 
 /// Noise of both strategies over the image on one scale, and below it radiance and noise by distance from the silhouette.
@@ -83,34 +103,34 @@ fn maps(result: &StrategyComparison) -> Drawing {
 fn profile(result: &StrategyComparison) -> Drawing {
     let strokes =
         [theme::IMPORTANCE_SAMPLING, theme::HEMISPHERE_SAMPLING].map(|colour| Stroke::solid(colour, theme::LINE));
-    let middle = |b: &ProfileBin| (b.from_px + b.to_px) / 2.0;
-    let of = |f: fn(&ProfileBin) -> f64| -> Vec<Point> { result.profile.iter().map(|b| [middle(b), f(b)]).collect() };
-    let panel = |title: &str, y: Axis, importance: fn(&ProfileBin) -> f64, hemisphere: fn(&ProfileBin) -> f64| {
+    let middle = |bin: &ProfileBin| (bin.from_px + bin.to_px) / 2.0;
+    let sides: [fn(&Zone) -> &ZoneImage; 2] = [|zone| &zone.importance, |zone| &zone.hemisphere];
+    let panel = |title: &str, y: Axis, of: fn(&ZoneImage) -> f64| {
+        let point = |side: fn(&Zone) -> &ZoneImage| move |bin: &ProfileBin| [middle(bin), of(side(&bin.zone))];
+        let [importance, hemisphere] = sides.map(|side| result.profile.iter().map(point(side)).collect::<Vec<Point>>());
         Panel::new(Axis::linear("pixels inside the silhouette (< 0: outside)"), y)
             .title(title)
-            .line("visible normals", strokes[0], of(importance))
-            .line(label("hemisphere"), strokes[1], of(hemisphere))
+            .line("visible normals", strokes[0], importance)
+            .line(label("hemisphere"), strokes[1], hemisphere)
             .vertical(0.0, "")
             .with_names_on_curves()
     };
-    let band = |mean: fn(&ProfileBin) -> f64, error: fn(&ProfileBin) -> f64| -> Vec<[f64; 3]> {
-        let around = |b: &ProfileBin| [middle(b), mean(b) - 2.0 * error(b), mean(b) + 2.0 * error(b)];
+    let [importance, hemisphere] = sides.map(|side| -> Vec<[f64; 3]> {
+        let around = |bin: &ProfileBin| {
+            let [mean, error] = side(&bin.zone).light();
+            [middle(bin), mean - 2.0 * error, mean + 2.0 * error]
+        };
         result.profile.iter().map(around).collect()
-    };
+    });
     // Intervals of few pixels may reach below 0, which no mean is
-    let highest = result.profile.iter().map(|b| b.hemisphere_mean + 2.0 * b.hemisphere_mean_error).fold(0.0, f64::max);
+    let highest = hemisphere.iter().map(|[_, _, high]| *high).fold(0.0, f64::max);
     let [light, median] = [Axis::linear("mean radiance").range(0.0, 1.05 * highest), Axis::linear("median radiance")];
     Plot::new([
-        panel("Mean, ± 2 standard errors", light, |b| b.importance_mean, |b| b.hemisphere_mean)
-            .band("", strokes[0].colour, band(|b| b.importance_mean, |b| b.importance_mean_error))
-            .band("", strokes[1].colour, band(|b| b.hemisphere_mean, |b| b.hemisphere_mean_error)),
-        panel("Median of the pixels", median, |b| b.importance_median, |b| b.hemisphere_median),
-        panel(
-            "Noise of a pixel",
-            Axis::log("standard error of radiance"),
-            |b| b.importance_error,
-            |b| b.hemisphere_error,
-        ),
+        panel("Mean, ± 2 standard errors", light, |image| image.light()[0])
+            .band("", strokes[0].colour, importance)
+            .band("", strokes[1].colour, hemisphere),
+        panel("Median of the pixels", median, |image| image.median[0]),
+        panel("Noise of a pixel", Axis::log("standard error of radiance"), |image| image.noise[0]),
     ])
     .frame_size(240.0, 190.0)
     .draw()

@@ -35,7 +35,7 @@ fn content(inputs: &Inputs) -> Result<Content> {
         Check::at_least("uniformity of the p-values (Kolmogorov–Smirnov p)", found.uniformity.p, LEVEL),
         Check::at_most("uniformity of the p-values (no suspiciously good fit)", found.uniformity.p, 1.0 - LEVEL),
     ];
-    Content::new(view::drawing(&found), &view::rows(&found), checks)
+    Ok(Content::of_csv(view::drawing(&found), view::csv(&found)?, checks))
 }
 
 /// Points of the disc at the radius u in place of √u, lifted to the hemisphere.
