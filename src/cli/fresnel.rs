@@ -12,6 +12,7 @@ use etalon_core::errata::Formulas;
 use etalon_core::error::{Error, Result};
 use etalon_core::optics::media::{self, Medium};
 use etalon_core::optics::{D_LINE_NM, metals};
+use etalon_figures::figure::Drawing;
 use etalon_figures::output;
 use etalon_figures::view::fresnel::{self as view, CURVES, Curve};
 use etalon_figures::view::text::rounded;
@@ -186,6 +187,13 @@ impl Fresnel {
         }
     }
 
+    /// Writes the figure and its table; `name` is what they are about.
+    fn write(&self, name: &str, drawing: &Drawing, table: &[u8], global: &Global) -> Result<output::Written> {
+        let target = global.target();
+        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
+        Ok(target.written(output::write(&stem, drawing, &self.style.style()?, table)?))
+    }
+
     fn side_by_side(
         &self,
         interfaces: &[Interface],
@@ -201,10 +209,7 @@ impl Fresnel {
         let (usual, ending) = if self.both { (&BOTH[..], "-both") } else { (&[Curve::Unpolarized][..], "") };
         let drawing = view::of_media(&sides, self.show.as_deref().unwrap_or(usual));
         let media = || sides.iter().flat_map(|side| &side.media);
-        let rows: Vec<_> = media().flat_map(|medium| medium.rows.iter().cloned()).collect();
-        let target = global.target();
-        let stem = target.stem(&format!("fresnel{names}{ending}"), "", &output::STUDY)?;
-        let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
+        let written = self.write(&format!("{names}{ending}"), &drawing, &study::csv(&sides)?, global)?;
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
             Table::of(&media().collect::<Vec<_>>())
@@ -227,11 +232,9 @@ impl Fresnel {
         let marked = if media.is_empty() { all().collect() } else { media.to_vec() };
         let angles = study::special_angles(self.eta_i, &marked, self.points)?;
         let rows: Vec<_> = angles.curves.iter().chain(&angles.media).cloned().collect();
-        let target = global.target();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
-        let stem = target.stem(&format!("fresnel-angles{names}"), "", &output::STUDY)?;
         let drawing = view::of_special_angles(&angles);
-        let written = target.written(output::write(&stem, &drawing, &self.style.style()?, &output::csv(&rows)?)?);
+        let written = self.write(&format!("-angles{names}"), &drawing, &output::csv(&rows)?, global)?;
         console.saved(&angles, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             Table::of(&angles.media)
@@ -247,15 +250,7 @@ impl Fresnel {
 
     fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
-        let target = global.target();
-        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let files = output::write(
-            &stem,
-            &view::dielectric(&curves, &interface.name),
-            &self.style.style()?,
-            &output::csv(&curves.rows)?,
-        )?;
-        let written = target.written(files);
+        let written = self.write(name, &view::dielectric(&curves, &interface.name), &curves.csv()?, global)?;
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));
@@ -292,11 +287,7 @@ impl Fresnel {
         global: &Global,
         console: &Console,
     ) -> Result<Verdict> {
-        let rows: Vec<_> = curves.channels.iter().flat_map(|c| c.rows.iter().cloned()).collect();
-        let target = global.target();
-        let stem = target.stem(&format!("fresnel{name}"), "", &output::STUDY)?;
-        let written =
-            target.written(output::write(&stem, &view::metal(curves), &self.style.style()?, &output::csv(&rows)?)?);
+        let written = self.write(name, &view::metal(curves), &curves.csv()?, global)?;
         if let Some(c) = curves.channels.iter().find(|c| c.eta * c.eta + c.k * c.k < 5.0) {
             console.warn(&format!(
                 "{}: the second report's approximation is unusable for eta² + k² = {:.1} < 5",

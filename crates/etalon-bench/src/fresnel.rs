@@ -1,28 +1,27 @@
 //! Reflectance of a dielectric over the angle of incidence, exact and by Schlick.
 
+use crate::table::Table;
 use etalon_core::errata::Formulas;
 use etalon_core::errata::interface::schlick_incident_cosine;
 use etalon_core::error::{Error, Result};
-use etalon_core::optics::dielectric;
+use etalon_core::optics::dielectric::{self, Reflectance};
 use serde::Serialize;
 
-/// One angle of incidence. Field names are the CSV columns.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct DielectricRow {
+/// Reflectance at one angle of incidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
     /// Angle of incidence in degrees.
     pub theta_deg: f64,
-    /// Exact reflectance of parallel polarization.
-    pub r_parallel: f64,
-    /// Exact reflectance of perpendicular polarization.
-    pub r_perpendicular: f64,
-    /// Exact reflectance of unpolarized light.
-    pub r_unpolarized: f64,
-    /// 1 − R of unpolarized light.
-    pub transmittance: f64,
-    /// Schlick's approximation.
-    pub r_schlick: f64,
-    /// Schlick's formula with the cosine of incidence on the denser side, too, where it is that of refraction which counts.
-    pub r_schlick_incident: f64,
+    pub exact: Reflectance<f64>,
+    /// Schlick's approximation of unpolarized light.
+    pub schlick: f64,
+}
+
+impl Row {
+    /// That of Schlick's approximation.
+    pub fn error(&self) -> f64 {
+        self.schlick - self.exact.unpolarized()
+    }
 }
 
 /// The curves of one interface, and special angles and values.
@@ -52,7 +51,26 @@ pub struct DielectricCurves {
     pub schlick_max_rel_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<DielectricRow>,
+    pub rows: Vec<Row>,
+}
+
+impl DielectricCurves {
+    /// Schlick's formula with the cosine of incidence on the denser side, too, where it is that of refraction which counts.
+    pub fn schlick_incident(&self, row: &Row) -> f64 {
+        schlick_incident_cosine(cos_deg(row.theta_deg), self.eta_t / self.eta_i)
+    }
+
+    pub fn csv(&self) -> Result<Vec<u8>> {
+        Table::of(&self.rows)
+            .field("theta_deg", |row| row.theta_deg)
+            .field("r_parallel", |row| row.exact.parallel)
+            .field("r_perpendicular", |row| row.exact.perpendicular)
+            .field("r_unpolarized", |row| row.exact.unpolarized())
+            .field("transmittance", |row| row.exact.transmittance())
+            .field("r_schlick", |row| row.schlick)
+            .field("r_schlick_incident", |row| self.schlick_incident(row))
+            .csv()
+    }
 }
 
 /// Largest number of angles that can be asked for.
@@ -105,21 +123,15 @@ pub fn curves(eta_i: f64, eta_t: f64, points: usize, formulas: Formulas) -> Resu
     let critical_deg = dielectric::critical(eta).map(f64::to_degrees);
     let end = if single_cosine { critical_deg.unwrap_or(90.0) } else { 90.0 };
     let row = |theta_deg: f64| {
-        let exact = dielectric::fresnel(cos_deg(theta_deg), eta);
-        DielectricRow {
-            theta_deg,
-            r_parallel: exact.parallel,
-            r_perpendicular: exact.perpendicular,
-            r_unpolarized: exact.unpolarized(),
-            transmittance: exact.transmittance(),
-            r_schlick: approximate(cos_deg(theta_deg)),
-            r_schlick_incident: schlick_incident_cosine(cos_deg(theta_deg), eta),
-        }
+        let cos = cos_deg(theta_deg);
+        Row { theta_deg, exact: dielectric::fresnel(cos, eta), schlick: approximate(cos) }
     };
-    let error = |r: &DielectricRow| (r.r_schlick - r.r_unpolarized).abs();
-    let relative = |r: &DielectricRow| if r.r_unpolarized > 0.0 { error(r) / r.r_unpolarized } else { 0.0 };
-    let (abs_at, abs_max) = largest(end, |theta| error(&row(theta)));
-    let (rel_at, rel_max) = largest(end, |theta| relative(&row(theta)));
+    let relative = |row: Row| {
+        let exact = row.exact.unpolarized();
+        if exact > 0.0 { row.error().abs() / exact } else { 0.0 }
+    };
+    let (abs_at, abs_max) = largest(end, |theta| row(theta).error().abs());
+    let (rel_at, rel_max) = largest(end, |theta| relative(row(theta)));
     let normal = dielectric::fresnel(1.0, eta);
     Ok(DielectricCurves {
         eta_i,
@@ -162,7 +174,7 @@ mod tests {
     #[test]
     fn the_reports_glass() {
         let exit = curves(1.45, 1.0, 91, Formulas::Exact).unwrap();
-        assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.r_parallel == 1.0 && r.r_schlick == 1.0));
+        assert!(exit.rows.iter().filter(|r| r.theta_deg > 43.7).all(|r| r.exact.parallel == 1.0 && r.schlick == 1.0));
         let report = curves(1.45, 1.0, 91, Formulas::FirstReport).unwrap();
         assert_eq!(
             report.rows.last().unwrap().theta_deg,

@@ -1,8 +1,9 @@
 //! Several media side by side: their reflectance over the angle of incidence at one wavelength, and Brewster's angle and the
 //! critical angle over the index of refraction.
 
-use crate::fresnel::{self, check_index, check_points};
+use crate::fresnel::{self, Row, check_index, check_points};
 use crate::metal;
+use crate::table::Table;
 use etalon_core::errata::Formulas;
 use etalon_core::error::{Error, Result};
 use etalon_core::optics::media::{self, Medium};
@@ -59,24 +60,6 @@ impl Interface {
     }
 }
 
-/// One angle of incidence for one medium. Field names are the CSV columns.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct MediumRow {
-    pub medium: String,
-    /// Angle of incidence in degrees.
-    pub theta_deg: f64,
-    /// Exact reflectance of parallel polarization.
-    pub r_parallel: f64,
-    /// Exact reflectance of perpendicular polarization.
-    pub r_perpendicular: f64,
-    /// Exact reflectance of unpolarized light.
-    pub r_unpolarized: f64,
-    /// 1 − R of unpolarized light: refracted by a dielectric, absorbed by a metal.
-    pub transmittance: f64,
-    /// Schlick's approximation.
-    pub r_schlick: f64,
-}
-
 /// The curves of one medium, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MediumCurves {
@@ -99,7 +82,7 @@ pub struct MediumCurves {
     pub schlick_max_abs_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<MediumRow>,
+    pub rows: Vec<Row>,
 }
 
 /// Several media, met by light from the same side.
@@ -111,6 +94,21 @@ pub struct MediaCurves {
     pub wavelength_nm: f64,
     /// In the order in which they were asked for.
     pub media: Vec<MediumCurves>,
+}
+
+/// The rows of all media as CSV.
+pub fn csv(sides: &[MediaCurves]) -> Result<Vec<u8>> {
+    let media = sides.iter().flat_map(|side| &side.media);
+    let rows = media.flat_map(|medium| medium.rows.iter().map(|row| (&medium.name, row)));
+    Table::of(&rows.collect::<Vec<(&String, &Row)>>())
+        .field("medium", |(name, _)| *name)
+        .field("theta_deg", |(_, row)| row.theta_deg)
+        .field("r_parallel", |(_, row)| row.exact.parallel)
+        .field("r_perpendicular", |(_, row)| row.exact.perpendicular)
+        .field("r_unpolarized", |(_, row)| row.exact.unpolarized())
+        .field("transmittance", |(_, row)| row.exact.transmittance())
+        .field("r_schlick", |(_, row)| row.schlick)
+        .csv()
 }
 
 /// The largest number of media side by side: as many as have a colour of their own in a figure.
@@ -142,53 +140,27 @@ pub(super) fn check_distinct(interfaces: &[Interface]) -> Result<()> {
 
 fn one(eta_i: f64, interface: &Interface, points: usize, formulas: Formulas) -> Result<MediumCurves> {
     let Interface { name, eta, k, medium, .. } = interface.clone();
-    let source = medium.map(|medium| medium.source());
-    if k == 0.0 {
+    let (rows, r_normal, brewster_deg, critical_deg, [schlick_max_abs_error, schlick_max_abs_error_deg]) = if k == 0.0 {
         let curves = fresnel::curves(eta_i, eta, points, formulas)?;
-        let row = |r: &fresnel::DielectricRow| MediumRow {
-            medium: name.clone(),
-            theta_deg: r.theta_deg,
-            r_parallel: r.r_parallel,
-            r_perpendicular: r.r_perpendicular,
-            r_unpolarized: r.r_unpolarized,
-            transmittance: r.transmittance,
-            r_schlick: r.r_schlick,
-        };
-        return Ok(MediumCurves {
-            rows: curves.rows.iter().map(row).collect(),
-            eta,
-            k,
-            source,
-            r_normal: curves.r_normal,
-            brewster_deg: curves.brewster_deg,
-            critical_deg: curves.critical_deg,
-            schlick_max_abs_error: curves.schlick_max_abs_error,
-            schlick_max_abs_error_deg: curves.schlick_max_abs_error_deg,
-            name,
-        });
-    }
-    let curves = metal::by_index(eta_i, eta, k, points)?;
-    let channel = &curves.channels[0];
-    let row = |r: &metal::ConductorRow| MediumRow {
-        medium: name.clone(),
-        theta_deg: r.theta_deg,
-        r_parallel: r.r_parallel,
-        r_perpendicular: r.r_perpendicular,
-        r_unpolarized: r.r_unpolarized,
-        transmittance: 1.0 - r.r_unpolarized,
-        r_schlick: r.r_schlick,
+        let error = [curves.schlick_max_abs_error, curves.schlick_max_abs_error_deg];
+        (curves.rows, curves.r_normal, curves.brewster_deg, curves.critical_deg, error)
+    } else {
+        let channel = metal::by_index(eta_i, eta, k, points)?.channels.swap_remove(0);
+        let error = [channel.schlick_max_abs_error, channel.schlick_max_abs_error_deg];
+        (channel.rows, channel.r_normal, Some(channel.pseudo_brewster_deg), None, error)
     };
+    let source = medium.map(|medium| medium.source());
     Ok(MediumCurves {
-        rows: channel.rows.iter().map(row).collect(),
+        name,
         eta,
         k,
         source,
-        r_normal: channel.r_normal,
-        brewster_deg: Some(channel.pseudo_brewster_deg),
-        critical_deg: None,
-        schlick_max_abs_error: channel.schlick_max_abs_error,
-        schlick_max_abs_error_deg: channel.schlick_max_abs_error_deg,
-        name,
+        r_normal,
+        brewster_deg,
+        critical_deg,
+        schlick_max_abs_error,
+        schlick_max_abs_error_deg,
+        rows,
     })
 }
 
@@ -280,8 +252,8 @@ mod tests {
             let closed =
                 ((medium.eta - 1.0).powi(2) + medium.k * medium.k) / ((medium.eta + 1.0).powi(2) + medium.k * medium.k);
             assert!((medium.r_normal - closed).abs() < 1e-14, "{}", medium.name);
-            assert!((medium.rows[0].r_unpolarized - closed).abs() < 1e-14, "{}", medium.name);
-            assert!((medium.rows[90].r_unpolarized - 1.0).abs() < 1e-12, "{}", medium.name);
+            assert!((medium.rows[0].exact.unpolarized() - closed).abs() < 1e-14, "{}", medium.name);
+            assert!((medium.rows[90].exact.unpolarized() - 1.0).abs() < 1e-12, "{}", medium.name);
         }
         assert!((all.media[1].brewster_deg.unwrap() - 56.309_932).abs() < 1e-6);
         assert_eq!((all.media[1].source, all.media[2].source), (None, Some("Johnson & Christy 1972")));

@@ -1,33 +1,13 @@
 //! Reflectance of a conductor over the angle of incidence: exact, by the second report's approximation, by Schlick; and the
 //! metals of the table side by side.
 
-use super::fresnel::{angles, check_index, cos_deg, largest};
+use super::fresnel::{Row, angles, check_index, cos_deg, largest};
+use crate::table::Table;
 use etalon_core::error::{Error, Result};
+use etalon_core::optics::conductor;
+use etalon_core::optics::dielectric::{self, Reflectance};
 use etalon_core::optics::metals::{self, Metal};
-use etalon_core::optics::{conductor, dielectric};
 use serde::Serialize;
-
-/// One angle of incidence in one channel. Field names are the CSV columns.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct ConductorRow {
-    pub channel: String,
-    /// Angle of incidence in degrees.
-    pub theta_deg: f64,
-    /// Exact reflectance of parallel polarization.
-    pub r_parallel: f64,
-    /// Exact reflectance of perpendicular polarization.
-    pub r_perpendicular: f64,
-    /// Exact reflectance of unpolarized light.
-    pub r_unpolarized: f64,
-    /// The approximation's R∥.
-    pub r_parallel_approximate: f64,
-    /// The approximation's R⊥.
-    pub r_perpendicular_approximate: f64,
-    /// The approximation's R of unpolarized light.
-    pub r_unpolarized_approximate: f64,
-    /// Schlick's approximation.
-    pub r_schlick: f64,
-}
 
 /// The curves of one complex index and what can be read off them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,7 +30,14 @@ pub struct Channel {
     pub schlick_max_abs_error_deg: f64,
     /// A row for each angle.
     #[serde(skip)]
-    pub rows: Vec<ConductorRow>,
+    pub rows: Vec<Row>,
+}
+
+impl Channel {
+    /// Reflectance by the second report's approximation.
+    pub fn approximate(&self, row: &Row) -> Reflectance<f64> {
+        conductor::fresnel_approximate(cos_deg(row.theta_deg), self.eta, self.k)
+    }
 }
 
 /// A metal's three channels, or the single channel of a complex index.
@@ -62,6 +49,23 @@ pub struct ConductorCurves {
     pub source: Option<&'static str>,
     /// Three, or one.
     pub channels: Vec<Channel>,
+}
+
+impl ConductorCurves {
+    pub fn csv(&self) -> Result<Vec<u8>> {
+        let rows = self.channels.iter().flat_map(|channel| channel.rows.iter().map(move |row| (channel, row)));
+        Table::of(&rows.collect::<Vec<(&Channel, &Row)>>())
+            .field("channel", |(channel, _)| &channel.name)
+            .field("theta_deg", |(_, row)| row.theta_deg)
+            .field("r_parallel", |(_, row)| row.exact.parallel)
+            .field("r_perpendicular", |(_, row)| row.exact.perpendicular)
+            .field("r_unpolarized", |(_, row)| row.exact.unpolarized())
+            .field("r_parallel_approximate", |(channel, row)| channel.approximate(row).parallel)
+            .field("r_perpendicular_approximate", |(channel, row)| channel.approximate(row).perpendicular)
+            .field("r_unpolarized_approximate", |(channel, row)| channel.approximate(row).unpolarized())
+            .field("r_schlick", |(_, row)| row.schlick)
+            .csv()
+    }
 }
 
 /// Looks a metal up by symbol or name.
@@ -107,23 +111,12 @@ fn channel(name: String, eta: f64, k: f64, points: usize) -> Result<Channel> {
     let f0 = conductor::normal_reflectance(eta, k);
     let row = |theta_deg: f64| {
         let cos = cos_deg(theta_deg);
-        let exact = conductor::fresnel(cos, eta, k);
-        let approximate = conductor::fresnel_approximate(cos, eta, k);
-        ConductorRow {
-            channel: name.clone(),
-            theta_deg,
-            r_parallel: exact.parallel,
-            r_perpendicular: exact.perpendicular,
-            r_unpolarized: exact.unpolarized(),
-            r_parallel_approximate: approximate.parallel,
-            r_perpendicular_approximate: approximate.perpendicular,
-            r_unpolarized_approximate: approximate.unpolarized(),
-            r_schlick: dielectric::schlick_polynomial(f0, cos),
-        }
+        Row { theta_deg, exact: conductor::fresnel(cos, eta, k), schlick: dielectric::schlick_polynomial(f0, cos) }
     };
-    let largest_error = |f: fn(&ConductorRow) -> f64| largest(90.0, |theta| f(&row(theta)).abs());
-    let (approximate_at, approximate_error) = largest_error(|r| r.r_unpolarized_approximate - r.r_unpolarized);
-    let (schlick_at, schlick_error) = largest_error(|r| r.r_schlick - r.r_unpolarized);
+    let approximate = |theta| conductor::fresnel_approximate(cos_deg(theta), eta, k).unpolarized();
+    let (approximate_at, approximate_error) =
+        largest(90.0, |theta| (approximate(theta) - row(theta).exact.unpolarized()).abs());
+    let (schlick_at, schlick_error) = largest(90.0, |theta| row(theta).error().abs());
     Ok(Channel {
         eta,
         k,
@@ -181,7 +174,7 @@ impl MetalTable {
         let error = |c: &Channel| {
             let k2 = c.k * c.k;
             let closed = ((c.eta - 1.0).powi(2) + k2) / ((c.eta + 1.0).powi(2) + k2);
-            c.rows.first().map_or(f64::NAN, |row| (row.r_unpolarized - closed).abs())
+            c.rows.first().map_or(f64::NAN, |row| (row.exact.unpolarized() - closed).abs())
         };
         worst(self.curves.iter().flat_map(|curves| &curves.channels).map(error))
     }

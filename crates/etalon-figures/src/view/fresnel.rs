@@ -3,8 +3,10 @@
 
 use super::text::{capitalized, rounded};
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
-use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumCurves, MediumRow};
-use etalon_bench::{fresnel, metal};
+use etalon_bench::fresnel::{DielectricCurves, Row};
+use etalon_bench::media::{AngleCurves, AnglesRow, MediaCurves, MediumCurves};
+use etalon_bench::metal::{Channel, ConductorCurves};
+use etalon_core::optics::dielectric::Reflectance;
 
 pub(super) fn stroke(colour: crate::figure::Colour, dash: &'static [f64]) -> Stroke {
     Stroke { colour, width: theme::LINE, dash }
@@ -22,13 +24,13 @@ fn share_axis() -> Axis {
 }
 
 /// Curves of one interface of a medium, and beside them Schlick's error.
-pub fn dielectric(curves: &fresnel::DielectricCurves, medium: &str) -> Drawing {
+pub fn dielectric(curves: &DielectricCurves, medium: &str) -> Drawing {
     let [absolute, relative] = schlick_errors(curves);
     Plot::new([shares(curves, medium), absolute, relative]).frame_size(380.0, 310.0).draw()
 }
 
 /// The angles that all panels of an interface show: beyond the critical angle only what tells that nothing changes any more.
-fn shown_angles(curves: &fresnel::DielectricCurves) -> (Axis, f64) {
+fn shown_angles(curves: &DielectricCurves) -> (Axis, f64) {
     match curves.critical_deg.map(|critical| ((critical + 18.0) / 10.0).ceil() * 10.0) {
         Some(end) if end < 90.0 => (Axis::linear(ANGLE).range(0.0, end).every(10.0), end),
         _ => (angle_axis(), 90.0),
@@ -36,7 +38,7 @@ fn shown_angles(curves: &fresnel::DielectricCurves) -> (Axis, f64) {
 }
 
 /// Lines at Brewster's angle and at the critical angle, if there are these, by their symbols or in words.
-fn with_special_angles(panel: Panel, curves: &fresnel::DielectricCurves, in_words: bool) -> Panel {
+fn with_special_angles(panel: Panel, curves: &DielectricCurves, in_words: bool) -> Panel {
     let angles = [
         (curves.brewster_deg, "Brewster's angle", "/{θ}_{B}", theme::BREWSTER),
         (curves.critical_deg, "critical angle", "/{θ}_{c}", theme::CRITICAL),
@@ -61,10 +63,7 @@ fn side(eta: f64, medium: &str) -> String {
 }
 
 /// Curves of one interface with its special angles.
-fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
-    let of = |f: fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
-        curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
-    };
+fn shares(curves: &DielectricCurves, medium: &str) -> Panel {
     let title = format!("From {} into {}", side(curves.eta_i, medium), side(curves.eta_t, medium));
     let schlick = match (curves.critical_deg, curves.model) {
         (None, _) => "Schlick",
@@ -72,19 +71,14 @@ fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
         (Some(_), _) => "Schlick, angle of incidence",
     };
     let (angle, end) = shown_angles(curves);
-    let main = Panel::new(angle, share_axis())
-        .title(title)
-        .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
-        .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
-        .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
-        .line("/{T} = 1 − /{R}", stroke(theme::TRANSMITTANCE, theme::DASH_DOT), of(|r| r.transmittance))
-        .line(schlick, stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
-        .with_names_on_curves();
+    let main = exact_curves(Panel::new(angle, share_axis()).title(title), &curves.rows);
+    let main = Curve::Transmittance.line(main, Curve::Transmittance.label(), &curves.rows);
+    let main = Curve::Schlick.line(main, schlick, &curves.rows).with_names_on_curves();
     let mut main = with_special_angles(main, curves, true);
     if let Some(critical) = curves.critical_deg {
         if curves.model == "exact" {
             let inside = curves.rows.iter().filter(|row| row.theta_deg <= critical);
-            let points: Vec<Point> = inside.map(|row| [row.theta_deg, row.r_schlick_incident]).collect();
+            let points = points(inside, |row| curves.schlick_incident(row));
             main = main.line("Schlick, angle of incidence", stroke(theme::SCHLICK_INCIDENT, theme::LONG_DASH), points);
         }
         if curves.rows.last().is_some_and(|last| last.theta_deg > critical) {
@@ -95,27 +89,23 @@ fn shares(curves: &fresnel::DielectricCurves, medium: &str) -> Panel {
 }
 
 /// Schlick's error of one interface: the difference, and over the exact reflectance.
-fn schlick_errors(curves: &fresnel::DielectricCurves) -> [Panel; 2] {
-    let error = |r: &fresnel::DielectricRow| r.r_schlick - r.r_unpolarized;
-    let relative = |r: &fresnel::DielectricRow| 100.0 * error(r) / r.r_unpolarized;
+fn schlick_errors(curves: &DielectricCurves) -> [Panel; 2] {
     let panel = |title: &str, label: &str, points: Vec<Point>| {
         let panel = Panel::new(shown_angles(curves).0, Axis::linear(label)).title(title).horizontal(0.0, "");
         with_special_angles(panel.line("", stroke(theme::SCHLICK, theme::DASHED), points), curves, false)
     };
-    let points = |f: &dyn Fn(&fresnel::DielectricRow) -> f64| -> Vec<Point> {
-        curves.rows.iter().map(|r| [r.theta_deg, f(r)]).collect()
-    };
+    let relative = |row: &Row| 100.0 * row.error() / row.exact.unpolarized();
     let whose = match curves.critical_deg {
         None => "",
         Some(_) if curves.model == "exact" => " with the angle of refraction",
         Some(_) => " with the angle of incidence",
     };
     [
-        panel(&format!("Error of Schlick's approximation{whose}"), "Schlick − exact", points(&error)),
+        panel(&format!("Error of Schlick's approximation{whose}"), "Schlick − exact", points(&curves.rows, Row::error)),
         panel(
             &format!("Relative error of Schlick's approximation{whose}"),
             "(Schlick − exact) / exact (%)",
-            points(&relative),
+            points(&curves.rows, relative),
         ),
     ]
 }
@@ -131,11 +121,21 @@ fn total_reflection(panel: Panel, critical: f64, end: f64) -> Panel {
     panel.shade(critical, end, theme::TOTAL_REFLECTION).note([middle, 0.6], "total reflection", theme::INK)
 }
 
+/// A value over the angle of incidence.
+fn points<'a>(rows: impl IntoIterator<Item = &'a Row>, value: impl Fn(&Row) -> f64) -> Vec<Point> {
+    rows.into_iter().map(|row| [row.theta_deg, value(row)]).collect()
+}
+
+fn exact_curves(panel: Panel, rows: &[Row]) -> Panel {
+    let curves = [Curve::Parallel, Curve::Perpendicular, Curve::Unpolarized];
+    curves.into_iter().fold(panel, |panel, curve| curve.line(panel, curve.label(), rows))
+}
+
 /// Exact, approximate and Schlick reflectance per channel, and the errors of both approximations.
-pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
+pub fn metal(curves: &ConductorCurves) -> Drawing {
     // Metals reflect most of the light: the part of the axis where something happens, the same for all
-    let rows = curves.channels.iter().flat_map(|c| &c.rows);
-    let lowest = rows.map(|r| r.r_parallel.min(r.r_parallel_approximate)).fold(1.0, f64::min);
+    let rows = curves.channels.iter().flat_map(|c| c.rows.iter().map(move |row| (c, row)));
+    let lowest = rows.map(|(c, row)| row.exact.parallel.min(c.approximate(row).parallel)).fold(1.0, f64::min);
     let ends = [(lowest * 10.0).floor() / 10.0, 1.0];
     let mut panels: Vec<Panel> = curves.channels.iter().map(|c| channel(&curves.metal, c, ends)).collect();
     panels.push(errors(curves));
@@ -143,47 +143,38 @@ pub fn metal(curves: &metal::ConductorCurves) -> Drawing {
     Plot::grid(panels.chunks(2).map(|pair| (String::new(), pair.to_vec()))).frame_size(420.0, 320.0).draw()
 }
 
-fn channel(metal: &str, c: &metal::Channel, [from, to]: [f64; 2]) -> Panel {
-    let of =
-        |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> { c.rows.iter().map(|r| [r.theta_deg, f(r)]).collect() };
+fn channel(metal: &str, c: &Channel, [from, to]: [f64; 2]) -> Panel {
+    let approximate = |of: fn(&Reflectance<f64>) -> f64| points(&c.rows, |row| of(&c.approximate(row)));
     let title = if c.name.contains("nm") {
         let [eta, k] = [c.eta, c.k].map(index);
         format!("{}, {}: /{{η}}\u{a0}=\u{a0}{eta}, /{{k}}\u{a0}=\u{a0}{k}", capitalized(metal), c.name)
     } else {
         c.name.clone()
     };
-    Panel::new(angle_axis(), Axis::linear("reflectance").range(from, to))
-        .title(title)
-        .line("/{R}_{∥}", stroke(theme::R_PARALLEL, theme::SOLID), of(|r| r.r_parallel))
-        .line("/{R}_{⊥}", stroke(theme::R_PERPENDICULAR, theme::SOLID), of(|r| r.r_perpendicular))
-        .line("/{R} unpolarized", stroke(theme::UNPOLARIZED, theme::SOLID), of(|r| r.r_unpolarized))
-        .line("/{R}_{∥} for ∣/{n}∣² ≫ 1", stroke(theme::R_PARALLEL, theme::DOTTED), of(|r| r.r_parallel_approximate))
+    let panel = Panel::new(angle_axis(), Axis::linear("reflectance").range(from, to)).title(title);
+    let panel = exact_curves(panel, &c.rows)
+        .line("/{R}_{∥} for ∣/{n}∣² ≫ 1", stroke(theme::R_PARALLEL, theme::DOTTED), approximate(|r| r.parallel))
         .line(
             "/{R}_{⊥} for ∣/{n}∣² ≫ 1",
             stroke(theme::R_PERPENDICULAR, theme::DOTTED),
-            of(|r| r.r_perpendicular_approximate),
+            approximate(|r| r.perpendicular),
         )
-        .line("/{R} for ∣/{n}∣² ≫ 1", stroke(theme::UNPOLARIZED, theme::DOTTED), of(|r| r.r_unpolarized_approximate))
-        .line("Schlick", stroke(theme::SCHLICK, theme::DASHED), of(|r| r.r_schlick))
+        .line("/{R} for ∣/{n}∣² ≫ 1", stroke(theme::UNPOLARIZED, theme::DOTTED), approximate(Reflectance::unpolarized));
+    Curve::Schlick
+        .line(panel, Curve::Schlick.label(), &c.rows)
         .vertical(c.pseudo_brewster_deg, format!("pseudo-Brewster angle {:.1}°", c.pseudo_brewster_deg))
 }
 
-fn errors(curves: &metal::ConductorCurves) -> Panel {
+fn errors(curves: &ConductorCurves) -> Panel {
     let colours = if curves.channels.len() == 1 { &[theme::UNPOLARIZED][..] } else { &theme::CHANNELS };
     let mut panel =
         Panel::new(angle_axis(), Axis::linear("error of /{R} unpolarized")).title("Errors of the approximations");
     for (c, &colour) in curves.channels.iter().zip(colours) {
-        let of = |f: fn(&metal::ConductorRow) -> f64| -> Vec<Point> {
-            c.rows.iter().map(|r| [r.theta_deg, f(r) - r.r_unpolarized]).collect()
-        };
+        let approximate = |row: &Row| c.approximate(row).unpolarized() - row.exact.unpolarized();
         let name = if c.name.contains("nm") { c.name.as_str() } else { "" };
         panel = panel
-            .line(
-                format!("for ∣/{{n}}∣² ≫ 1 {name}"),
-                stroke(colour, theme::SOLID),
-                of(|r| r.r_unpolarized_approximate),
-            )
-            .line(format!("Schlick {name}"), stroke(colour, theme::DASHED), of(|r| r.r_schlick));
+            .line(format!("for ∣/{{n}}∣² ≫ 1 {name}"), stroke(colour, theme::SOLID), points(&c.rows, approximate))
+            .line(format!("Schlick {name}"), stroke(colour, theme::DASHED), points(&c.rows, Row::error));
     }
     panel
 }
@@ -229,14 +220,14 @@ impl Curve {
         matches!(self, Self::Brewster | Self::Critical)
     }
 
-    fn value(self, row: &MediumRow) -> f64 {
+    fn value(self, row: &Row) -> f64 {
         match self {
-            Self::Unpolarized => row.r_unpolarized,
-            Self::Parallel => row.r_parallel,
-            Self::Perpendicular => row.r_perpendicular,
-            Self::Transmittance => row.transmittance,
-            Self::Schlick => row.r_schlick,
-            Self::Error => row.r_schlick - row.r_unpolarized,
+            Self::Unpolarized => row.exact.unpolarized(),
+            Self::Parallel => row.exact.parallel,
+            Self::Perpendicular => row.exact.perpendicular,
+            Self::Transmittance => row.exact.transmittance(),
+            Self::Schlick => row.schlick,
+            Self::Error => row.error(),
             Self::Brewster | Self::Critical => f64::NAN,
         }
     }
@@ -271,6 +262,11 @@ impl Curve {
             Self::Schlick => theme::DASHED,
             other => other.dash(),
         }
+    }
+
+    /// Adds the curve where there is one medium.
+    fn line(self, panel: Panel, label: &str, rows: &[Row]) -> Panel {
+        panel.line(label, stroke(self.colour(), self.dash_of_one()), points(rows, |row| self.value(row)))
     }
 
     /// The colour where there is one medium, whose curves differ by colour, too.
@@ -365,8 +361,7 @@ fn panel(curves: &MediaCurves, show: &[Curve], y: Axis) -> Panel {
                 1 => stroke(curve.colour(), curve.dash_of_one()),
                 _ => stroke(theme::series(i).colour, curve.dash()),
             };
-            let points: Vec<Point> = medium.rows.iter().map(|r| [r.theta_deg, curve.value(r)]).collect();
-            panel = panel.line(label, stroke, points);
+            panel = panel.line(label, stroke, points(&medium.rows, |row| curve.value(row)));
         }
     }
     panel.with_names_on_curves()

@@ -48,7 +48,7 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
     ];
     if eta_i > eta_t {
         let critical = curves.critical_deg.unwrap_or(f64::NAN);
-        let beyond = curves.rows.iter().filter(|r| r.theta_deg > critical).map(|r| r.r_unpolarized);
+        let beyond = curves.rows.iter().filter(|r| r.theta_deg > critical).map(|r| r.exact.unpolarized());
         checks.push(Check::within(
             "critical angle (degrees; the report prints 43.60281897270362)",
             CRITICAL_DEG,
@@ -71,7 +71,7 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
     } else {
         printed("Critical angle (degrees)", "43.60281897270362", curves.critical_deg)
     };
-    Ok(Content::new(view::dielectric(&curves, "glass"), &curves.rows, checks)?.with_printed(vec![printed]))
+    Ok(Content::of_csv(view::dielectric(&curves, "glass"), curves.csv()?, checks).with_printed(vec![printed]))
 }
 
 const NAMES: [&str; 6] = ["water", "glass", "diamond", "Fe", "Au", "Ag"];
@@ -80,9 +80,9 @@ fn media() -> Result<Content> {
     let interfaces = NAMES.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
     let curves = media::curves(1.0, &interfaces, POINTS, Formulas::Exact)?;
     let closed = |c: &MediumCurves| {
-        ((c.eta - 1.0).powi(2) + c.k * c.k) / ((c.eta + 1.0).powi(2) + c.k * c.k) - c.rows[0].r_unpolarized
+        ((c.eta - 1.0).powi(2) + c.k * c.k) / ((c.eta + 1.0).powi(2) + c.k * c.k) - c.rows[0].exact.unpolarized()
     };
-    let at_grazing = |c: &MediumCurves| c.rows.last().map_or(f64::NAN, |row| (row.r_unpolarized - 1.0).abs());
+    let at_grazing = |c: &MediumCurves| c.rows.last().map_or(f64::NAN, |row| (row.exact.unpolarized() - 1.0).abs());
     let (metals, dielectrics): (Vec<_>, Vec<_>) = curves.media.iter().partition(|medium| medium.k > 0.0);
     let brewster = |c: &&MediumCurves| (c.brewster_deg.unwrap_or(f64::NAN).to_radians().tan() - c.eta).abs();
     let extreme = |of: &[&MediumCurves], pick: fn(f64, f64) -> f64| {
@@ -106,8 +106,9 @@ fn media() -> Result<Content> {
             1.0,
         ),
     ];
-    let rows: Vec<_> = curves.media.iter().flat_map(|medium| medium.rows.iter().cloned()).collect();
-    Content::new(view::of_media(std::slice::from_ref(&curves), &[Curve::Unpolarized, Curve::Error]), &rows, checks)
+    let sides = [curves];
+    let drawing = view::of_media(&sides, &[Curve::Unpolarized, Curve::Error]);
+    Ok(Content::of_csv(drawing, media::csv(&sides)?, checks))
 }
 
 /// The report's glass among media known by name.

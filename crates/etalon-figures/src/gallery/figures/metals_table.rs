@@ -6,7 +6,8 @@ use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
 use crate::gallery::figure::Numbers;
 use crate::gallery::prelude::*;
 use crate::view::text::capitalized;
-use etalon_bench::metal::{self, ConductorCurves, ConductorRow, MetalRow, MetalTable};
+use etalon_bench::fresnel::Row;
+use etalon_bench::metal::{self, Channel, ConductorCurves, MetalRow, MetalTable};
 use etalon_bench::table::Table;
 
 const POINTS: usize = 181;
@@ -37,11 +38,12 @@ fn drawing(metals: &MetalTable) -> Drawing {
     let curves = &metals.curves;
     let exact = curves.iter().enumerate().map(|(i, metal)| {
         let y = Axis::linear(of_first(i, "reflectance")).range(0.3, 1.0).every(0.2);
-        panel(metal, y, "", |r| r.r_unpolarized).title(capitalized(&metal.metal))
+        panel(metal, y, "", |_, row| row.exact.unpolarized()).title(capitalized(&metal.metal))
     });
     let errors = curves.iter().enumerate().map(|(i, metal)| {
         let y = Axis::linear(of_first(i, "error for ∣/{n}∣² ≫ 1")).range(0.0, 0.008).every(0.002);
-        panel(metal, y, "/{θ} (degrees)", |r| r.r_unpolarized_approximate - r.r_unpolarized)
+        let error = |channel: &Channel, row: &Row| channel.approximate(row).unpolarized() - row.exact.unpolarized();
+        panel(metal, y, "/{θ} (degrees)", error)
     });
     let rows = [exact.collect(), errors.collect()];
     Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw()
@@ -52,10 +54,10 @@ fn of_first(place: usize, text: &'static str) -> &'static str {
     if place == 0 { text } else { "" }
 }
 
-fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&ConductorRow) -> f64) -> Panel {
+fn panel(metal: &ConductorCurves, y: Axis, x: &str, value: fn(&Channel, &Row) -> f64) -> Panel {
     let angle = Axis::linear(x).range(0.0, 90.0).every(30.0);
     metal.channels.iter().zip(theme::CHANNELS).fold(Panel::new(angle, y), |panel, (channel, colour)| {
-        let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(r)]).collect();
+        let points: Vec<Point> = channel.rows.iter().map(|r| [r.theta_deg, value(channel, r)]).collect();
         panel.line(channel.name.as_str(), Stroke::solid(colour, theme::LINE), points)
     })
 }
