@@ -29,12 +29,15 @@ struct Formula {
     /// A quantity of an image by either formula, and its name.
     effect: [fn() -> f64; 2],
     error_of: &'static str,
-    /// Axes, the step of the ticks, and the ends of the curves, in degrees.
-    x: &'static str,
-    every: f64,
+    /// None of a misprint.
+    curves: Option<Curves>,
+}
+
+/// Both formulas over angles outside, in degrees.
+struct Curves {
+    /// Label of the y axis.
     y: &'static str,
-    ends: [f64; 2],
-    curves: [fn(f64) -> f64; 2],
+    formulas: [fn(f64) -> f64; 2],
 }
 
 const INSIDE: f64 = 1.0 / ETA;
@@ -87,11 +90,6 @@ fn from_unit(cos: f64, eta: f64, refracted: Option<f64>) -> f64 {
     refracted.map_or(0.0, |z| (((1.0 - cos * cos) / (eta * eta) + z * z).sqrt() - 1.0).abs())
 }
 
-/// The angle of the refracted direction out of glass, whose length need not be 1.
-fn outside(cos: f64, refracted: Option<f64>) -> f64 {
-    refracted.map_or(f64::NAN, |z| (sine(cos) * ETA).atan2(z).to_degrees())
-}
-
 /// The refracted direction's part along the normal, for a cosine with its sign.
 fn normal_part(cos: f64, eta: f64) -> f64 {
     cosine_of_difference(cos.abs(), eta).map_or(f64::NAN, |z| -z.copysign(cos))
@@ -127,12 +125,6 @@ fn reciprocal_of_modulus(cos: f64) -> f64 {
     1.0 / cos.abs()
 }
 
-/// A BSDF of 1/cos times |cos|, in degrees; near 90° it is left out.
-fn reflector(degrees: f64, reciprocal: fn(f64) -> f64) -> f64 {
-    let cos = cos(degrees);
-    if cos.abs() < 0.05 { f64::NAN } else { reciprocal(cos) * cos.abs() }
-}
-
 /// A thin ring of half-vectors about the viewer is reflected to a ring of twice the angle, of the same probability: by how much the
 /// pdf of the reflections misses it.
 fn from_ring(cos: f64, pdf: fn(f64, f64) -> f64) -> f64 {
@@ -162,14 +154,13 @@ const FORMULAS: [Formula; 9] = [
         wrong: [|c, eta| lost(c, eta, refracted_radiance_over_square), |c, eta| lost(c, eta, times_square)],
         effect: [|| refracted_radiance_over_square(1.0, INSIDE), || times_square(1.0, INSIDE)],
         error_of: "light inside glass, seen from outside",
-        x: "/{θ} outside (degrees)",
-        every: 30.0,
-        y: "radiance into glass",
-        ends: [0.0, 90.0],
-        curves: [
-            |a| refracted_radiance_over_square(dielectric::fresnel(cos(a), ETA).transmittance(), ETA),
-            |a| times_square(dielectric::fresnel(cos(a), ETA).transmittance(), ETA),
-        ],
+        curves: Some(Curves {
+            y: "radiance into glass",
+            formulas: [
+                |a| refracted_radiance_over_square(dielectric::fresnel(cos(a), ETA).transmittance(), ETA),
+                |a| times_square(dielectric::fresnel(cos(a), ETA).transmittance(), ETA),
+            ],
+        }),
     },
     Formula {
         name: "far-side",
@@ -194,14 +185,13 @@ const FORMULAS: [Formula; 9] = [
             || 1.0,
         ],
         error_of: "light after glass, from outside",
-        x: "/{θ} outside (degrees)",
-        every: 30.0,
-        y: "reflected + refracted",
-        ends: [0.0, 90.0],
-        curves: [
-            |a| 1.0 + schlick_incident_cosine(cos(a), ETA) - schlick_refracted_cosine(cos(a), ETA).unwrap_or(1.0),
-            |a| 1.0 + dielectric::schlick(cos(a), ETA) - schlick_from_there(cos(a), ETA).unwrap_or(1.0),
-        ],
+        curves: Some(Curves {
+            y: "reflected + refracted",
+            formulas: [
+                |a| 1.0 + schlick_incident_cosine(cos(a), ETA) - schlick_refracted_cosine(cos(a), ETA).unwrap_or(1.0),
+                |a| 1.0 + dielectric::schlick(cos(a), ETA) - schlick_from_there(cos(a), ETA).unwrap_or(1.0),
+            ],
+        }),
     },
     Formula {
         name: "refracted-set",
@@ -220,11 +210,7 @@ const FORMULAS: [Formula; 9] = [
             || mean_by_cosine(leaves),
         ],
         error_of: "light that leaves glass",
-        x: "/{θ} inside (degrees)",
-        every: 30.0,
-        y: "transmittance",
-        ends: [0.0, 90.0],
-        curves: [|a| if refracts_where_above_one(cos(a), INSIDE) { leaves(cos(a)) } else { 0.0 }, |a| leaves(cos(a))],
+        curves: None,
     },
     Formula {
         name: "itself",
@@ -237,11 +223,7 @@ const FORMULAS: [Formula; 9] = [
         wrong: [|c, eta| from_snell(c, eta, refracted_sine_of_itself()), |c, eta| from_snell(c, eta, sine(c) / eta)],
         effect: [|| refracted_sine_of_itself(), || mean_by_cosine(|c| sine(c) / ETA)],
         error_of: "displacement by refraction",
-        x: "/{θ} outside (degrees)",
-        every: 30.0,
-        y: "refracted /{θ} (degrees)",
-        ends: [0.0, 90.0],
-        curves: [|_| refracted_sine_of_itself().asin().to_degrees(), |a| (sine(cos(a)) / ETA).asin().to_degrees()],
+        curves: None,
     },
     Formula {
         name: "difference",
@@ -260,14 +242,7 @@ const FORMULAS: [Formula; 9] = [
             || mean_by_cosine(|c| f64::from(u8::from(is_refracted(c, INSIDE)))),
         ],
         error_of: "light that leaves glass",
-        x: "/{θ} inside (degrees)",
-        every: 30.0,
-        y: "refracted /{θ} (degrees)",
-        ends: [0.0, 90.0],
-        curves: [
-            |a| outside(cos(a), refracted_cosine_of_squared_difference(cos(a), INSIDE)),
-            |a| outside(cos(a), cosine_of_difference(cos(a), INSIDE)),
-        ],
+        curves: None,
     },
     Formula {
         name: "root",
@@ -289,11 +264,7 @@ const FORMULAS: [Formula; 9] = [
             || mean_by_cosine(|c| f64::from(u8::from(normal_part(-c, INSIDE) > 0.0))),
         ],
         error_of: "light that leaves glass",
-        x: "/{θ} inside (degrees)",
-        every: 15.0,
-        y: "/{e}ᵣ·/{n}",
-        ends: [0.0, 45.0],
-        curves: [|a| refracted_normal_part_under_root(-cos(a), INSIDE), |a| normal_part(-cos(a), INSIDE)],
+        curves: None,
     },
     Formula {
         name: "signs",
@@ -310,14 +281,7 @@ const FORMULAS: [Formula; 9] = [
         // A viewer at 45° in a dark half-space looks at a mirror that should show the bright half-space opposite.
         effect: [|| bright_opposite(reflected_sine_without_sign), || bright_opposite(opposite_sine)],
         error_of: "light of the opposite side in a mirror",
-        x: "/{θ}ᵣ (degrees)",
-        every: 30.0,
-        y: "/{θ}ᵢ (degrees)",
-        ends: [0.0, 90.0],
-        curves: [
-            |a| reflected_sine_without_sign(a.to_radians().sin()).asin().to_degrees(),
-            |a| opposite_sine(a.to_radians().sin()).asin().to_degrees(),
-        ],
+        curves: None,
     },
     Formula {
         name: "modulus",
@@ -333,11 +297,7 @@ const FORMULAS: [Formula; 9] = [
         ],
         effect: [|| reciprocal_of_signed_cosine(-1.0), || 1.0],
         error_of: "light reflected inside",
-        x: "angle with /{n} (degrees)",
-        every: 45.0,
-        y: "reflected light",
-        ends: [5.0, 175.0],
-        curves: [|a| reflector(a, reciprocal_of_signed_cosine), |a| reflector(a, reciprocal_of_modulus)],
+        curves: None,
     },
     Formula {
         name: "determinant",
@@ -351,11 +311,7 @@ const FORMULAS: [Formula; 9] = [
         // Light of smooth metal is D over the pdf.
         effect: [|| 1.0 / reflected_pdf_by_determinant(1.0, 1.0), || 1.0 / over_determinant(1.0, 1.0)],
         error_of: "light of smooth metal at 0°",
-        x: "angle of /{e}ᵣ and /{h} (degrees)",
-        every: 30.0,
-        y: "pdf over /{D}",
-        ends: [0.0, 85.0],
-        curves: [|a| reflected_pdf_by_determinant(1.0, cos(a)), |a| over_determinant(1.0, cos(a))],
+        curves: None,
     },
 ];
 
@@ -364,7 +320,6 @@ pub fn suspects() -> Vec<Suspect> {
 }
 
 fn suspect(row: &Formula) -> Suspect {
-    let [from, to] = row.ends;
     let erratum = Erratum {
         title: row.title,
         report: row.report,
@@ -374,14 +329,14 @@ fn suspect(row: &Formula) -> Suspect {
         test: row.test,
         error_in_picture: row.effect[0]() / row.effect[1]() - 1.0,
         error_of: row.error_of,
-        curves: ErratumCurves {
-            x: row.x,
-            every: row.every,
-            y: row.y,
-            printed: curve(from, to, row.curves[0]),
-            right: curve(from, to, row.curves[1]),
+        curves: row.curves.as_ref().map(|curves| ErratumCurves {
+            x: "/{θ} outside (degrees)",
+            every: 30.0,
+            y: curves.y,
+            printed: curve(0.0, 90.0, curves.formulas[0]),
+            right: curve(0.0, 90.0, curves.formulas[1]),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     let case = |name: &str, wrong| at_all_angles(&format!("{}/{name}", row.name), row.found, wrong);

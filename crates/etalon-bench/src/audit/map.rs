@@ -87,7 +87,7 @@ pub fn pole_rows() -> Suspect {
         test: "chi-square of the directions, uniform sky of 32×16",
         error_in_picture: -of_floor(0),
         error_of: "light on a floor, 16 rows",
-        curves: shares_of_rows(|y| row_weight(y, HEIGHT) / total, right_share),
+        curves: Some(shares_of_rows(|y| row_weight(y, HEIGHT) / total, right_share)),
         ..Erratum::default()
     };
     let printed = by_rows("pole-rows/printed", |_, y| row_weight(y, HEIGHT));
@@ -121,14 +121,14 @@ pub fn corners() -> Suspect {
         test: "chi-square of the directions, and distinct points among them",
         error_in_picture: corners - 1.0,
         error_of: "light on a floor, 16 rows",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "column",
             every: 1.0,
             y: "row",
             printed: shown(|_| PLACE_IN_TEXEL),
             right: shown(|i| Independent::new(1, 0, i).pair(0)),
             scattered: true,
-        },
+        }),
         ..Erratum::default()
     };
     (erratum, [printed, by_rows("corners/right", LatLong::solid_angle)])
@@ -166,7 +166,7 @@ pub fn gaussian_numbers() -> Result<Suspect> {
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: shares_of_rows(|y| gaussian[y], |y| rows[y]),
+        curves: Some(shares_of_rows(|y| gaussian[y], |y| rows[y])),
         ..Erratum::default()
     };
     Ok((erratum, [test("printed", true), test("right", false)]))
@@ -196,7 +196,6 @@ pub fn rows_without_sums() -> Suspect {
         test: "chi-square of the sampled rows, uniform sky of 16 rows",
         error_in_picture: floor - 1.0,
         error_of: "light on a floor",
-        curves: shares_of_rows(above, |y| rows[y]),
         ..Erratum::default()
     };
     (erratum, [test("printed", row_without_sums), test("right", by_sums)])

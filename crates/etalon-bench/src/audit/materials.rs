@@ -59,14 +59,14 @@ pub fn glass() -> Suspect {
         }) / mean_by_cosine(right)
             - 1.0,
         error_of: "light reflected inside",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "/{θ} inside (degrees)",
             every: 30.0,
             y: "reflectance",
             printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos())),
             right: curve(0.0, 90.0, |a| right(a.to_radians().cos())),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     (erratum, [case("printed", true), case("right", false)])
@@ -152,14 +152,14 @@ fn printed_density() -> Result<Suspect> {
         test: "chi-square of the report's own directions, α = 0.5 at 30°",
         error_in_picture: lost - 1.0,
         error_of: "albedo at 30°",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "/{θ}_{i} (degrees)",
             every: 45.0,
             y: "pdf (1/sr)",
             printed: curve(-90.0, 90.0, |a| right(at(a)) / facet(wo, at(a)).z),
             right: curve(-90.0, 90.0, |a| right(at(a))),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     Ok((erratum, [case("printed", true), case("right", false)]))
@@ -188,14 +188,14 @@ fn fresnel_at_normal() -> Result<Suspect> {
         test: "reciprocity f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ) of copper, pair by pair",
         error_in_picture: changed - 1.0,
         error_of: "albedo at 60°, copper, blue",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "/{θ}_{i} (degrees)",
             every: 45.0,
             y: "/{F}, blue of copper",
             printed: curve(-90.0, 90.0, |a| reflectance(at(a).z)),
             right: curve(-90.0, 90.0, |a| of_facet(at(a))),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     Ok((erratum, [case("printed", true), case("right", false)]))
@@ -242,14 +242,14 @@ fn shadowing_with_pi() -> Result<Suspect> {
         test: "integral and chi-square of the visible normals, α = 0.5 at 60°",
         error_in_picture: printed / albedo(|wi| brdf(wo, wi))? - 1.0,
         error_of: "albedo at 60°",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "/{θ} (degrees)",
             every: 30.0,
             y: "/{G}_{1}",
             printed: curve(1.0, 89.9, |a| printed_g1(at(a))),
             right: curve(1.0, 89.9, |a| facets.g1(at(a).to_array())),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     Ok((erratum, [case("printed", true), case("right", false)]))
@@ -283,14 +283,14 @@ fn approximate_fresnel() -> Suspect {
         test: "all metals at every angle, against complex arithmetic",
         error_in_picture: mean_by_cosine(|c| printed(c, eta, k)) / mean_by_cosine(|c| right(c, eta, k)) - 1.0,
         error_of: "albedo, copper, blue",
-        curves: ErratumCurves {
+        curves: Some(ErratumCurves {
             x: "/{θ} (degrees)",
             every: 30.0,
             y: "/{R}, blue of copper",
             printed: curve(0.0, 90.0, |a| printed(a.to_radians().cos().max(0.0), eta, k)),
             right: curve(0.0, 90.0, |a| right(a.to_radians().cos().max(0.0), eta, k)),
             scattered: false,
-        },
+        }),
         ..Erratum::default()
     };
     (erratum, [case("printed", printed), case("right", right)])

@@ -1,7 +1,7 @@
 //! Misprints that take a test of their own: formulas that a report's text has wrong and its program has right, and what each would
 //! do if taken at its word.
 
-use super::{ETA, Erratum, ErratumCurves, Nature, ROUNDING, Suspect, curve, exact, mean_by_cosine};
+use super::{ETA, Erratum, Nature, ROUNDING, Suspect, exact, mean_by_cosine};
 use crate::validation::Case;
 use etalon_core::errata::images::median_without_half;
 use etalon_core::errata::interface::schlick_of_fifth_power;
@@ -34,14 +34,6 @@ fn schlick_power() -> Suspect {
         test: "chi-square of reflected and refracted directions from outside at 40°",
         error_in_picture: mean_by_cosine(|c| printed(c, ETA)) / mean_by_cosine(|c| right(c, ETA)) - 1.0,
         error_of: "light reflected outside",
-        curves: ErratumCurves {
-            x: "/{θ} outside (degrees)",
-            every: 30.0,
-            y: "reflectance",
-            printed: curve(0.0, 90.0, |degrees: f64| printed(degrees.to_radians().cos(), ETA)),
-            right: curve(0.0, 90.0, |degrees: f64| right(degrees.to_radians().cos(), ETA)),
-            scattered: false,
-        },
         ..Erratum::default()
     };
     (erratum, [case("printed", printed), case("right", right)])
@@ -49,7 +41,6 @@ fn schlick_power() -> Suspect {
 
 fn median_pixel() -> Suspect {
     const PIXELS: usize = 1024;
-    const CUTS: usize = 6;
     let half = |energies: &[f64]| {
         let total: f64 = energies.iter().sum();
         let mut before = 0.0;
@@ -59,15 +50,10 @@ fn median_pixel() -> Suspect {
         })
     };
     let printed = |energies: &[f64]| Some(median_without_half(energies));
-    // The largest part after some cuts of a row of equal pixels, of which the larger part is cut again.
-    let largest = move |median: &dyn Fn(&[f64]) -> Option<usize>, cuts: usize| {
-        let row = vec![1.0; PIXELS];
-        let mut part = &row[..];
-        for _ in 0..cuts {
-            let (before, after) = part.split_at(median(part).map_or(0, |i| i + 1));
-            part = if before.len() >= after.len() { before } else { after };
-        }
-        part.len() as f64 / PIXELS as f64
+    // The larger part of a row of equal pixels, which is cut once.
+    let larger = |median: &dyn Fn(&[f64]) -> Option<usize>| {
+        let before = median(&[1.0; PIXELS]).map_or(0, |i| i + 1);
+        before.max(PIXELS - before) as f64 / PIXELS as f64
     };
     let case = |name: &str, share: f64| {
         Case::new(format!("audit/median/{name}"), move |_: &Protocol, _| {
@@ -76,8 +62,6 @@ fn median_pixel() -> Suspect {
             Ok(exact(violation, PIXELS as u64))
         })
     };
-    let shares =
-        |median: &dyn Fn(&[f64]) -> Option<usize>| (0..=CUTS).map(|n| [n as f64, largest(median, n)]).collect();
     // By construction: under a uniform sky all light is at the last pixel, the nadir, below the floor.
     let floor = |cosine: f64| cosine.max(0.0);
     let erratum = Erratum {
@@ -89,15 +73,7 @@ fn median_pixel() -> Suspect {
         test: "shares of the energy on both sides of the cut, uniform sky",
         error_in_picture: floor(-1.0) / floor(1.0) - 1.0,
         error_of: "light on a floor, uniform sky",
-        curves: ErratumCurves {
-            x: "cuts",
-            every: 2.0,
-            y: "largest part's energy",
-            printed: shares(&printed),
-            right: shares(&half),
-            scattered: false,
-        },
         ..Erratum::default()
     };
-    (erratum, [case("printed", largest(&printed, 1)), case("right", largest(&half, 1))])
+    (erratum, [case("printed", larger(&printed)), case("right", larger(&half))])
 }

@@ -87,9 +87,9 @@ pub struct Erratum {
     pub error_in_picture: f64,
     /// What has this error.
     pub error_of: &'static str,
-    /// Both formulas as curves.
+    /// Both formulas as curves; none of a misprint, which no program computes.
     #[serde(skip)]
-    pub curves: ErratumCurves,
+    pub curves: Option<ErratumCurves>,
 }
 
 /// The printed formula beside the corrected one.

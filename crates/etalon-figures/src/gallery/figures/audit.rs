@@ -20,9 +20,9 @@ fn content(inputs: &Inputs) -> Result<Content> {
             Check::is_true(format!("accepted as corrected: {title}"), *right_verdict == Verdict::Accept),
         ]
     });
-    // Misprints stand last, and in the table alone: no program computes what they say
-    let drawn = errata.iter().take_while(|erratum| erratum.nature != Nature::Misprint).count();
-    let (sheet, places) = sheet(&errata[..drawn]);
+    // Misprints stand last, and in the table alone
+    let drawn: Vec<Drawn> = errata.iter().map_while(|erratum| Some((erratum, erratum.curves.as_ref()?))).collect();
+    let (sheet, places) = sheet(&drawn);
     let [width, height] = [sheet.width, sheet.height];
     let content = Content::new(sheet.into(), &errata, checks.collect())?;
     let rows = errata.iter().enumerate().map(|(i, erratum)| {
@@ -62,10 +62,13 @@ const MARGIN: f64 = 22.0;
 const PRINTED: Stroke = Stroke { colour: theme::ERRATUM, width: theme::LINE, dash: theme::DASHED };
 const CORRECTED: Stroke = Stroke::solid(theme::CORRECTED, theme::LINE);
 
+/// What a panel shows.
+type Drawn<'a> = (&'a Erratum, &'a ErratumCurves);
+
 /// A panel for each erratum, with the verdicts and the error of an image below it; and the place of each panel.
-fn sheet(errata: &[Erratum]) -> (Page, Vec<Rect>) {
+fn sheet(errata: &[Drawn]) -> (Page, Vec<Rect>) {
     // Lay out panels in a grid, with three lines of text below each
-    let panels: Vec<Page> = errata.iter().enumerate().map(|(i, erratum)| panel(erratum, letter(i))).collect();
+    let panels: Vec<Page> = errata.iter().enumerate().map(|(i, drawn)| panel(*drawn, letter(i))).collect();
     let largest = |size: fn(&Page) -> f64| panels.iter().map(size).fold(0.0, f64::max);
     let (width, below) = (largest(|panel| panel.width) + GAP, largest(|panel| panel.height));
     let height = below + 3.0 * LINE + 1.5 * GAP;
@@ -76,7 +79,7 @@ fn sheet(errata: &[Erratum]) -> (Page, Vec<Rect>) {
     let right = sheet.width;
     legend(&mut sheet, right / 2.0);
     let mut places = Vec::new();
-    for (i, (drawing, erratum)) in panels.into_iter().zip(errata).enumerate() {
+    for (i, (drawing, (erratum, _))) in panels.into_iter().zip(errata).enumerate() {
         let (x, y) = (EDGE + (i % COLUMNS) as f64 * width, head + (i / COLUMNS) as f64 * height);
         // What an exact check rejects needs no p-value.
         let p = erratum.p.filter(|_| erratum.violation.is_none());
@@ -102,8 +105,7 @@ fn letter(index: usize) -> char {
     (b'a' + index as u8) as char
 }
 
-fn panel(erratum: &Erratum, letter: char) -> Page {
-    let curves = &erratum.curves;
+fn panel((erratum, curves): Drawn, letter: char) -> Page {
     let differences = differences(curves);
     let (curves, y) = match &differences {
         Some(differences) => (differences, Axis::linear(format!("error of {}", curves.y))),
