@@ -4,7 +4,7 @@ use super::console::Console;
 use super::global::{Global, Reports, Verdict, out, seed, threads, verbose};
 use super::style::StyleArgs;
 use clap::Args;
-use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay, Workload};
+use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay};
 use etalon_bench::table::Table;
 use etalon_core::error::{Error, Result};
 use etalon_figures::figure::Wanted;
@@ -18,14 +18,12 @@ use std::time::Instant;
 
 /// Compare the renderer's functions with exact values over stiff and extreme inputs
 #[derive(Args)]
-#[command(
-    after_long_help = "Errors are those of the renderer's functions against 256-bit arithmetic (or integers) at the rounded \
+#[command(after_long_help = "Errors are those of the renderer's functions against 256-bit arithmetic at the rounded \
                   input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with their errors over the inputs if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
-                  fresnel:eta=0.999..1.001,cos=0.1..1"
-)]
+                  fresnel:eta=0.999..1.001,cos=0.1..1")]
 #[command(next_help_heading = "Families", args = [out(), seed(), threads(), verbose()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
@@ -52,8 +50,13 @@ struct Output<'a> {
     bounds: &'a [BoundCheck],
     /// None for a search, which has no grids.
     #[serde(skip_serializing_if = "Option::is_none")]
-    effort: Option<Workload>,
+    effort: Option<Effort>,
     interrupted: bool,
+}
+
+#[derive(Serialize)]
+struct Effort {
+    side: usize,
 }
 
 #[derive(Serialize)]
@@ -82,10 +85,9 @@ impl Stability {
         let errors_stem = target.stem(&name, "-errors", &output::STUDY)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
-        let effort = Workload::FULL;
         let result = match &self.range {
             Some(range) => stability::search(range, global.seed),
-            None => stability::run(&self.families, &effort, global.seed, &mut |name| {
+            None => stability::run(&self.families, stability::SIDE, &mut |name| {
                 bar.set_message(name);
                 bar.inc(1);
             }),
@@ -108,7 +110,7 @@ impl Stability {
         let (files, saved) = saving.end();
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let effort = self.range.is_none().then_some(effort);
+        let effort = self.range.is_none().then_some(Effort { side: stability::SIDE });
         let output = Output { rows, bounds, effort, interrupted };
         let all = global.verbose || !self.families.is_empty() || self.range.is_some();
         console.saved(&output, &written, || human(&output, all, self.range.is_some()));
@@ -150,8 +152,9 @@ fn found(bound: &BoundCheck) -> String {
 }
 
 fn list(console: &Console) {
-    let listed = |e: &stability::Entry| Listed { family: e.name(), about: e.about(), inputs: e.inputs() };
-    let list: Vec<Listed> = REGISTRY.iter().map(listed).collect();
+    let special = Listed { family: stability::SPECIAL, about: stability::ABOUT_SPECIAL, inputs: &[] };
+    let families = REGISTRY.iter().map(|f| Listed { family: f.name, about: f.about, inputs: f.inputs });
+    let list: Vec<Listed> = families.chain([special]).collect();
     console.result(&BTreeMap::from([("families", &list)]), || {
         let about = |l: &Listed| match l.inputs {
             [] => l.about.to_owned(),

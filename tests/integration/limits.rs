@@ -122,7 +122,6 @@ fn what_exceeds_the_limit_of_memory_is_refused_with_its_name() {
         ),
         (&["render", "cornell-statue-au", "--memory", "20M"], "the tree of 7 objects"),
         (&["converge", "cornell-spheres", "-r", "2000", "2000", "--memory", "1G"], "the films of"),
-        (&["stability", "tables", "--memory", "200M"], "the table of a map of 8192x4096 texels"),
     ] {
         refused(&etalon(dir.path(), args), says);
     }

@@ -33,12 +33,12 @@ fn bad_input_is_refused() {
     };
     refused(&["stability", "glass"], "fresnel, schlick, conductor");
     refused(&["stability", "--replay", "glass:eta=1"], "formulas: fresnel");
-    refused(&["stability", "--replay", "film:n=3"], "an experiment");
+    refused(&["stability", "--replay", "special-directions:eta=1"], "many formulas");
     refused(&["stability", "--replay", "fresnel:eta=1.5"], "\"cos\" is missing");
     refused(&["stability", "--replay", "fresnel:eta=1.5,cos=NaN"], "not a number");
     refused(&["stability", "--replay", "fresnel:eta=1.5,cos=0x1p99999999999"], "not a number");
     let list = etalon(dir.path(), &["stability", "--list"]);
-    assert!(list.code == 0 && list.stdout.contains("beckmann-normal") && list.stdout.contains("tables"));
+    assert!(list.code == 0 && list.stdout.contains("beckmann-normal") && list.stdout.contains("special-directions"));
 }
 
 #[test]

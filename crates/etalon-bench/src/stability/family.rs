@@ -4,8 +4,8 @@
 //!
 //! Families import all of it, and what it re-exports.
 
-pub use super::experiment::{Bound, REPORT, STABLE, TEXTBOOK};
 pub use super::number::{Machine, Number, Precision, Value, cross, dot, minus, normalized, scalar};
+pub use super::row::{Bound, REPORT, STABLE, TEXTBOOK};
 pub use super::sweep::{Case, Range};
 
 use super::number::{Formula, Precise};
@@ -33,7 +33,7 @@ pub struct Family {
     /// The values that the quantity can have.
     pub range: Range,
     /// Upper bounds of the errors of the variant that renders.
-    pub bounds: &'static [Bound<Case>],
+    pub bounds: &'static [Bound],
     /// Divisor of the number of places along the sides of the grids, where the reference takes long.
     pub coarser: usize,
 }

@@ -2,30 +2,29 @@
 //!
 //! A [`Family`] is a quantity with a defining formula. That formula, evaluated with 256 bits at the very input that the
 //! code gets, is the reference. Beside every error stands the condition number: how much rounding of the input alone
-//! would change the result. An [`Experiment`] is a computation that no formula describes (sums, tables, paths): its exact
-//! result comes from integers or by construction. Each has [`Bound`]s on its errors.
+//! would change the result. Each family has [`Bound`]s on its errors. Sums, tables and paths, which no formula describes, have unit
+//! tests beside their code.
 
 mod conductor;
 mod dielectric;
-mod experiment;
 mod family;
 mod geometry;
 mod microfacet;
 mod normals;
 mod number;
-mod paths;
 mod registry;
 mod replay;
 mod rough_dielectric;
+mod row;
 mod special;
-mod sums;
 mod sweep;
 
-pub use experiment::{Bound, ErrorRow, Experiment, REPORT, STABLE, TEXTBOOK, Workload};
 pub use family::{Family, Scale, Section, Variant};
 pub use number::Precision;
-pub use registry::{Entry, REGISTRY, families, figures, names, of_figure};
+pub use registry::{REGISTRY, figures, of_figure};
 pub use replay::{Replay, Replayed, replay};
+pub use row::{Bound, ErrorRow, REPORT, STABLE, TEXTBOOK};
+pub use special::{ABOUT as ABOUT_SPECIAL, NAME as SPECIAL};
 pub use sweep::{Case, Sweep};
 
 use etalon_core::error::{Error, Result};
@@ -34,7 +33,7 @@ use serde::Serialize;
 
 /// The results of a run.
 pub struct Stability {
-    /// A row for each family or experiment, variant and precision.
+    /// A row for each family or function at special directions, variant and precision.
     pub rows: Vec<ErrorRow>,
     /// Whether the bounds on errors hold.
     pub bounds: Vec<BoundCheck>,
@@ -44,17 +43,20 @@ pub struct Stability {
     pub interrupted: bool,
 }
 
-/// Runs the families and experiments of those names (all when empty); `before` is called with each name before it is
-/// run. If the process is asked to stop, the families and experiments so far are the result.
+/// Places along each side of the grids, at the effort of the subcommand.
+pub const SIDE: usize = 33;
+
+/// Names of all that [`run`] takes: the families, and [`SPECIAL`].
+pub fn names() -> impl Iterator<Item = &'static str> {
+    REGISTRY.iter().map(|family| family.name).chain([SPECIAL])
+}
+
+/// Runs the families of those names (all, and [`SPECIAL`], when empty) with `side` places along each side of their grids; `before`
+/// is called with each name before it is run. If the process is asked to stop, the families so far are the result.
 ///
 /// # Errors
 /// [`Error::Parameter`] for an unknown name.
-pub fn run<S: AsRef<str>>(
-    only: &[S],
-    workload: &Workload,
-    seed: u64,
-    before: &mut dyn FnMut(&'static str),
-) -> Result<Stability> {
+pub fn run<S: AsRef<str>>(only: &[S], side: usize, before: &mut dyn FnMut(&'static str)) -> Result<Stability> {
     if let Some(unknown) = only.iter().map(S::as_ref).find(|name| names().all(|known| known != *name)) {
         return Err(Error::parameter("families", format!("there is no family \"{unknown}\""))
             .with_hint(format!("families: {}", names().collect::<Vec<_>>().join(", "))));
@@ -62,27 +64,26 @@ pub fn run<S: AsRef<str>>(
     let wanted = |name: &str| only.is_empty() || only.iter().any(|o| o.as_ref() == name);
     let (mut sweeps, mut rows, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     let mut interrupted = false;
-    for entry in REGISTRY.iter().filter(|entry| wanted(entry.name())) {
+    for family in REGISTRY.into_iter().filter(|family| wanted(family.name)) {
         interrupted |= interrupt::requested();
         if interrupted {
             break;
         }
-        before(entry.name());
-        match entry {
-            Entry::Formula(family) => {
-                let sweep = Sweep::new(family, workload.side);
-                rows.extend(sweep.rows());
-                bounds.extend(BoundCheck::of_sweep(&sweep));
-                sweeps.push(sweep);
+        before(family.name);
+        let sweep = Sweep::new(family, side);
+        rows.extend(sweep.rows());
+        bounds.extend(BoundCheck::of_sweep(&sweep));
+        sweeps.push(sweep);
+    }
+    if !interrupted && wanted(SPECIAL) {
+        before(SPECIAL);
+        match special::run() {
+            Err(Error::Interrupted) => interrupted = true,
+            found => {
+                let found = found?;
+                bounds.push(special::bound(&found));
+                rows.extend(found);
             }
-            Entry::Experiment(experiment) => match (experiment.run)(workload, seed) {
-                Err(Error::Interrupted) => interrupted = true,
-                found => {
-                    let found = found?;
-                    bounds.extend(BoundCheck::of_rows(experiment, &found));
-                    rows.extend(found);
-                }
-            },
         }
     }
     bounds.insert(0, BoundCheck::finite(&rows));
@@ -103,7 +104,7 @@ pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
 /// A bound, and the largest error that was found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct BoundCheck {
-    /// Family or experiment, and which error.
+    /// Of what, and which error.
     pub name: String,
     /// The largest error.
     pub got: f64,
@@ -129,7 +130,7 @@ impl BoundCheck {
     /// there is a value are left out.
     pub fn of_sweep(sweep: &Sweep) -> Vec<Self> {
         let Family { name, bounds, .. } = sweep.family;
-        let check = |bound: &Bound<Case>| {
+        let check = |bound: &Bound| {
             let cases = sweep.cases.iter().filter(|case| case.condition.is_finite());
             let errors = cases.filter_map(|case| Some(((bound.error)(case)?, case)));
             let errors = errors.filter(|(error, _)| *error > 0.0 || error.is_nan());
@@ -137,16 +138,6 @@ impl BoundCheck {
             Self::new(format!("{name}: {}", bound.name), bound.limit, errors)
         };
         bounds.iter().map(check).collect()
-    }
-
-    /// The bounds of an experiment, over its rows of the code that renders.
-    pub fn of_rows(experiment: &Experiment, rows: &[ErrorRow]) -> Vec<Self> {
-        let check = |bound: &Bound<ErrorRow>| {
-            let rendered = rows.iter().filter(|row| row.is_rendered());
-            let errors = rendered.filter_map(|row| Some(((bound.error)(row)?, row.worst.clone())));
-            Self::new(format!("{}: {}", experiment.name, bound.name), bound.limit, errors)
-        };
-        experiment.bounds.iter().map(check).collect()
     }
 
     /// Whether all results of the code that renders are finite.

@@ -4,7 +4,8 @@
 
 use super::family::Family;
 use super::number::Precision;
-use super::registry::{families, names};
+use super::registry::REGISTRY;
+use super::special;
 use super::sweep::{Exact, Flaw, Sweep, case};
 use etalon_core::error::{Error, Result};
 use etalon_core::import::place::number;
@@ -121,9 +122,9 @@ fn of_ordinal(place: i64) -> f64 {
 /// [`Error::Parameter`] of that `parameter` for anything else.
 pub fn parse(text: &str, parameter: &'static str) -> Result<(&'static Family, Vec<[f64; 2]>)> {
     let (name, inputs) = text.split_once(':').unwrap_or((text, ""));
-    let Some(family) = families().find(|family| family.name == name) else {
-        let known: Vec<_> = families().map(|family| family.name).collect();
-        let what = if names().any(|known| known == name) { "an experiment, not a formula" } else { "no family" };
+    let Some(family) = REGISTRY.into_iter().find(|family| family.name == name) else {
+        let known: Vec<_> = REGISTRY.iter().map(|family| family.name).collect();
+        let what = if name == special::NAME { "many formulas, not one" } else { "no family" };
         return Err(Error::parameter(parameter, format!("\"{name}\" is {what}"))
             .with_hint(format!("formulas: {}", known.join(", "))));
     };
@@ -164,12 +165,12 @@ pub fn parse(text: &str, parameter: &'static str) -> Result<(&'static Family, Ve
 
 #[cfg(test)]
 mod tests {
-    use super::super::{STABLE, Section, TEXTBOOK, families};
+    use super::super::{STABLE, Section, TEXTBOOK};
     use super::*;
 
     #[test]
     fn the_grids_and_edges_lie_in_the_domains() {
-        for family in families() {
+        for family in REGISTRY {
             let corners = |s: &Section| [s.x.from, s.x.to].map(|x| [s.y.from, s.y.to].map(|y| (s.at)(x, y)));
             let grid = family.sections.iter().flat_map(|s| corners(s).into_iter().flatten());
             for inputs in grid.chain(family.edges.iter().map(|edge| edge.to_vec())) {
@@ -195,7 +196,7 @@ mod tests {
         assert_eq!(replay.inputs, [("eta", 1.5), ("cos", 0.5)]);
         assert_eq!(replay.lines.len(), 6);
         assert!(replay.lines[0].relative < 1e-6 && replay.lines[0].value.len() == 1);
-        let bad = "glass:eta=1.5 film:samples=3 fresnel fresnel:eta=1.5 fresnel:eta=1.5,cos=NaN \
+        let bad = "glass:eta=1.5 special-directions:eta=1.5 fresnel fresnel:eta=1.5 fresnel:eta=1.5,cos=NaN \
                    fresnel:eta=1.5,cos=inf fresnel:eta=1.5,cos=1e300 fresnel:eta=1.5,cos=0.5,eta=2 \
                    fresnel:eta=1.5,cos=0.5,k=2 fresnel:eta fresnel:eta=0,cos=0.5 fresnel:eta=-1,cos=0.5 \
                    fresnel:eta=1e20,cos=0.5 fresnel:eta=1.5,cos=1.5 refraction:eta=-1.5,x=0,y=0,z=1 \
@@ -226,7 +227,7 @@ mod tests {
     fn ranges_that_are_none_are_refused() {
         for bad in [
             "fresnel",
-            "film:samples=1..2",
+            "special-directions:eta=1..2",
             "fresnel:eta=2..1,cos=1",
             "fresnel:eta=1..,cos=1",
             "fresnel:eta=0..1,cos=1",

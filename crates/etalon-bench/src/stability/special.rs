@@ -1,22 +1,18 @@
-//! The experiment "special directions": every function of optics, of microfacets and of warps, and every BSDF, at inputs where a
+//! Special directions: every function of optics, of microfacets and of warps, and every BSDF, at inputs where a
 //! root, a quotient or a comparison may fail.
 
-use super::experiment::{Bound, ErrorRow, Experiment, Precision, STABLE};
 use super::family::{Family, of_cosine};
+use super::row::{ErrorRow, Precision, STABLE};
 use super::sweep::Sweep;
-use super::{conductor, dielectric, geometry, microfacet, normals, rough_dielectric};
+use super::{BoundCheck, conductor, dielectric, geometry, microfacet, normals, rough_dielectric};
 use crate::validation::families as bsdfs;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_stats::bsdf::{BatchBsdf, BsdfSample, Density, Family as _};
 
-pub const EXPERIMENT: Experiment = Experiment {
-    name: "special-directions",
-    about: "cosines 0, −0, denormal and 1 ± 4 ULP; indices next to 1, √½ and √2; extreme widths",
-    figure: "stability-special",
-    bounds: &[Bound::possible("results that are impossible, or have a larger error than the bound of the function")],
-    run: |_, _| run(),
-};
+/// What `run` takes beside names of families, and what it is.
+pub const NAME: &str = "special-directions";
+pub const ABOUT: &str = "cosines 0, −0, denormal and 1 ± 4 ULP; indices next to 1, √½ and √2; extreme widths";
 
 /// The functions that are compared with their references.
 static FUNCTIONS: [&Family; 21] = [
@@ -92,7 +88,7 @@ fn inputs(family: &Family) -> Vec<Vec<f64>> {
     inputs
 }
 
-fn run() -> Result<Vec<ErrorRow>> {
+pub fn run() -> Result<Vec<ErrorRow>> {
     let mut rows = Vec::new();
     for family in FUNCTIONS {
         if interrupt::requested() {
@@ -104,6 +100,12 @@ fn run() -> Result<Vec<ErrorRow>> {
         rows.push(of_bsdf(&family)?);
     }
     Ok(rows)
+}
+
+/// No result is impossible, or has a larger error than the bound of the function.
+pub fn bound(rows: &[ErrorRow]) -> BoundCheck {
+    let name = format!("{NAME}: results that are impossible, or have a larger error than the bound of the function");
+    BoundCheck::new(name, 0.0, rows.iter().map(|row| (row.out_of_range as f64, row.worst.clone())))
 }
 
 /// The errors of the code that renders; cases beyond a bound of the family count as out of range.

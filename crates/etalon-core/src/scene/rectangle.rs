@@ -157,6 +157,8 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::stream::{Independent, Stream};
+    use crate::scene::{Bvh, Mesh, Ray, Shape, Surface};
 
     #[test]
     fn rays_meet_both_sides_and_no_more() {
@@ -182,5 +184,50 @@ mod tests {
         assert!(Rectangle::from_corners(thin).is_none(), "a trapezoid that is much thinner than long");
         assert!(Rectangle::new(Vec3::ZERO, Vec3::X, Vec3::ZERO).is_none());
         assert!(Rectangle::new(Vec3::NAN, Vec3::X, Vec3::Y).is_none());
+    }
+
+    /// A triangle of a size from 10⁻⁶ to 10⁶, from plump to a sliver of one part in 10⁶, near or far from the origin; weights of a
+    /// place on it, a direction, and its size.
+    fn triangle(i: u64) -> Option<(Mesh, [f32; 2], Vec3, f32)> {
+        let component = |j: u32| (2.0 * Independent::new(1, i, j).pair(0)[0] - 1.0) as f32;
+        let vector = |j: u32| Vec3::new(component(3 * j), component(3 * j + 1), component(3 * j + 2));
+        // Size, distance from the origin in sizes, and thinness, by the index
+        let scale = 10f32.powi((i % 13) as i32 - 6);
+        let away = [0.0, 3.0, 100.0][i as usize / 13 % 3] * vector(0);
+        let thin = [1.0, 1e-2, 1e-4, 1e-6][i as usize / 39 % 4];
+        let (p, q, r) = (vector(1), vector(2), vector(3));
+        let corners = [p, q, p + 0.5 * (q - p) + thin * r].map(|corner| scale * (corner + away));
+        let (u, v) = (component(12).abs(), component(13).abs());
+        let inside = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+        let mesh = Mesh::new(corners.to_vec(), Vec::new(), vec![[0, 1, 2]]).ok()?;
+        Some((mesh, inside, vector(5).try_normalize()?, scale))
+    }
+
+    #[test]
+    fn rays_do_not_hit_the_triangle_that_they_leave() {
+        let (mut again, mut again_with_fixed, mut farthest) = (0, 0, 0f32);
+        for (mesh, [u, v], around, scale) in (0..5000).filter_map(triangle) {
+            let Some(Surface { point, normal, .. }) = mesh.surface(0, u, v) else { continue };
+            let plane = Plane::through(mesh.facet(0).unwrap().0[0], normal);
+            let bvh = Bvh::build(&[&Shape::from(mesh)]);
+            let tangent = around.cross(normal).normalize();
+            // Along a random direction, the normal, and almost along the surface
+            let directions = [around, normal, (tangent + 1e-4 * normal).normalize()];
+            let hits = |point: Vec3, offset: f32| {
+                let hits = directions.into_iter().filter(|direction| {
+                    let origin = point + normal * offset.copysign(normal.dot(*direction));
+                    bvh.nearest(&Ray { origin, direction: *direction }, f32::INFINITY).is_some()
+                });
+                hits.count()
+            };
+            again += hits(plane.project(point), plane.offset(point));
+            // The offset of many textbooks
+            again_with_fixed += hits(point, 1e-4);
+            farthest = farthest.max(plane.offset(point) / scale);
+        }
+        assert_eq!(again, 0);
+        assert!(again_with_fixed > 300, "{again_with_fixed}");
+        // 8 ε times Σ |nᵢ pᵢ|, which is at most the distance from the origin, 177 sizes
+        assert!(farthest < 1.7e-4, "{farthest}");
     }
 }

@@ -200,20 +200,17 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
     let only_special = rows.iter().all(ErrorRow::is_special);
     let is_shown = |row: &&ErrorRow| row.is_compared() && row.is_special() == only_special;
     let rows: Vec<&ErrorRow> = rows.iter().filter(is_shown).collect();
-    // What else the renderer's code is asked for has a line of its own
-    let name = |row: &ErrorRow| format!("{}{}", row.family, row.variant.strip_prefix(STABLE).unwrap_or_default());
-    let mut families: Vec<String> = Vec::new();
+    let mut families: Vec<&str> = Vec::new();
     for row in &rows {
-        if !families.contains(&name(row)) {
-            let after = families.iter().rposition(|known| known.split(',').next() == Some(&*row.family));
-            families.insert(after.map_or(families.len(), |last| last + 1), name(row));
+        if !families.contains(&&*row.family) {
+            families.push(&row.family);
         }
     }
     // The markers of a line stand above each other if there are several variants
     let is_alone = rows.windows(2).all(|pair| look(pair[0].variant) == look(pair[1].variant));
     let aside = |variant: &str| if is_alone { 0.0 } else { look(variant).1 };
     let line = |row: &ErrorRow| {
-        families.iter().position(|family| *family == name(row)).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
+        families.iter().position(|family| *family == row.family).unwrap_or(0) as f64 + 0.5 + aside(row.variant)
     };
     let names: Vec<String> = families.iter().map(|name| in_words(name.trim_start_matches(ErrorRow::SPECIAL))).collect();
     // The legend's entries in the same order on both sides
@@ -277,14 +274,6 @@ fn in_words(family: &str) -> String {
         "refraction-jacobian" => "Jacobian of that half vector".into(),
         "sphere" => "distance to a sphere".into(),
         "triangle" => "distance to a triangle".into(),
-        "offsets" => "offsets of ray origins".into(),
-        "tables" => "probabilities of a map's texels".into(),
-        "tables, drawn" => "shares of samples of a map's texels".into(),
-        "areas" => "summed areas of a map".into(),
-        "areas-extreme" => "summed areas, 2^{40} among 2^{−40}".into(),
-        "film" => "mean of a pixel's samples".into(),
-        "paths" => "energy of paths in a furnace".into(),
-        "walks" => "energy of walks over materials".into(),
         _ => match family.split_once('-') {
             Some(("beckmann", what)) => of("Beckmann", what),
             Some(("ggx", what)) => of("GGX", what),
@@ -297,7 +286,7 @@ fn in_words(family: &str) -> String {
 fn look(variant: &str) -> (Colour, f64) {
     match variant {
         REPORT => (theme::ERRATUM_VARIANT, 0.18),
-        _ if variant.starts_with(STABLE) => (theme::STABLE_VARIANT, -0.18),
+        STABLE => (theme::STABLE_VARIANT, -0.18),
         _ => (theme::TEXTBOOK_VARIANT, 0.0),
     }
 }
@@ -305,26 +294,10 @@ fn look(variant: &str) -> (Colour, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Item;
-
-    #[test]
-    fn two_results_of_one_variant_have_a_line_each() {
-        let row = |variant| {
-            let mut row = ErrorRow::new("tables", variant, Precision::Double);
-            row.compare(1.0, 1.5, 1.0, String::new);
-            row
-        };
-        let page = worst_cases(&[row(STABLE), row("stable, drawn"), row(TEXTBOOK)]).natural();
-        let text = |item: &Item| if let Item::Text(text) = item { Some(text.markup.clone()) } else { None };
-        let texts: Vec<String> = page.items.iter().filter_map(text).collect();
-        for name in ["probabilities of a map's texels", "shares of samples of a map's texels"] {
-            assert_eq!(texts.iter().filter(|text| *text == name).count(), 1, "{name}: {texts:?}");
-        }
-    }
 
     #[test]
     fn every_remark_is_of_a_family() {
-        let names: Vec<&str> = etalon_bench::stability::REGISTRY.iter().map(|entry| entry.name()).collect();
+        let names: Vec<&str> = etalon_bench::stability::REGISTRY.iter().map(|family| family.name).collect();
         assert!(REMARKS.iter().all(|(name, _)| names.contains(name)), "{names:?}");
     }
 }

@@ -298,6 +298,31 @@ mod tests {
         }
     }
 
+    /// A million samples in two films, which are merged as parts of a render are.
+    #[test]
+    fn sums_are_exact_and_means_are_rounded_once() {
+        const PAIRS: u32 = 500_000;
+        /// The samples of a channel: these two, alternating.
+        const CHANNELS: [[f32; 2]; 3] = [[0.1, 0.1], [1e6, 1e-6], [1.0, 3e-8]];
+        let samples = [0, 1].map(|i| Rgb::from_array(CHANNELS.map(|values| values[i])));
+        let half = || {
+            let mut film = Film::new(1, 1, None).unwrap();
+            film.accumulate(|row| {
+                for _ in 0..PAIRS / 2 {
+                    samples.iter().for_each(|&sample| row.add(0, sample, &[]));
+                }
+            });
+            film
+        };
+        let mut film = half();
+        film.merge(&half()).unwrap();
+        let exact = CHANNELS.map(|[a, b]| (0.5 * (f64::from(a) + f64::from(b))) as f32);
+        assert_eq!(film.image().get(0, 0).to_array(), exact);
+        // A running sum in f32 loses digits
+        let plain = |[a, b]: [f32; 2]| (0..PAIRS).fold(0.0, |sum, _| sum + a + b) / (2 * PAIRS) as f32;
+        assert!((plain(CHANNELS[0]) / exact[0] - 1.0).abs() > 1e-3);
+    }
+
     #[test]
     fn threads_change_no_bit() {
         let on = |threads| on_threads(threads, || film(|_, _, _| true));

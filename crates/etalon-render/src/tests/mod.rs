@@ -4,6 +4,7 @@ mod adaptive;
 mod choice;
 mod filters;
 mod light_tracing;
+mod long_paths;
 mod near;
 mod reference;
 mod strategies;

@@ -117,3 +117,33 @@ fn a_power_of_two_is_cut_level_by_level() {
         assert!(cut.regions(3).unwrap().iter().any(|region| region.block == dim), "{sides:?}");
     }
 }
+
+#[test]
+fn sums_behind_a_bright_texel_are_exact() {
+    const SIZE: [usize; 2] = [1024, 512];
+    const BLOCK: usize = 8;
+    const BRIGHT: (usize, usize) = (128, 64);
+    // All partial sums are whole multiples of 2⁻¹² below 2⁴¹
+    let [hot, cold] = [2f64.powi(20), 1.0 + 2f64.powi(-12)];
+    let value = |x: usize, y: usize| if (x, y) == BRIGHT { hot } else { cold };
+    let table = SummedArea::new(SIZE[0], SIZE[1], value);
+    // The same in f32, as many renderers have it
+    let mut single = vec![[0f32; SIZE[0] + 1]; SIZE[1] + 1];
+    for y in 0..SIZE[1] {
+        let mut row = 0.0;
+        for x in 0..SIZE[0] {
+            row += value(x, y) as f32;
+            single[y + 1][x + 1] = single[y][x + 1] + row;
+        }
+    }
+    let mut largest = 0.0;
+    for (x0, y0) in (0..SIZE[1] / BLOCK).flat_map(|y| (0..SIZE[0] / BLOCK).map(move |x| (x * BLOCK, y * BLOCK))) {
+        let block = Block { x0, y0, x1: x0 + BLOCK, y1: y0 + BLOCK };
+        let cells = (BLOCK * BLOCK) as f64;
+        let exact = if (x0, y0) == BRIGHT { hot + (cells - 1.0) * cold } else { cells * cold };
+        assert_eq!(table.sum(block), exact, "{block:?}");
+        let sum = single[block.y1][block.x1] - single[block.y1][x0] - single[y0][block.x1] + single[y0][x0];
+        largest = f64::max(largest, (f64::from(sum) / exact - 1.0).abs());
+    }
+    assert!(largest > 1e-5, "{largest}");
+}

@@ -371,4 +371,36 @@ mod tests {
             assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9);
         }
     }
+
+    /// Rows and columns as long as those of a map of 8192 × 4096 texels.
+    #[test]
+    fn cells_beside_one_of_nearly_all_weight_can_be_sampled() {
+        for (width, height) in [(8192, 8), (8, 4096), (1024, 512)] {
+            let hot = (width / 3, height / 3);
+            let weight = |x: usize, y: usize| if (x, y) == hot { 1e12 } else { 1e-12 };
+            let cells = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let table = Table2::new(width, height, weight);
+            // The random numbers of a cell's lower corner lead back to it
+            for (x, y) in cells() {
+                let sample = table.sample(table.invert((x, y), (0.0, 0.0))).unwrap();
+                assert_eq!((sample.x.cell, sample.y.cell), (x, y));
+                assert!(sample.probability() > 0.0 && sample.probability() == table.probability(x, y), "{x} {y}");
+            }
+            // A running sum in f32, as many renderers have it, does not grow by the weights of most
+            let grows = |weights: &[f64]| -> Vec<bool> {
+                let mut sum = 0f32;
+                let grows = |weight: &f64| {
+                    let before = sum;
+                    sum += *weight as f32;
+                    sum > before
+                };
+                weights.iter().map(grows).collect()
+            };
+            let rows: Vec<Vec<f64>> = (0..height).map(|y| (0..width).map(|x| weight(x, y)).collect()).collect();
+            let sums: Vec<f64> = rows.iter().map(|row| row.iter().sum()).collect();
+            let sampled = rows.iter().zip(grows(&sums)).filter(|(_, grows)| *grows).map(|(row, _)| grows(row));
+            let reached = sampled.flatten().filter(|grows| *grows).count();
+            assert!(reached < width * height / 2, "{reached}");
+        }
+    }
 }
