@@ -110,7 +110,7 @@ pub trait VectorizedLoop {
     fn over(self, bsdf: impl Vectorizable);
 }
 
-/// How a surface scatters light. The default methods are those of a BSDF with one delta lobe.
+/// How a surface scatters light. Default methods that do not follow from others are those of a BSDF with one delta lobe.
 pub trait Scatter {
     /// The lobes that it has.
     fn lobes(&self) -> &[Lobe];
@@ -145,10 +145,7 @@ pub trait Scatter {
     }
 
     /// [`eval`](Self::eval) and [`pdf`](Self::pdf) together, which costs little more than one of them.
-    #[inline]
-    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
-        (Rgb::ZERO, 0.0)
-    }
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
 
     /// Samples a direction: `uc` in \[0, 1) chooses a lobe, `u` in \[0, 1)² a direction of that lobe. `None` is a sample
     /// that carries no light.

@@ -40,6 +40,11 @@ impl Scatter for Refraction {
     }
 
     #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
         let eta = eta_from(wo, self.eta);
         let g = dielectric::eta_cos_t(wo.z.abs(), eta)?;
@@ -92,6 +97,11 @@ impl Dielectric {
 impl Scatter for Dielectric {
     fn lobes(&self) -> &'static [Lobe] {
         &[Lobe::SpecularReflection, Lobe::SpecularTransmission]
+    }
+
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
     }
 
     #[inline]

@@ -25,6 +25,11 @@ impl Scatter for Mirror {
     }
 
     #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    #[inline]
     fn sample(&self, wo: Vec3, _uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
         Some(BsdfSample::specular_reflection(reflect(wo), self.reflectance, 1.0))
     }
@@ -39,6 +44,11 @@ pub struct SmoothConductor {
 impl Scatter for SmoothConductor {
     fn lobes(&self) -> &'static [Lobe] {
         &[Lobe::SpecularReflection]
+    }
+
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
     }
 
     #[inline]

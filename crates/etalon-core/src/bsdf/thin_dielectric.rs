@@ -42,6 +42,11 @@ impl Scatter for ThinDielectric {
     }
 
     #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    #[inline]
     fn sample(&self, wo: Vec3, uc: f32, _u: [f32; 2]) -> Option<BsdfSample> {
         let [reflected, transmitted] = self.shares(wo);
         Some(if uc < reflected {

@@ -81,7 +81,8 @@ impl Material {
             Self::Refraction { .. } | Self::Dielectric(_) => true,
             Self::Bsdf(bsdf) => bsdf.lobes().iter().any(|lobe| lobe.is_transmission()),
             Self::Textured(textured) => textured.base.is_transmitting(),
-            _ => false,
+            // `any` asks the parts of a mixture
+            Self::Diffuse { .. } | Self::Mirror { .. } | Self::Conductor(_) | Self::Mixture(_) => false,
         })
     }
 
@@ -97,7 +98,9 @@ impl Material {
                 Some([x, y]) => x != y,
                 None => textured.base.is_anisotropic(),
             },
-            _ => false,
+            Self::Diffuse { .. } | Self::Mirror { .. } | Self::Refraction { .. } | Self::Bsdf(_) | Self::Mixture(_) => {
+                false
+            }
         })
     }
 
