@@ -63,8 +63,8 @@ impl Target {
 
     /// The path of the result called `name`, without extension; `suffix` distinguishes several results of one command.
     ///
-    /// A name that was asked for is taken as it is. A default name is cut if it is too long. Where the files of that name are not those of an
-    /// earlier run of this command, it ends with what this command is about and that one is not, else with `.2`, `.3`, ….
+    /// A name that was asked for is taken as it is. A default name is cut if it is too long, and ends with `.2`, `.3`, … where the files of
+    /// that name are not those of an earlier run of this command.
     ///
     /// # Errors
     /// [`Error::Parameter`] if the path with one of the `extensions` is that of an input.
@@ -94,8 +94,7 @@ impl Target {
             let is_used = || extensions.iter().any(|extension| is_there(stem, extension));
             !taken.values().any(|other| other == stem) && (!is_used() || is_own())
         };
-        let other = self.differs_from_owner(&whole).map(|word| format!("{suffix}-{word}"));
-        let ends = [suffix.to_owned()].into_iter().chain(other).chain((2..).map(|number| format!("{suffix}.{number}")));
+        let ends = std::iter::once(suffix.to_owned()).chain((2..).map(|number| format!("{suffix}.{number}")));
         let named = |end: String| {
             let limit = LONGEST_NAME.saturating_sub(end.len() + LONGEST_EXTENSION);
             format!("{}{end}", &name[..name.floor_char_boundary(limit)])
@@ -103,16 +102,6 @@ impl Target {
         let free = ends.map(named).find(is_free).unwrap_or_else(|| whole.clone());
         taken.insert(whole, free.clone());
         free
-    }
-
-    /// The first word that this command is about and the owner of a name is not: of a path the last two parts, unless the name has them.
-    fn differs_from_owner(&self, name: &str) -> Option<String> {
-        let owner = std::fs::read_to_string(self.note_of(name)).ok()?;
-        let is_new = |word: &&str| !owner.split(' ').any(|known| known == *word);
-        let word = Path::new(self.subject.split(' ').find(is_new)?).with_extension("");
-        let parts = word.iter().map(|part| file_name(&part.to_string_lossy()));
-        let parts: Vec<String> = parts.filter(|part| !name.contains(part.as_str())).collect();
-        Some(parts[parts.len().saturating_sub(2)..].join("-")).filter(|word| !word.is_empty())
     }
 
     /// The files that were written, and which of them replaced older ones under default names.
@@ -334,15 +323,13 @@ mod tests {
             files::write_bytes(&path, subject.as_bytes()).unwrap();
             target.written(vec![path]).files[0].file_name().unwrap().to_str().unwrap().to_owned()
         };
-        let own = ["a-64.csv", "a-64.csv", "a-64-glass.csv", "a-64.csv"];
-        assert_eq!([run("plot x/a"), run("plot x/a"), run("plot glass"), run("plot x/a")], own);
-        // Files of one name differ in their folders
-        assert_eq!([run("plot y/a"), run("plot y/a")], ["a-64-y.csv"; 2]);
+        let own = ["a-64.csv", "a-64.csv", "a-64.2.csv", "a-64.csv", "a-64.2.csv"];
+        assert_eq!([run("plot x/a"), run("plot x/a"), run("plot y/a"), run("plot x/a"), run("plot y/a")], own);
         // What no command has made is not replaced
-        files::write_bytes(&dir.path().join("a-64.2.png"), b"a photograph").unwrap();
-        assert_eq!([run("plot"), run("plot glass")], ["a-64.3.csv", "a-64-glass.csv"]);
+        files::write_bytes(&dir.path().join("a-64.3.png"), b"a photograph").unwrap();
+        assert_eq!([run("plot"), run("plot y/a")], ["a-64.4.csv", "a-64.2.csv"]);
         std::fs::remove_dir_all(dir.path().join(OWNERS)).unwrap();
-        assert_eq!(run("plot glass"), "a-64.4.csv");
+        assert_eq!(run("plot y/a"), "a-64.5.csv");
     }
 
     #[test]
