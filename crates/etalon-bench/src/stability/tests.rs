@@ -71,7 +71,7 @@ fn textbook_variants_violate_the_bounds() {
 
 #[test]
 fn worst_cases_can_be_replayed() {
-    let result = run(&["fresnel", "conductor", "sphere"], &SIDE, &mut |_| {}).unwrap();
+    let result = run(&["fresnel", "conductor", "sphere"], SIDE, &mut |_| {}).unwrap();
     assert_eq!(result.rows.len(), 6 + 6 + 3);
     for row in &result.rows {
         let replay = replay(&row.worst).unwrap();
@@ -82,6 +82,6 @@ fn worst_cases_can_be_replayed() {
 
 #[test]
 fn unknown_families_are_refused() {
-    let error = run(&["glass"], &SIDE, &mut |_| {}).err().unwrap();
+    let error = run(&["glass"], SIDE, &mut |_| {}).err().unwrap();
     assert!(error.hint().unwrap().contains("fresnel"));
 }
