@@ -17,6 +17,11 @@ use serde::Serialize;
 /// The second report's depths.
 pub const DEPTHS: [u32; 7] = [0, 1, 2, 3, 4, 5, 100];
 
+/// The smallest relative difference in brightness that an observer sees, 2 %: Weber's fraction.
+///
+/// Source: Hood & Finkelstein, "Sensitivity to Light", in *Handbook of Perception and Human Performance*, 1986.
+pub const VISIBLE: f64 = 0.02;
+
 /// Scatterings up to which path classes have layers of their own.
 const CLASS_DEPTH: u32 = 5;
 /// Rows that are rendered together: enough for many threads.
@@ -56,6 +61,15 @@ pub struct ClassRow {
     pub centroid_x: f64,
     /// The same, row.
     pub centroid_y: f64,
+    /// The standard error of `share_of_light`.
+    #[serde(skip)]
+    pub error: f64,
+    /// Share of the light of the image of that depth, where the class is bright: within 1.5 standard deviations of the centroid.
+    #[serde(skip)]
+    pub share_there: f64,
+    /// The standard error of its distance from [`VISIBLE`].
+    #[serde(skip)]
+    pub error_there: f64,
 }
 
 /// The images of all depths, and their differences by path class.
@@ -82,6 +96,11 @@ impl Depths {
     /// The image of one of [`DEPTHS`].
     pub fn image(&self, depth: u32) -> &Image {
         &self.images[DEPTHS.iter().position(|d| *d == depth).unwrap_or(0)]
+    }
+
+    /// What one of [`DEPTHS`], but the first, adds to the image of the one before.
+    pub fn added(&self, depth: u32) -> &Image {
+        &self.differences[DEPTHS.iter().skip(1).position(|d| *d == depth).unwrap_or(0)]
     }
 
     /// The light of a class on what is "all" or a kind of object, if there is any.
@@ -167,6 +186,8 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             if here > 0.0 {
                 let [x, y] = centroid(layer, request.width, mask, here);
                 let lit = inside(layer, mask).filter(|p| **p != Rgb::ZERO).count();
+                let bright = bright(layer, request.width, mask, [x, y]);
+                let [share_there, error_there] = share_with_error(layer, images[place].pixels(), &bright, VISIBLE);
                 classes.push(ClassRow {
                     depth,
                     class: name.to_owned(),
@@ -176,6 +197,9 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
                     lit_pixels: lit as f64 / mask.iter().filter(|m| **m).count() as f64,
                     centroid_x: x,
                     centroid_y: y,
+                    error: error_of_sum(inside(layer, mask).map(|p| mean_rgb(*p))) / all_light,
+                    share_there,
+                    error_there,
                 });
             }
         }
@@ -272,6 +296,36 @@ fn centroid(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> [f64; 2]
     sum.map(|s| s / light)
 }
 
+/// Which pixels of `mask` reach within 1.5 standard deviations of the centroid along both axes.
+fn bright(pixels: &[Rgb], width: usize, mask: &[bool], centroid: [f64; 2]) -> Vec<bool> {
+    let offsets = |i: usize| [0, 1].map(|c| [i % width, i / width][c] as f64 + 0.5 - centroid[c]);
+    let (mut sum, mut squares) = (0.0, [0.0; 2]);
+    for (i, p) in inside(pixels.iter().enumerate(), mask) {
+        let weight = mean_rgb(*p);
+        sum += weight;
+        (0..2).for_each(|c| squares[c] += weight * offsets(i)[c].powi(2));
+    }
+    let reach = squares.map(|square| 0.5 + 1.5 * (square / sum).sqrt());
+    mask.iter().enumerate().map(|(i, inside)| *inside && (0..2).all(|c| offsets(i)[c].abs() < reach[c])).collect()
+}
+
+/// The share of a part in the light of the pixels of `mask`, and the standard error of its distance from `bound`: that of
+/// part − bound · whole, over the whole (Fieller, "Some Problems in Interval Estimation", 1954).
+pub fn share_with_error(part: &[Rgb], whole: &[Rgb], mask: &[bool], bound: f64) -> [f64; 2] {
+    let excess = inside(part.iter().zip(whole), mask).map(|(part, whole)| mean_rgb(*part) - bound * mean_rgb(*whole));
+    let all = light(whole, mask);
+    [light(part, mask) / all, error_of_sum(excess) / all]
+}
+
+/// The standard error of a sum of pixels row by row, from the differences of neighbours: their noise, and what structure adds to it.
+/// Beyond the ends it is dark, so that a pixel alone is as uncertain as it is bright.
+///
+/// Source: von Neumann, "Distribution of the Ratio of the Mean Square Successive Difference to the Variance", 1941.
+fn error_of_sum(pixels: impl Iterator<Item = f64>) -> f64 {
+    let (squares, last) = pixels.fold((0.0, 0.0), |(sum, before), p| (sum + (p - before) * (p - before), p));
+    ((squares + last * last) / 2.0).sqrt()
+}
+
 /// How a render that ends after `m` scatterings compares with a deep one of the same samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truncation {
@@ -333,6 +387,7 @@ pub fn visible_area_lights(scene: &Scene) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etalon_core::sampling::stream::{Independent, Stream};
     use etalon_core::scene::builtin;
 
     fn small() -> (Scene, Request) {
@@ -367,6 +422,29 @@ mod tests {
         }
         let light = |on: &str| d.class("LDSSE", on).map_or(0.0, |r| r.share_of_light);
         assert!(light("glass") > 30.0 * light("room"), "only rims show on walls what is visible through glass");
+    }
+
+    /// Pixels with noise on a slope, many times: the squares of the errors over the standard errors are 1 in the mean.
+    #[test]
+    fn the_error_of_a_share_is_that_of_the_noise() {
+        const PIXELS: u32 = 1000;
+        const TIMES: u64 = 400;
+        let (mask, bound) = (vec![true; PIXELS as usize], 0.25);
+        let z = |seed: u64| {
+            let pixel = |i: u32| {
+                let [u, v] = Independent::new(seed, u64::from(i), 0).pair(0);
+                let slope = 0.5 + f64::from(i) / f64::from(PIXELS);
+                let part = slope * (0.5 + u);
+                [part, part + 3.0 * slope * (0.5 + v)].map(|light| Rgb::splat(light as f32))
+            };
+            let [part, whole] = [0, 1].map(|k| (0..PIXELS).map(|i| pixel(i)[k]).collect::<Vec<_>>());
+            let [share, error] = share_with_error(&part, &whole, &mask, bound);
+            (share - bound) / error
+        };
+        let square = (0..TIMES).map(|seed| z(seed).powi(2)).sum::<f64>() / TIMES as f64;
+        assert!((square - 1.0).abs() < 4.0 * (2.0 / TIMES as f64).sqrt(), "{square}");
+        let alone = share_with_error(&[Rgb::ONE], &[Rgb::ONE], &[true], 0.0);
+        assert_eq!(alone, [1.0, 1.0], "a pixel alone may be chance");
     }
 
     #[test]

@@ -7,25 +7,20 @@
 mod depths;
 mod formulas;
 mod map;
-mod paths;
+mod seen;
 mod statues;
 mod texts;
 
-pub use depths::{Agreement, DepthClaims, PlacePicture, depth_claims};
+pub use depths::depth_claims;
 pub use formulas::{glass_claims, metal_claims};
 pub use map::{MapInputs, map_claims};
-pub use paths::Place;
 pub use statues::{StatueInputs, sampling_claims, statue_claims};
 
+use crate::depth::VISIBLE;
 use etalon_stats::Extremes;
 
 /// Standard errors that a number must be away from its bound.
 const SIGMAS: f64 = 3.0;
-
-/// The smallest relative difference in brightness that an observer sees, 2 %: Weber's fraction.
-///
-/// Source: Hood & Finkelstein, "Sensitivity to Light", in *Handbook of Perception and Human Performance*, 1986.
-const VISIBLE: f64 = 0.02;
 
 /// What a number must be for the claim.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -203,43 +198,6 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// The share of a part in the sum of that part and the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Share {
-    /// The share.
-    pub value: f64,
-    /// Covariance of the part and the rest, relative to their sum.
-    covariance: [[f64; 2]; 2],
-}
-
-impl Share {
-    /// A part and the rest, with the covariance of both.
-    pub fn of([part, rest]: [f64; 2], covariance: [[f64; 2]; 2]) -> Self {
-        let sum = part + rest;
-        Self { value: part / sum, covariance: covariance.map(|row| row.map(|c| c / (sum * sum))) }
-    }
-
-    /// The standard error of part − bound · sum, over the sum, which decides on which side of the bound the share is.
-    ///
-    /// Source: Fieller, "Some Problems in Interval Estimation", 1954.
-    pub fn error_at(&self, bound: f64) -> f64 {
-        let ([a, b], [[part, both], [_, rest]]) = ([1.0 - bound, -bound], self.covariance);
-        // Rounding may leave a variance of 0 below it.
-        (a * a * part + 2.0 * a * b * both + b * b * rest).at_least(0.0).sqrt()
-    }
-
-    /// Its standard error.
-    pub fn error(&self) -> f64 {
-        self.error_at(self.value)
-    }
-
-    /// A finding that it is at least `bound`, or at most.
-    pub fn finding(&self, what: impl Into<String>, bound: Bound) -> Finding {
-        let (Bound::AtLeast(limit) | Bound::AtMost(limit)) = bound;
-        Finding::estimated(what, [self.value, self.error_at(limit)], bound).in_percent()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,15 +219,5 @@ mod tests {
         assert_eq!(Claim::default().measured_on(Some("nave")).answer(), "not testable");
         let at_most = |value| Finding::exact("error", value, Bound::AtMost(0.0)).holds();
         assert_eq!((at_most(0.0), at_most(1e-9)), (Some(true), Some(false)));
-    }
-
-    #[test]
-    fn the_bound_of_a_share_counts_each_part_as_much_as_it_weighs() {
-        let share = |both: f64| Share::of([1.0, 3.0], [[0.09, both], [both, 4.0]]);
-        assert_eq!((share(0.0).value, share(0.0).error_at(0.0)), (0.25, 0.075));
-        assert!((share(0.0).error() - (0.75f64 * 0.075).hypot(0.25 * 0.5)).abs() < 1e-12);
-        // A part that is always a quarter of the sum has no error.
-        let fixed = Share::of([1.0, 3.0], [[1.0, 3.0], [3.0, 9.0]]);
-        assert_eq!(fixed.error(), 0.0);
     }
 }

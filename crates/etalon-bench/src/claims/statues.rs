@@ -1,6 +1,6 @@
 //! The second report's claims on statues: the roughness of gold, what it mirrors, and two ways to sample copper.
 
-use super::paths::farthest;
+use super::seen::{farthest, sights};
 use super::{Bound, Claim, Finding, Text, VISIBLE, texts};
 use crate::object_ids::inside;
 use crate::roughness::StatueRender;
@@ -11,7 +11,7 @@ use etalon_core::optics::conductor;
 use etalon_core::optics::metals::GOLD;
 use etalon_core::optics::microfacet::{Beckmann, Microfacet};
 use etalon_core::sampling::warp;
-use etalon_core::scene::{Bvh, Material, Ray, Request, Scene, Shape};
+use etalon_core::scene::{Request, Scene};
 use etalon_stats::Extremes;
 use glam::DVec3;
 
@@ -37,8 +37,9 @@ pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
     let largest = steps.max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or([f64::NAN; 2]);
     let [at_rough, at_smooth] = [rough, smooth].map(|statue| from_gold(statue));
     let less = |what: String, value| [Finding::estimated(what, value, AtMost(1.0))];
-    let mirrored = mirrored(inputs, &smooth.mask);
-    let regions = |text: Text, is_chosen: &dyn Fn(DVec3, f64) -> bool, what: [&str; 2], seen: Mirrored| {
+    let (mirrored, right_wall) =
+        (sights(inputs.scene, inputs.request), farthest(inputs.scene, inputs.scene.camera.right));
+    let regions = |text: Text, is_chosen: &dyn Fn(DVec3, f64) -> bool, what: [&str; 2], seen: Option<usize>| {
         let [(few, few_error), (many, error)] = [rough, smooth].map(|statue| chosen(statue, is_chosen));
         let count = |holds: &dyn Fn(usize) -> bool| (0..many.len()).filter(|&i| holds(i)).count() as f64;
         let (total, number) = (smooth.statue.pixels as f64, count(&|i| many[i]));
@@ -46,7 +47,7 @@ pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
         let named = format!("{} at α = 0.005 (α = 0.5: {:.1} %)", what[0], 100.0 * few_share);
         let [share, error_of_share] = [number, error.hypot(few_error)].map(|pixels| pixels / total);
         let share_of_them =
-            [count(&|i| many[i] && mirrored[i] == seen), error].map(|pixels| pixels / number.at_least(1.0));
+            [count(&|i| many[i] && mirrored[i].object == seen), error].map(|pixels| pixels / number.at_least(1.0));
         text.with([
             Finding::estimated(named, [share, error_of_share], AtLeast(few_share + VISIBLE)).in_percent(),
             Finding::estimated(format!("of them, those that mirror {}", what[1]), share_of_them, AtLeast(0.5))
@@ -61,18 +62,8 @@ pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
             format!("light in the brightest hundredth ({}), over that of the smoother one, largest", list.join(", ")),
             largest,
         )),
-        regions(
-            texts::BLACK_REGIONS,
-            &is_black,
-            ["black pixels (below a tenth of the mean)", "the open side"],
-            Mirrored::Outside,
-        ),
-        regions(
-            texts::BLUE_REGIONS,
-            &is_blue,
-            ["pixels with more blue than red", "the blue wall"],
-            Mirrored::RightWall,
-        ),
+        regions(texts::BLACK_REGIONS, &is_black, ["black pixels (below a tenth of the mean)", "the open side"], None),
+        regions(texts::BLUE_REGIONS, &is_blue, ["pixels with more blue than red", "the blue wall"], right_wall),
         texts::GOLDEN.with(less(
             format!(
                 "mean distance of the chromaticity from gold's at α = 0.5 ({:.3}), over that at 0.005 ({:.3})",
@@ -95,44 +86,6 @@ fn brightest(statue: &StatueRender) -> [f64; 2] {
     let weight = |i: usize| if i < count { 1.0 - share } else { share };
     let variance: f64 = pixels.iter().enumerate().map(|(i, [_, error])| (weight(i) * error).powi(2)).sum();
     [share, variance.sqrt() / total]
-}
-
-/// What the metal of a pixel mirrors.
-#[derive(Clone, Copy, PartialEq)]
-enum Mirrored {
-    /// The open side of the box.
-    Outside,
-    /// The blue wall, which is the one on the right.
-    RightWall,
-    Other,
-}
-
-/// What each pixel of the statue mirrors, along the reflected ray through its centre.
-fn mirrored(inputs: &StatueInputs, mask: &[bool]) -> Vec<Mirrored> {
-    const REFLECTIONS: usize = 4;
-    let (scene, Request { width, height, .. }) = (inputs.scene, *inputs.request);
-    let bvh = Bvh::build(&scene.objects.iter().map(|object| &object.shape).collect::<Vec<&Shape>>());
-    let right_wall = farthest(scene, scene.camera.right);
-    let of_pixel = |i: usize| {
-        let at = [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5];
-        let mut ray = scene.camera.ray(at[0] / width as f64, at[1] / height as f64);
-        for _ in 0..=REFLECTIONS {
-            let Some(hit) = bvh.nearest(&ray, f32::INFINITY) else { return Mirrored::Outside };
-            let object = hit.shape as usize;
-            if right_wall == Some(object) {
-                return Mirrored::RightWall;
-            }
-            if !matches!(scene.objects[object].material, Material::Conductor(_)) {
-                return Mirrored::Other;
-            }
-            let surface = bvh.surface(hit.place, hit.u, hit.v);
-            let direction = ray.direction - 2.0 * ray.direction.dot(surface.shading) * surface.shading;
-            let offset = 1e-4f32.copysign(direction.dot(surface.normal));
-            ray = Ray { origin: surface.point + offset * surface.normal, direction: direction.normalize() };
-        }
-        Mirrored::Other
-    };
-    (0..mask.len()).map(|i| if mask[i] { of_pixel(i) } else { Mirrored::Other }).collect()
 }
 
 /// The pixels of a statue whose colours, beside the statue's mean, are chosen, and the standard error of their number.

@@ -52,24 +52,27 @@ texts! {
     WALLS: "Fig. 1b", "Depth 1 shows walls and floor.", in ["depth-1"];
     LIGHT_IN_MIRROR: "Fig. 1b", "Depth 1 shows the light in the mirror sphere.", in ["depth-1"];
     LIGHT_ON_GLASS: "Fig. 1b", "Depth 1 shows the light on the glass sphere.", in ["depth-1"];
-    CEILING: "Fig. 1c", "Depth 2 adds the ceiling.", in ["depth-2", "claims-places"];
-    WALLS_IN_MIRROR: "Fig. 1c", "Depth 2 adds the walls in the mirror sphere.", in ["depth-2", "claims-places"];
-    GLASS_IN_MIRROR: "Fig. 1c", "Depth 2 adds light, outside of glass, mirror, eye.", in ["depth-2", "claims-places"];
-    WALLS_ON_GLASS: "Fig. 1c", "Depth 2 adds the walls, faintly, on the outside of the glass.", in ["depth-2", "claims-places"];
-    WHITE_SPOT: "Fig. 1c", "Depth 2 adds a faint white spot on the left of the glass: light, mirror, outside of glass.", in ["depth-2", "claims-places"];
-    CEILING_IN_MIRROR: "Fig. 1d", "Depth 3 adds the ceiling in the mirror sphere.", in ["depth-3", "claims-places"];
-    WALLS_THROUGH_GLASS: "Fig. 1d", "Depth 3 adds the walls through the glass sphere.", in ["depth-3", "claims-places"];
-    CAUSTIC: "Fig. 1d", "Depth 3 adds the caustic under the glass sphere.", in ["depth-3", "claims-places"];
+    CEILING: "Fig. 1c", "Depth 2 adds the ceiling.", in ["depth-2"];
+    WALLS_IN_MIRROR: "Fig. 1c", "Depth 2 adds the walls in the mirror sphere.", in ["depth-2"];
+    GLASS_IN_MIRROR: "Fig. 1c", "Depth 2 adds light, outside of glass, mirror, eye.", in ["depth-2"];
+    WALLS_ON_GLASS: "Fig. 1c", "Depth 2 adds the walls, faintly, on the outside of the glass.", in ["depth-2"];
+    WHITE_SPOT: "Fig. 1c", "Depth 2 adds a faint white spot on the left of the glass: light, mirror, outside of glass.", in ["depth-2"],
+        remark "Not judged: path classes of D and S do not tell the mirror from the glass.";
+    CEILING_IN_MIRROR: "Fig. 1d", "Depth 3 adds the ceiling in the mirror sphere.", in ["depth-3"];
+    WALLS_THROUGH_GLASS: "Fig. 1d", "Depth 3 adds the walls through the glass sphere.", in ["depth-3"];
+    CAUSTIC: "Fig. 1d", "Depth 3 adds the caustic under the glass sphere.", in ["depth-3"];
     REFLECTION_GONE: "Fig. 1d", "At depth 3 the faint reflection of floor and walls on the glass is gone.",
-        in ["depth-3", "claims-places"], remark "The same light is there; what comes through the glass outshines it.";
+        in ["depth-3"], remark "The same light is there; what comes through the glass outshines it.";
     REFRACTION: "Fig. 1d", "Refraction by the glass sphere is much more intense than reflection.", in ["depth-3"];
-    GLASS_IN_MIRROR_WALLS: "Fig. 1e", "Depth 4 adds the walls through the glass, in the mirror.", in ["depth-4", "claims-places"];
-    CAUSTIC_IN_MIRROR: "Fig. 1e", "Depth 4 adds the caustic in the mirror.", in ["depth-4", "claims-places"];
-    BLUE_WALL: "Fig. 1e", "Depth 4 adds a spot at the bottom of the blue wall: light, mirror, into and out of the glass, wall.", in ["depth-4", "claims-places"];
-    CAUSTIC_ON_GLASS: "Fig. 1e", "Depth 4 adds the caustic on the outside of the glass.", in ["depth-4", "claims-places"];
+    GLASS_IN_MIRROR_WALLS: "Fig. 1e", "Depth 4 adds the walls through the glass, in the mirror.", in ["depth-4"];
+    CAUSTIC_IN_MIRROR: "Fig. 1e", "Depth 4 adds the caustic in the mirror.", in ["depth-4"];
+    BLUE_WALL: "Fig. 1e", "Depth 4 adds a spot at the bottom of the blue wall: light, mirror, into and out of the glass, wall.", in ["depth-4"],
+        remark "Not judged: path classes of D and S do not tell the mirror from the glass.";
+    CAUSTIC_ON_GLASS: "Fig. 1e", "Depth 4 adds the caustic on the outside of the glass.", in ["depth-4"];
     NOTHING_ELSE: "Fig. 1f", "Depth 5 adds no other significant feature.", in ["depth-5", "depth-differences"];
-    GLAZING: "Fig. 1g", "Depth 100 adds a glazing on the top of the glass sphere.", in ["depth-100", "claims-places"];
-    GLAZING_OUTSIDE: "Fig. 1g", "The glazing is reflection by the outside near grazing incidence.", in ["depth-100", "claims-places"];
+    GLAZING: "Fig. 1g", "Depth 100 adds a glazing on the top of the glass sphere.", in ["depth-100"];
+    GLAZING_OUTSIDE: "Fig. 1g", "The glazing is reflection by the outside near grazing incidence.", in ["depth-100"],
+        remark "Not judged: path classes of D and S do not tell reflection by the outside of the glass from reflection inside it.";
     INCREASES: "Fig. 1", "The overall intensity increases at every step.", in ["depth-differences", "error-depth"];
 }
 

@@ -6,7 +6,7 @@ use etalon_bench::depth::{ALL, ClassRow, DEPTHS, Depths};
 use etalon_core::raster::{Image, ToneMap, to_rgb8};
 
 /// An image as the second report shows its own.
-pub(super) fn tone_mapped(image: &Image) -> Rgb8 {
+fn tone_mapped(image: &Image) -> Rgb8 {
     Rgb8::new(image.width(), image.height(), to_rgb8(image, &ToneMap::SecondReport))
 }
 

@@ -1,21 +1,14 @@
-//! What the reports claim, and what is measured: `claims-first`, `claims-second`, `claims-places`.
+//! What the reports claim, and what is measured: `claims-first`, `claims-second`.
 
 use super::{depth, proposal, roughness, sampling, sphere};
 use crate::gallery::figure::{self, Report};
 use crate::gallery::prelude::*;
 use crate::view::claims as view;
-use etalon_bench::claims::{self, Agreement, Claim, DepthClaims, MapInputs, StatueInputs};
+use etalon_bench::claims::{self, Claim, MapInputs, StatueInputs};
 use etalon_bench::metal::{self, MetalTable};
 
-/// Standard errors by which two ways to measure a number may differ.
-const SIGMAS: f64 = 4.0;
-
 pub fn figures() -> Vec<Maker> {
-    vec![
-        maker("claims-first", first_content),
-        maker("claims-second", second_content),
-        maker("claims-places", places_content),
-    ]
+    vec![maker("claims-first", first_content), maker("claims-second", second_content)]
 }
 
 fn metals(studies: &mut Studies) -> Result<Rc<MetalTable>> {
@@ -33,19 +26,12 @@ fn first_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let of_map = MapInputs { map, exact: &exact, renders, proposal: tested.as_ref().as_ref() };
     let other_map = inputs.other_map().map(|_| inputs.map.file_name());
     claims.extend(claims::map_claims(&of_map)?.into_iter().map(|claim| claim.measured_on(other_map)));
-    content(Report::First, &claims, vec![undecided(&claims, inputs)])
-}
-
-fn of_depths(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<DepthClaims>> {
-    let depths = depth::series(inputs, studies)?;
-    let (scene, _) = inputs.spheres();
-    let paths = inputs.effort.of(1 << 19, 1 << 16);
-    studies.get("claims", || claims::depth_claims(&scene, &depths, paths, inputs.seed))
+    content(Report::First, &claims, undecided(&claims, inputs))
 }
 
 /// A table of the second report's claims, each group on a scene of its own, which the table names.
 fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let of_depths = of_depths(inputs, studies)?;
+    let ((spheres, _), depths) = (inputs.spheres(), depth::series(inputs, studies)?);
     let statues: Vec<_> = roughness::ALPHAS
         .iter()
         .map(|&alpha| roughness::statue(inputs, studies, "Au", alpha))
@@ -58,7 +44,7 @@ fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
     let unless = |name: &str, scene: String| (!inputs.is_original(name)).then_some(scene);
     let dragon = if inputs.originals.is_some() { "another dragon" } else { &scene.name };
     let groups = [
-        (of_depths.claims.clone(), unless("CBspheres.dae", inputs.spheres().0.name)),
+        (claims::depth_claims(&spheres, &depths), unless("CBspheres.dae", spheres.name)),
         (claims::metal_claims(&metals), None),
         // Nobody has published the report's own dragon
         (claims::statue_claims(&statues), Some(dragon.to_owned())),
@@ -68,23 +54,11 @@ fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         claims.into_iter().map(move |claim| claim.measured_on(elsewhere.as_deref()))
     };
     let claims: Vec<Claim> = groups.into_iter().flat_map(on).collect();
-    let agree = of_depths.agreement.iter().map(|Agreement { name, z }| agrees(name, Some(*z)));
-    // Without a rectangle that emits light
-    let untested = of_depths.agreement.is_empty().then(|| agrees("light", None));
-    content(Report::Second, &claims, [undecided(&claims, inputs)].into_iter().chain(agree).chain(untested).collect())
+    content(Report::Second, &claims, undecided(&claims, inputs))
 }
 
-fn places_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let (of_depths, depths) = (of_depths(inputs, studies)?, depth::series(inputs, studies)?);
-    let drawing = view::places(&of_depths.pictures, &depths);
-    let name = |title: &str| format!("light in the frame, {title}");
-    let seen = of_depths.pictures.iter().map(|picture| agrees(&name(picture.title), Some(picture.z)));
-    let unseen = of_depths.unseen.iter().map(|title| agrees(&name(title), None));
-    Content::new(drawing, &view::place_rows(&of_depths.pictures), seen.chain(unseen).collect())
-}
-
-fn content(report: Report, claims: &[Claim], checks: Vec<Check>) -> Result<Content> {
-    let content = Content::of_text(&view::rows(claims), checks)?;
+fn content(report: Report, claims: &[Claim], check: Check) -> Result<Content> {
+    let content = Content::of_text(&view::rows(claims), vec![check])?;
     let row = |claim: &Claim| figure::Claim {
         report: report.name().to_owned(),
         place: claim.text.place.to_owned(),
@@ -103,11 +77,4 @@ fn undecided(claims: &[Claim], inputs: &Inputs) -> Check {
     let share = findings().filter(|finding| finding.holds().is_none()).count() as f64 / findings().count() as f64;
     let name = "share of the numbers within 3 standard errors of what the claim demands";
     Check::at_most(name, share, inputs.effort.of(0.0, 0.1))
-}
-
-/// Light that paths measure agrees with the renderer's; skipped where no path found any.
-fn agrees(name: &str, z: Option<f64>) -> Check {
-    let name = format!("{name}, path by path minus the renderer (standard errors)");
-    Check::within(name, 0.0, z.unwrap_or(f64::NAN), SIGMAS)
-        .unless(z.is_none().then_some("no light of this class was found"))
 }
