@@ -8,7 +8,7 @@
 //! | [`cli`] | one file per subcommand: parse, call, print |
 //! | [`summary`] | results of studies for other user interfaces: text, SVG, CSV |
 //! | `etalon_figures` | plots, views of results, the figures and their page |
-//! | [`study`] (`etalon_bench`) | one file or folder per experiment: computes a plain result |
+//! | [`study`] (`etalon_bench`) | one file or folder per study: computes a plain result |
 //! | [`render`] (`etalon_render`) | the path tracer and its film |
 //! | `etalon_core` | [`import`], [`export`], [`scene`], [`bsdf`], [`envmap`], [`raster`], [`errata`], [`sampling`], [`optics`], [`math`] |
 //! | [`etalon_stats`] | statistical tests of samplers; knows nothing of rendering |

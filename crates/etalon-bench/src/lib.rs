@@ -1,4 +1,4 @@
-//! The studies of `etalon`, one file or folder per experiment: each computes a plain result and neither plots nor prints.
+//! The studies of `etalon`, one file or folder per study: each computes a plain result and neither plots nor prints.
 //! [`protocol`] has the samplers, BSDFs and renderers of other programs that they test.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro))]

@@ -1,5 +1,6 @@
 //! Why several tests do not accept, each cause once.
 
+use crate::extremes::Extremes;
 use crate::mistakes::number;
 use crate::named_mistake::NamedMistake;
 use crate::outcome::{Outcome, Verdict};
@@ -75,28 +76,41 @@ fn words(outcome: &Outcome) -> String {
 /// The relative error of a factor that counts as none.
 const SAME: f64 = 0.02;
 
-/// What explains findings of one kind that are factors, if these are not the same for all `wo`: with their law, if it is a usual one.
+/// What explains findings of one kind that are factors, for different `wo`: one factor, or one that changes with wo, with its law if that
+/// is a usual one.
 fn factor_of_wo(findings: &[&Finding]) -> Option<NamedMistake> {
-    let of =
-        |finding: &&Finding| Some((finding.outcome.wo?[2].abs(), finding.outcome.mistake.as_ref()?.factor()?.value));
+    let of = |finding: &&Finding| Some((finding.outcome.wo?[2], finding.outcome.mistake.as_ref()?.factor()?.value));
     let factors: Vec<(f64, f64)> = findings.iter().map(of).collect::<Option<_>>()?;
-    let [samples, function] = &findings.first()?.outcome.mistake.as_ref()?.factor()?.names;
-    let is_same = |factor: f64, other: f64| (factor / other - 1.0).abs() <= SAME;
-    if factors.iter().all(|(_, factor)| is_same(*factor, factors[0].1)) {
+    let first = findings.first()?.outcome.mistake.as_ref()?;
+    let [samples, function] = &first.factor()?.names;
+    // Channels have factors of their own.
+    let is_alike = |told: &NamedMistake| told.suffix() == first.suffix();
+    if !findings.iter().all(|finding| finding.outcome.mistake.as_ref().is_some_and(is_alike)) {
         return None;
     }
-    let told = |(cos, factor): &(f64, f64)| format!("{factor:.3} times at {:.0}°", cos.acos().to_degrees());
+    let is_same = |factor: f64, other: f64| (factor / other - 1.0).abs() <= SAME;
+    if factors.iter().all(|(_, factor)| is_same(*factor, factors[0].1)) {
+        // What differs in numbers alone is one cause in any case.
+        let is_told_once = findings.iter().all(|finding| words(finding.outcome) == words(findings[0].outcome));
+        let told =
+            format!("{samples} follow {function} up to a factor: {function} is {:.3} times as large", factors[0].1);
+        return (!is_told_once).then(|| NamedMistake::from(told).with_suffix(first.suffix()));
+    }
+    let told = |(cos, factor): &(f64, f64)| {
+        format!("{factor:.3} times as large at {:.0}°", cos.within(-1.0, 1.0).acos().to_degrees())
+    };
     let law = law_of_wo(&factors, is_same).map_or(String::new(), |law| format!(": {law}"));
-    Some(NamedMistake::from(format!(
-        "{samples} follow {function} up to a factor that changes with wo alone: {function} is too large, {}{law}",
+    let told = format!(
+        "{samples} follow {function} up to a factor that changes with wo alone: {function} is {}{law}",
         factors.iter().map(told).collect::<Vec<_>>().join(", ")
-    )))
+    );
+    Some(NamedMistake::from(told).with_suffix(first.suffix()))
 }
 
 /// What factors are by the cosine of the angle of `wo`: a power of it, or a masking that is missing, or there twice.
 fn law_of_wo(factors: &[(f64, f64)], is_same: impl Fn(f64, f64) -> bool) -> Option<String> {
     for (power, name) in [(1, "cos θo"), (-1, "1/cos θo"), (2, "cos² θo"), (-2, "1/cos² θo")] {
-        let constant = |(cos, factor): &(f64, f64)| factor / cos.powi(power);
+        let constant = |(cos, factor): &(f64, f64)| factor / cos.abs().powi(power);
         let first = constant(&factors[0]);
         if factors.iter().all(|both| is_same(constant(both), first)) {
             let constant = if is_same(first, 1.0) { String::new() } else { format!("{} times ", number(first)) };
@@ -123,6 +137,7 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
     let failed = || findings.iter().filter(|finding| !finding.outcome.is_accepted());
     let has_factor = |finding: &&Finding| finding.outcome.mistake.as_ref().is_some_and(|told| told.factor().is_some());
     let mut kinds: Vec<&str> = failed().filter(has_factor).map(|finding| finding.kind).collect();
+    kinds.sort_unstable();
     kinds.dedup();
     for kind in kinds {
         let findings: Vec<&Finding> = failed().filter(|finding| finding.kind == kind).filter(has_factor).collect();
@@ -142,11 +157,13 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// What is told of rejections at these angles, whose pdf is too large by a factor of each.
+    /// What is told of rejections at these angles, with a pdf that is each of these times as large.
     fn told(factors: &[(f64, f64)]) -> Vec<String> {
         let outcome = |&(degrees, factor): &(f64, f64)| {
             let (sin, cos) = f64::to_radians(degrees).sin_cos();
-            let mistake = NamedMistake::from(format!("samples follow the pdf up to a factor of {factor}"));
+            // Where samples may be none, the pdf's factor is one of probabilities.
+            let words = if degrees > 60.0 { "and probabilities are wrong" } else { "up to a factor" };
+            let mistake = NamedMistake::from(format!("samples follow the pdf, {words}"));
             let mistake = Some(mistake.with_factor(["samples", "the pdf"], factor));
             Outcome { verdict: Verdict::Reject, wo: Some([sin, 0.0, cos]), mistake, ..Outcome::open(1000) }
         };
@@ -166,7 +183,7 @@ mod tests {
         let by = |factor: fn(f64) -> f64| [20.0, 50.0, 80.0].map(|degrees| (degrees, factor(f64::to_radians(degrees))));
         type Law = (fn(f64) -> f64, &'static str);
         let laws: [Law; 4] = [
-            (f64::cos, "times at 80°: a factor of cos θo"),
+            (f64::cos, "times as large at 80°: a factor of cos θo"),
             (|angle| 4.0 / angle.cos(), ": a factor of 4 times 1/cos θo"),
             (|angle| 1.005 * masking(0.4, angle), "it lacks Smith's masking G1(wo), of GGX normals with α = 0.40"),
             (
@@ -175,14 +192,18 @@ mod tests {
             ),
         ];
         let masking_of_all = told(&by(laws[2].0));
-        assert!(masking_of_all[0].contains("1.010 times at 20°"), "{masking_of_all:?}");
+        assert!(masking_of_all[0].contains("1.010 times as large at 20°"), "{masking_of_all:?}");
         for (factor, law) in laws {
             let all = told(&by(factor));
             assert!(all.len() == 1 && all[0].contains(law), "{law}: {all:?}");
             assert!(all[0].contains("; also sampling/50, sampling/80"), "{all:?}");
         }
-        // Other factors have no law; one factor needs none
-        assert!(told(&by(|angle| 2.0 + angle))[0].contains("too large, 2.349 times at 20°, 2.873 times at 50°"));
-        assert!(!told(&by(|_| 2.0))[0].contains("wo alone"));
+        // Other factors have no law; one factor is told once, whatever its words are
+        assert!(
+            told(&by(|angle| 2.0 + angle))[0]
+                .contains("the pdf is 2.349 times as large at 20°, 2.873 times as large at 50°")
+        );
+        let one = told(&by(|_| 2.0));
+        assert!(one.len() == 1 && one[0].contains("up to a factor: the pdf is 2.000 times as large"), "{one:?}");
     }
 }

@@ -17,7 +17,7 @@ pub struct NamedMistake {
     factor: Option<Factor>,
 }
 
-/// A factor by which a function is too large, where its shape is right.
+/// A factor by which a function is wrong, where its shape is right.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Factor {
     /// What follows what: "samples", "the pdf".
@@ -58,6 +58,11 @@ impl NamedMistake {
     /// The factor, if nothing else is wrong.
     pub(crate) fn factor(&self) -> Option<&Factor> {
         self.factor.as_ref()
+    }
+
+    /// What follows the mistake in words.
+    pub(crate) fn suffix(&self) -> &str {
+        &self.suffix
     }
 
     /// Whether it is left open which mistake it is.

@@ -18,7 +18,7 @@ pub fn depth_claims(scene: &Scene, depths: &Depths) -> Vec<Claim> {
         sights.iter().map(|sight| *sight == ceiling).collect()
     };
     let ceiling = |text: Text, depth: u32, reflections: u32| {
-        let what = format!("share of paths of {depth} events in the light there");
+        let what = format!("share of paths of {depth} scatterings in the light there");
         text.with([gain(what, depths, depth, &on_ceiling(reflections), VISIBLE)])
     };
     let appears = |text: Text, class: &str, on: Kind| text.with([where_bright(depths, class, on)]);
@@ -99,7 +99,9 @@ fn glazing(scene: &Scene, depths: &Depths) -> Claim {
     top[(first + (last - first) / 3) * width..].fill(false);
     let everywhere = 1.0 - depths.mean(5) / depths.mean(LONGEST);
     let of_image = percent(everywhere);
-    let what = format!("share of longer paths in the light of the sphere's upper third (of the image: {of_image})");
+    let what = format!(
+        "share of paths of more than 5 scatterings in the light of the sphere's upper third (of the image: {of_image})"
+    );
     texts::GLAZING.with([gain(what, depths, LONGEST, &top, everywhere + VISIBLE)])
 }
 
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_appears_at_each_depth_is_what_the_renderer_has() {
+    fn what_appears_at_each_depth_is_there() {
         let claims = tested(builtin::cornell_spheres());
         let verdict = |text| claims.iter().find(|claim| claim.text == text).unwrap().verdict();
         for claim in [

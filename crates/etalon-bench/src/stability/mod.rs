@@ -104,7 +104,7 @@ pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
 /// A bound, and the largest error that was found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct BoundCheck {
-    /// Of what, and which error.
+    /// The family or `special-directions`, and which error.
     pub name: String,
     /// The largest error.
     pub got: f64,

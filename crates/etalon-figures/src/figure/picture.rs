@@ -23,6 +23,11 @@ const LEFT: f64 = 12.0;
 const GAP: f64 = 6.0;
 const AFTER: f64 = 28.0;
 
+/// The side of a mark with its rims; 0 where there is none.
+fn framed(side: f64) -> f64 {
+    side * (1.0 + 2.0 * RIM)
+}
+
 impl Picture {
     pub(super) fn laid(&self, room: Room) -> Page {
         let fit = |height: f64| (room.width / self.page.width).min(height / self.page.height);
@@ -33,15 +38,16 @@ impl Picture {
         let factor = factor(room.height - below(lines(factor(room.height))));
         let mut page = self.page.clone().scaled(factor);
         for Line { height, texts } in lines(factor) {
-            let (mut x, middle) = (LEFT, page.height + height - 0.5 * LINE);
+            let tallest = texts.iter().map(|(side, ..)| framed(*side)).fold(LINE, f64::max);
+            let (mut x, middle) = (LEFT, page.height + height - 0.5 * tallest);
             for (side, colour, name, width) in texts {
                 if side > 0.0 {
-                    let mark = Rect::new(x, middle - 0.5 * side, side, side);
+                    let mark = Rect::new(x + RIM * side, middle - 0.5 * side, side, side);
                     // On dark paper, too, a mark stands out as it does on the picture
                     page.rect(mark.grown(RIM * side), theme::MARKER_SHADE);
                     page.rect(mark.grown(0.5 * RIM * side), theme::BORDER);
                     page.rect(mark, colour);
-                    x += side + GAP;
+                    x += framed(side) + GAP;
                 }
                 page.text(Text::new([x, middle], theme::NOTE_SIZE, name).held(Anchor::Start, Level::Middle));
                 x += width + AFTER;
@@ -56,16 +62,18 @@ impl Picture {
         let mut lines: Vec<Line> = Vec::new();
         let mut x = f64::INFINITY;
         for (side, colour, name) in &self.key {
-            let limit = width - 2.0 * LEFT - side * factor - GAP;
+            let limit = width - 2.0 * LEFT - framed(side * factor) - GAP;
             for (i, part) in text::wrapped(name, theme::NOTE_SIZE, false, limit).into_iter().enumerate() {
                 let side = if i == 0 { side * factor } else { 0.0 };
                 let long = text::width(&part, theme::NOTE_SIZE, false);
-                if x + side + GAP + long > width || i > 0 {
+                if x + framed(side) + GAP + long > width || i > 0 {
                     lines.push(Line { height: if i > 0 { FURTHER } else { LINE }, texts: Vec::new() });
                     x = LEFT;
                 }
-                x += side + GAP + long + AFTER;
-                lines.last_mut().expect("a line was begun").texts.push((side, *colour, part, long));
+                x += framed(side) + GAP + long + AFTER;
+                let line = lines.last_mut().expect("a line was begun");
+                line.height = line.height.max(framed(side));
+                line.texts.push((side, *colour, part, long));
             }
         }
         lines

@@ -164,11 +164,12 @@ fn p_values(validation: &Validation) -> Drawing {
     let foot = 10f64.powf(smallest.min(holm.first().map_or(1.0, |p| p[1])).log10().floor() - 1.0);
     let first = tests.first().map_or(1.0, |test| test.expected);
     let uniformity = validation.uniformity;
-    let title = match total == n {
-        true => counted(n, "test"),
-        false => {
-            format!("{n} of {total} tests: the others have exact checks alone, or /{{p}}-values of few possible values")
-        }
+    let of_rejections = if validation.rejected == 0 { "none".to_owned() } else { validation.rejected.to_string() };
+    let title = format!("{}: {of_rejections} rejected", counted(total, "test"));
+    let others = || {
+        format!(
+            "/{{p}}-values of {n} tests: the others have exact checks alone, or /{{p}}-values of few possible values"
+        )
     };
     Plot::new([
         panel(Axis::linear("rank / (tests + 1)").range(0.0, 1.0), Axis::linear("/{p}-value").range(0.0, 1.0), 0.0)
@@ -180,7 +181,7 @@ fn p_values(validation: &Validation) -> Drawing {
             )),
     ])
     .draw()
-    .headed(title, Vec::new())
+    .headed(title, (total > n).then(others).into_iter().collect())
 }
 
 /// A row for each planted fault, as CSV.

@@ -284,8 +284,14 @@ fn an_eta_that_is_not_declared_is_named() {
     assert!(report.contains("transmitted, as of eta = 1.5, which is not declared"), "{report}");
 }
 
-/// Cosine-weighted directions on both sides, transmitted with the first probability; the pdf has the second, times the third.
-struct BothSides(f64, f64, f64);
+/// Cosine-weighted directions on both sides.
+struct BothSides {
+    /// The probability of transmission.
+    transmitted: f64,
+    /// That of the pdf, and a factor of the pdf on that side.
+    of_pdf: f64,
+    factor: f64,
+}
 
 impl Bsdf for BothSides {
     fn properties(&self) -> Properties {
@@ -297,13 +303,12 @@ impl Bsdf for BothSides {
     }
 
     fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
-        let Self(_, transmitted, factor) = self;
-        let share = if wo[2] * wi[2] < 0.0 { transmitted * factor } else { 1.0 - transmitted };
+        let share = if wo[2] * wi[2] < 0.0 { self.of_pdf * self.factor } else { 1.0 - self.of_pdf };
         share * wi[2].abs() / PI
     }
 
     fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
-        let Self(transmitted, ..) = *self;
+        let transmitted = self.transmitted;
         let is_transmitted = u[0] < transmitted;
         let u0 = if is_transmitted { u[0] / transmitted } else { (u[0] - transmitted) / (1.0 - transmitted) };
         let (r, phi) = (u0.sqrt(), 2.0 * PI * u[1]);
@@ -316,12 +321,15 @@ impl Bsdf for BothSides {
 
 #[test]
 fn a_factor_of_one_side_is_named_and_is_a_square_only_where_the_other_is_right() {
-    let told = |bsdf: BothSides| test("under test", &bsdf, &[towards(40.0)], &Protocol::default()).unwrap().to_string();
-    let square = told(BothSides(0.7, 0.7, 1.0 / 2.25));
+    let told = |transmitted, of_pdf, factor| {
+        let bsdf = BothSides { transmitted, of_pdf, factor };
+        test("under test", &bsdf, &[towards(40.0)], &Protocol::default()).unwrap().to_string()
+    };
+    let square = told(0.7, 0.7, 1.0 / 2.25);
     assert!(square.contains(" = (1.49") && square.contains(")² where light is transmitted"), "{square}");
-    let shares = told(BothSides(0.6, 0.5, 1.0));
+    let shares = told(0.6, 0.5, 1.0);
     assert!(shares.contains(" where light is transmitted") && !shares.contains(")²"), "{shares}");
-    assert!(told(BothSides(0.7, 0.7, 1.0)).contains("0 reject"));
+    assert!(told(0.7, 0.7, 1.0).contains("0 reject"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::axis::{self, Axis, Direction};
 use super::centre;
-use super::{BATCH, Follows, MOST_CELLS, Mistake, SCALES, all, asked, marginals, unless_cancelled};
+use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_cancelled};
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
@@ -36,6 +36,8 @@ const CHANCE: f64 = 2.5;
 const LEFT_BY_CHANCE: f64 = 3.5;
 const CLEAR: f64 = 10.0;
 const CERTAIN: f64 = 100.0;
+/// Factors of a part of the domain: squares of indices up to 2.8, and one over them.
+const FACTORS: [f64; 2] = [0.125, 8.0];
 /// Powers that exponents which are wrong by a simple factor make, and their names.
 const POWERS: [(f64, &str); 6] =
     [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
@@ -386,7 +388,7 @@ impl<'a> Table<'a> {
             }
             Follows::TimesIn(is_inside) => {
                 let inside: Vec<bool> = self.points.iter().map(|&point| is_inside(point)).collect();
-                (limits, rest, own) = (SCALES, 1.0, String::new());
+                (limits, rest, own) = (FACTORS, 1.0, String::new());
                 values = Box::new(move |factor: f64| {
                     let pdfs = self.pdfs.iter().zip(&inside);
                     Ok(pdfs.map(|(pdf, inside)| if *inside { factor * pdf } else { *pdf }).collect())
@@ -480,7 +482,7 @@ impl<'a> Table<'a> {
             Follows::Power => POWERS.iter().find(power).map(|(_, name)| (*name).to_owned()),
             _ if known.is_none() => Some(format!("about {}", significant(amount, 2))),
             // Wrong shares of two lobes make both parts wrong; where one is right, the factor of the other may be the square of an index.
-            Follows::TimesIn(is_inside) if self.is_right_outside(is_inside) => {
+            Follows::TimesIn(is_inside) if self.is_right_outside(is_inside, amount) => {
                 let (one_over, index) = if amount < 1.0 { ("1/", amount.sqrt().recip()) } else { ("", amount.sqrt()) };
                 let of_index = with_error(index, 0.5 * error / amount * index);
                 Some(format!("{} = {one_over}({of_index})²", with_error(amount, error)))
@@ -518,13 +520,17 @@ impl<'a> Table<'a> {
         Ok(found.map(|_| name()))
     }
 
-    /// Whether as many samples as expected lie outside of a part of the domain, by the cells that have no point in it.
-    fn is_right_outside(&self, is_inside: impl Fn(Point) -> bool) -> bool {
+    /// Whether as many samples as expected lie outside of a part of the domain, by the cells that have no point in it, and clearly others
+    /// would if the factor inside were that of a wrong share of the part.
+    fn is_right_outside(&self, is_inside: impl Fn(Point) -> bool, factor: f64) -> bool {
         let inside = self.sums(self.points.iter().map(|&point| if is_inside(point) { 1.0 } else { 0.0 }));
         let outside = (0..inside.len()).filter(|&i| inside[i] == 0.0);
         let [n, expected] =
             outside.fold([0.0; 2], |[n, expected], i| [n + self.observed[i] as f64, expected + self.expected[i]]);
-        (n - expected).abs() <= CHANCE * expected.sqrt() + PRECISION * expected
+        let chance = CHANCE * expected.sqrt() + PRECISION * expected;
+        let all = self.expected.iter().sum::<f64>();
+        let of_wrong_share = expected * all / (factor * (all - expected) + expected);
+        (n - expected).abs() <= chance && (of_wrong_share - expected).abs() > 2.0 * chance
     }
 
     /// Observed and expected counts of all that may be drawn: of atoms, of "no sample", then of all other samples.

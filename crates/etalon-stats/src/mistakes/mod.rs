@@ -120,7 +120,7 @@ impl<'a> Mistake<'a> {
         Self::new(name, Follows::Moved { limits: SCALES, rest: 1.0, place: Box::new(place) })
     }
 
-    /// A factor of any size in a part of the domain, where refracted light is.
+    /// A factor of any size in a part of the domain, such as the side of refracted light.
     pub fn factor_in(name: &str, is_inside: impl Fn(Point) -> bool + 'a) -> Self {
         Self::new(&format!("times {{}} {name}"), Follows::TimesIn(Box::new(is_inside)))
     }

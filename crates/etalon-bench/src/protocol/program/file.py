@@ -183,7 +183,7 @@ def forms(function, name, widths, read, rows):
         return call, call([rows[0][: call.wo] + row[call.wo :] for row in rows])
 
     def of_arrays(as_numbers):
-        """For arrays, unless it gives other results than for one `wo`: then `wo[2]` is meant as a coordinate, and is a row of an array."""
+        """For arrays, unless a call with one `wo` gives other results: then `wo[2]` is a coordinate, and of arrays it is the third row."""
         call, found = attempt(True, False, as_numbers)
         try:
             of_one, _ = attempt(True, True, as_numbers)
@@ -423,7 +423,7 @@ class BsdfFile:
         if count is not None and count < 2:
             raise Refused(f"sample takes {count} arguments; wanted sample({'point' if self.kind == 'light' else 'wo'}, u)")
         self.module, self.parameters = module, ranges_of(module)
-        # On all sides, as signs tell wo[2] of one wo from the third of several
+        # Signs of x and y differ, so that wo[2], a coordinate, differs from wo[2], the third row
         sides = [[1.2 * x - 0.6, 1.2 * y - 0.6] for x, y in uniform(ROWS, 2)]
         wos = [[x, y, (1 - x * x - y * y) ** 0.5] for x, y in sides]
         pairs = [[*wo, *wi] for wo, wi in zip(wos, reversed(wos))]
