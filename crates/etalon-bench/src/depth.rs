@@ -64,7 +64,7 @@ pub struct ClassRow {
     /// The standard error of `share_of_light`.
     #[serde(skip)]
     pub error: f64,
-    /// Share of the light of the image of that depth, where the class is bright: within 1.5 standard deviations of the centroid.
+    /// Share of the light of the image of that depth where the class has the middle three quarters of its light, by row and by column.
     #[serde(skip)]
     pub share_there: f64,
     /// The standard error of its distance from [`VISIBLE`].
@@ -186,7 +186,7 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             if here > 0.0 {
                 let [x, y] = centroid(layer, request.width, mask, here);
                 let lit = inside(layer, mask).filter(|p| **p != Rgb::ZERO).count();
-                let bright = bright(layer, request.width, mask, [x, y]);
+                let bright = bright(layer, request.width, mask, here);
                 let [share_there, error_there] = share_with_error(layer, images[place].pixels(), &bright, VISIBLE);
                 classes.push(ClassRow {
                     depth,
@@ -296,17 +296,24 @@ fn centroid(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> [f64; 2]
     sum.map(|s| s / light)
 }
 
-/// Which pixels of `mask` reach within 1.5 standard deviations of the centroid along both axes.
-fn bright(pixels: &[Rgb], width: usize, mask: &[bool], centroid: [f64; 2]) -> Vec<bool> {
-    let offsets = |i: usize| [0, 1].map(|c| [i % width, i / width][c] as f64 + 0.5 - centroid[c]);
-    let (mut sum, mut squares) = (0.0, [0.0; 2]);
+/// Which pixels of `mask` have the middle three quarters of a layer's light along both axes. Single bright pixels far from all others
+/// do not move these quantiles.
+fn bright(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> Vec<bool> {
+    let at = |i: usize| [i % width, i / width];
+    let mut sums = [width, pixels.len() / width].map(|lines| vec![0.0; lines]);
     for (i, p) in inside(pixels.iter().enumerate(), mask) {
-        let weight = mean_rgb(*p);
-        sum += weight;
-        (0..2).for_each(|c| squares[c] += weight * offsets(i)[c].powi(2));
+        (0..2).for_each(|c| sums[c][at(i)[c]] += mean_rgb(*p));
     }
-    let reach = squares.map(|square| 0.5 + 1.5 * (square / sum).sqrt());
-    mask.iter().enumerate().map(|(i, inside)| *inside && (0..2).all(|c| offsets(i)[c].abs() < reach[c])).collect()
+    let middle = sums.map(|lines| {
+        let mut below = 0.0;
+        let is_in_middle = |line: f64| {
+            let from = below;
+            below += line / light;
+            below > 0.125 && from < 0.875
+        };
+        lines.into_iter().map(is_in_middle).collect::<Vec<bool>>()
+    });
+    mask.iter().enumerate().map(|(i, inside)| *inside && (0..2).all(|c| middle[c][at(i)[c]])).collect()
 }
 
 /// The share of a part in the light of the pixels of `mask`, and the standard error of its distance from `bound`: that of
@@ -422,6 +429,18 @@ mod tests {
         }
         let light = |on: &str| d.class("LDSSE", on).map_or(0.0, |r| r.share_of_light);
         assert!(light("glass") > 30.0 * light("room"), "only rims show on walls what is visible through glass");
+    }
+
+    #[test]
+    fn a_far_bright_pixel_does_not_move_the_place_of_a_class() {
+        const SIZE: [usize; 2] = [40, 30];
+        let is_spot = |i: usize| (5..9).contains(&(i % SIZE[0])) && (10..13).contains(&(i / SIZE[0]));
+        let pixels = SIZE[0] * SIZE[1];
+        let mut layer: Vec<Rgb> = (0..pixels).map(|i| if is_spot(i) { Rgb::ONE } else { Rgb::ZERO }).collect();
+        layer[pixels - 1] = Rgb::splat(1.2);
+        let mask = vec![true; pixels];
+        let place = bright(&layer, SIZE[0], &mask, light(&layer, &mask));
+        assert!((0..pixels).all(|i| place[i] == is_spot(i)));
     }
 
     /// Pixels with noise on a slope, many times: the squares of the errors over the standard errors are 1 in the mean.
