@@ -64,7 +64,7 @@ pub struct ClassRow {
     /// The standard error of `share_of_light`.
     #[serde(skip)]
     pub error: f64,
-    /// Share of the light of the image of that depth where the class has the middle three quarters of its light, by row and by column.
+    /// Share of the light of the image of that depth where the class has the middle half of its light, by row and by column.
     #[serde(skip)]
     pub share_there: f64,
     /// The standard error of its distance from [`VISIBLE`].
@@ -296,7 +296,7 @@ fn centroid(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> [f64; 2]
     sum.map(|s| s / light)
 }
 
-/// Which pixels of `mask` have the middle three quarters of a layer's light along both axes. Single bright pixels far from all others
+/// Which pixels of `mask` have the middle half of a layer's light along both axes. Single bright pixels far from all others
 /// do not move these quantiles.
 fn bright(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> Vec<bool> {
     let at = |i: usize| [i % width, i / width];
@@ -309,7 +309,7 @@ fn bright(pixels: &[Rgb], width: usize, mask: &[bool], light: f64) -> Vec<bool> 
         let is_in_middle = |line: f64| {
             let from = below;
             below += line / light;
-            below > 0.125 && from < 0.875
+            below > 0.25 && from < 0.75
         };
         lines.into_iter().map(is_in_middle).collect::<Vec<bool>>()
     });
@@ -440,7 +440,8 @@ mod tests {
         layer[pixels - 1] = Rgb::splat(1.2);
         let mask = vec![true; pixels];
         let place = bright(&layer, SIZE[0], &mask, light(&layer, &mask));
-        assert!((0..pixels).all(|i| place[i] == is_spot(i)));
+        let (inside, outside): (Vec<_>, Vec<_>) = (0..pixels).filter(|&i| place[i]).partition(|&i| is_spot(i));
+        assert!(inside.len() >= 6 && outside.is_empty(), "{inside:?} {outside:?}");
     }
 
     /// Pixels with noise on a slope, many times: the squares of the errors over the standard errors are 1 in the mean.
