@@ -39,7 +39,7 @@ pub fn depth_claims(scene: &Scene, depths: &Depths) -> Vec<Claim> {
         gone(depths),
         outshone(depths),
         appears(texts::GLASS_IN_MIRROR_WALLS, "LDSSSE", Kind::Mirror),
-        appears(texts::CAUSTIC_IN_MIRROR, "LSSDSE", Kind::Mirror),
+        not_judged(texts::CAUSTIC_IN_MIRROR),
         not_judged(texts::BLUE_WALL),
         appears(texts::CAUSTIC_ON_GLASS, "LSSDSE", Kind::Glass),
         nothing_else(depths),

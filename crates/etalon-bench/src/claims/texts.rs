@@ -65,7 +65,8 @@ texts! {
         in ["depth-3"], remark "The same light is there; what comes through the glass outshines it.";
     REFRACTION: "Fig. 1d", "Refraction by the glass sphere is much more intense than reflection.", in ["depth-3"];
     GLASS_IN_MIRROR_WALLS: "Fig. 1e", "Depth 4 adds the walls through the glass, in the mirror.", in ["depth-4"];
-    CAUSTIC_IN_MIRROR: "Fig. 1e", "Depth 4 adds the caustic in the mirror.", in ["depth-4"];
+    CAUSTIC_IN_MIRROR: "Fig. 1e", "Depth 4 adds the caustic in the mirror.", in ["depth-4"],
+        remark "Not judged: its light in the render is a few bright pixels of noise.";
     BLUE_WALL: "Fig. 1e", "Depth 4 adds a spot at the bottom of the blue wall: light, mirror, into and out of the glass, wall.", in ["depth-4"],
         remark "Not judged: path classes of D and S do not tell the mirror from the glass.";
     CAUSTIC_ON_GLASS: "Fig. 1e", "Depth 4 adds the caustic on the outside of the glass.", in ["depth-4"];
