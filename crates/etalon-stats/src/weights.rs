@@ -31,7 +31,7 @@ const CELLS: usize = 100;
 const PILOT: u64 = 1 << 14;
 /// Fewest and most samples that a detectable error asks for.
 const SAMPLES: [u64; 2] = [1 << 14, 1 << 22];
-/// Cells are put together until they hold as much as n samples of equal weights, and n squares of equal size.
+/// Cells are put together until they hold as much as this many samples of equal weights, and as many squares of equal size.
 const EFFECTIVE: f64 = 50.0;
 const EFFECTIVE_SQUARES: f64 = 100.0;
 /// A sample with a larger share of the squares of its group makes their sum, and so the variance, uncertain; the share of the target in

@@ -32,7 +32,7 @@ const SIDE: usize = 8;
 const SHARES: [f64; 4] = [0.3, 0.6, 0.8, 1.0];
 /// Multiples of the golden ratio are uniform modulo 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// One of n pairs is drawn.
+/// One of this many pairs is drawn.
 const SHOWN: usize = 5;
 /// Units of the last place by which each coordinate of the two directions may be rounded.
 const MOVED: f64 = 16.0;

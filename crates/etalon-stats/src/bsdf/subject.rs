@@ -336,7 +336,7 @@ impl Comparison {
         self.mistakes.extend(mistake.filter(is_new).map(|mistake| (mistake, Vec::new())));
     }
 
-    /// The usual mistake that explains what was found to differ in this channel of n.
+    /// The usual mistake that explains what was found to differ in one of several channels.
     pub fn named_in(&mut self, [channel, channels]: [usize; 2], mistake: Option<NamedMistake>) {
         self.channels = self.channels.max(channels);
         let Some(mistake) = mistake else { return self.unexplained.push(channel) };

@@ -135,7 +135,7 @@ const OWN: f64 = 1e-6;
 /// least range.
 const UP_AND_DOWN: f64 = 3.0;
 const LEAST_RANGE: f64 = 10.0 * EQUAL;
-/// One in n ratios may be farther away than the range.
+/// One in this many ratios may be farther away than the range.
 const FEW: usize = 20;
 
 /// The product of a factor and powers of variables, multiples of ½, that ratios with these logarithms are.

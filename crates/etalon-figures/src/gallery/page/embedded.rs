@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Larger PNG files may be noisy; as JPEG these take fewer bytes.
 const LARGEST_PNG: usize = 30_000;
-/// Wider images are reduced to this width in pixels, and inside charts to n pixels for each unit of the drawing.
+/// Wider images are reduced to this width in pixels, and inside charts to this many pixels for each unit of the drawing.
 const WIDEST: u32 = 1200;
 const SHARP: f64 = 1.5;
 /// Quality of JPEG images: differs from the PNG by less than the noise of the images.

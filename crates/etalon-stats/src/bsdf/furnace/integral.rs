@@ -19,8 +19,8 @@ const MOST: f64 = (1u32 << 18) as f64;
 /// The share of the points that is distributed by area times the largest possible difference. The others are distributed by area times the
 /// root mean square of the differences.
 const BY_LARGEST_DIFFERENCE: f64 = 7.0 / 8.0;
-/// Where no largest weight is declared, no distance between a weight and the polynomial of its rectangle is taken to be larger than n
-/// times the largest that was found there, and than this share of the largest weight there and of the mean weight.
+/// Where no largest weight is declared, no distance between a weight and the polynomial of its rectangle is taken to be larger than this
+/// many times the largest that was found there, and than this share of the largest weight there and of the mean weight.
 const OVER_FOUND: f64 = 2.0;
 const LEAST_DISTANCE: f64 = 1.0 / 8.0;
 
