@@ -24,7 +24,7 @@ use std::time::Instant;
                   with their errors over the inputs if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
                   fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
                   fresnel:eta=0.999..1.001,cos=0.1..1")]
-#[command(next_help_heading = "Families", args = [out(), seed().requires("range").help("Seed of the random inputs of --range"), threads(), verbose()])]
+#[command(next_help_heading = "Families", args = [out(), seed().requires("range").help("Seed of the random inputs of a search"), threads(), verbose()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
     #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
