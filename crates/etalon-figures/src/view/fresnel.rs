@@ -31,7 +31,7 @@ pub fn dielectric(curves: &DielectricCurves, medium: &str) -> Drawing {
 
 /// The angles that all panels of an interface show: beyond the critical angle only what tells that nothing changes any more.
 fn shown_angles(curves: &DielectricCurves) -> (Axis, f64) {
-    match curves.critical_deg.map(|critical| ((critical + 6.0) / 5.0).ceil() * 5.0) {
+    match curves.critical_deg.map(|critical| ((critical + 18.0) / 10.0).ceil() * 10.0) {
         Some(end) if end < 90.0 => (Axis::linear(ANGLE).range(0.0, end).every(10.0), end),
         _ => (angle_axis(), 90.0),
     }
