@@ -18,7 +18,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// That of Schlick's approximation.
+    /// The error of Schlick's approximation.
     pub fn error(&self) -> f64 {
         self.schlick - self.exact.unpolarized()
     }
