@@ -12,12 +12,12 @@ use crate::hash::{mix32, mix64};
 use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
+use crate::parallel::{each, each_part, sum};
 use crate::power::FEWEST;
 use crate::sampler::{Atom, Density, Sample, Sampler};
 use crate::serial::{Labels, Past, SerialCounts};
 use crate::stream::CounterRng;
 use rand::RngExt;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Random points at which integrals are checked: one for each four samples, between a least and a largest number.
@@ -426,8 +426,7 @@ impl Source<'_> {
             let spread = samples.into_iter().flatten().filter(|sample| !sample.atom).map(|sample| sample.point);
             Ok(spread.collect::<Vec<Point>>())
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
-        Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+        Ok(each(count.div_ceil(BATCH), of_batch)?.concat())
     }
 
     /// The chart coordinates of samples, with the pdf there.
@@ -442,8 +441,7 @@ impl Source<'_> {
             // A pdf that is infinite at a single point says nothing of its surroundings.
             Ok(probes.filter(|probe| probe.density != f64::INFINITY).collect::<Vec<_>>())
         };
-        let batches = samples.par_chunks(BATCH as usize).map(of_batch);
-        Ok(batches.collect::<Result<Vec<_>>>()?.concat())
+        Ok(each_part(samples, BATCH as usize, of_batch)?.concat())
     }
 
     /// The density where it is declared to be narrow: in these rectangles, and ever closer to them.
@@ -493,10 +491,8 @@ impl Source<'_> {
             }
             Ok(tally)
         };
-        // Add batches up as they come, so that memory does not grow with the number of samples.
-        let batches = (range.start / BATCH..range.end.div_ceil(BATCH)).into_par_iter();
-        let empty = || Tally::empty(counters);
-        batches.try_fold(empty, add_batch).try_reduce(empty, |a, b| Ok(a.plus(b)))
+        let batches = range.start / BATCH..range.end.div_ceil(BATCH);
+        sum(batches, || Tally::empty(counters), add_batch, Tally::plus)
     }
 
     /// Counts the `samples` of batch number `batch`, that were made from `u`.

@@ -31,6 +31,7 @@ mod mistakes;
 pub mod multiple;
 mod named_mistake;
 mod outcome;
+mod parallel;
 pub mod power;
 pub mod prelude;
 mod sampler;

@@ -18,12 +18,12 @@ use crate::grid::{Cell, Grid, Subdivision};
 use crate::leaves::Leaves;
 use crate::mass::{Bound, Integral};
 use crate::outcome::{Counts, Outcome};
+use crate::parallel::each;
 use crate::power::{chi_square_tail, noncentrality, samples_for};
 use crate::sampler::{Atom, Mass};
 use crate::stream::CounterRng;
 use crate::welch::{self, Mean, deviation, two_sided};
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// Cells of the test: fewer than of a test of counts, since weights vary.
 const CELLS: usize = 100;
@@ -176,7 +176,7 @@ impl Places<'_> {
             let (_, samples) = self.source.batch_of(stream, batch, size)?;
             self.of_samples(&samples, is_pilot)
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
+        let batches = each(count.div_ceil(BATCH), of_batch)?;
         // In the order of the batches: sums are the same for any number of threads.
         let mut all = Tally::new(self.grid.len() + self.atoms.len());
         batches.into_iter().for_each(|batch| all.add(batch));
@@ -272,8 +272,10 @@ impl Places<'_> {
         let plane = domain.is_plane();
         let parts = 0.5 * points as f64;
         let sides = if plane { [parts.sqrt().ceil() as u64; 2] } else { [parts.ceil() as u64, 1] };
-        let of_cell = |(number, cell): (u64, Cell)| {
+        let cells: Vec<Cell> = self.grid.cells().collect();
+        let of_cell = |number: u64| {
             poll(cancelled)?;
+            let cell = cells[number as usize];
             let mut rng = CounterRng::new(seed, number << 8 | streams(round, 3)[1]);
             let mut along = |[from, to]: [f64; 2], part: u64, parts: u64| {
                 let share = (part as f64 + rng.random::<f64>()) / parts as f64;
@@ -293,8 +295,7 @@ impl Places<'_> {
             let expected = Expected { value: area * mean, variance: area * area * squares / (n * n) };
             Ok((expected, first_invalid(&points, &values)))
         };
-        let cells: Vec<(u64, Cell)> = (0..).zip(self.grid.cells()).collect();
-        let all = cells.into_par_iter().map(of_cell).collect::<Result<Vec<_>>>()?;
+        let all = each(cells.len() as u64, of_cell)?;
         let (places, invalid): (Vec<Expected>, Vec<_>) = all.into_iter().unzip();
         Ok((places, invalid.into_iter().flatten().next()))
     }

@@ -8,9 +8,9 @@ use crate::error::{Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::outcome::Outcome;
+use crate::parallel::each;
 use crate::sampler::Density;
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// Samples that decide on the cells and guide the cubature; they are not counted.
 const PILOT: usize = 1 << 12;
@@ -299,9 +299,10 @@ struct CellMean {
 
 fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellIntegrals> {
     let (domain, subject) = (sphere(), light.subject);
-    let of_cell = |(number, cell): (usize, Cell)| -> Result<CellMean> {
+    let cells: Vec<Cell> = grid.cells().collect();
+    let of_cell = |number: u64| -> Result<CellMean> {
         poll(subject.protocol.cancelled)?;
-        let mut rng = subject.random(4, number as u64);
+        let (mut rng, cell) = (subject.random(4, number), cells[number as usize]);
         let (mut sum, mut squares, mut largest, mut invalid) = (0.0, 0.0, 0f64, None);
         for from in (0..points).step_by(BATCH) {
             let (mut wis, mut u) = (Vec::new(), Vec::new());
@@ -322,8 +323,7 @@ fn by_random_points(light: &Light, grid: &Grid, points: usize) -> Result<CellInt
         let variance = (squares - sum * sum / n).at_least(0.0) / (n * (n - 1.0));
         Ok(CellMean { value: size * sum / n, variance: size * size * variance, largest: size * largest / n, invalid })
     };
-    let all: Vec<_> = grid.cells().enumerate().collect();
-    let found = all.into_par_iter().map(of_cell).collect::<Result<Vec<_>>>()?;
+    let found = each(cells.len() as u64, of_cell)?;
     let variances: Vec<f64> = found.iter().map(|cell| cell.variance).collect();
     let largest = found.iter().map(|cell| cell.largest).fold(0.0, f64::at_least);
     Ok(CellIntegrals {

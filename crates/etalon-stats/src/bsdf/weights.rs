@@ -17,9 +17,9 @@ use crate::grid::Grid;
 use crate::mistakes::{Kinds, of_counts};
 use crate::multiple::sidak;
 use crate::outcome::{Counts, Outcome};
+use crate::parallel::each;
 use crate::power::{FEWEST, chi_square_tail, noncentrality, samples_for};
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// Cells of the test: fewer than of a test of counts, since weights vary.
 const CELLS: usize = 100;
@@ -344,7 +344,7 @@ pub fn sums(
         }
         Ok(sums)
     };
-    let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect::<Result<Vec<_>>>()?;
+    let batches = each(count.div_ceil(BATCH), of_batch)?;
     // Add in the order of the batches: the sums are the same for any number of threads.
     let mut total = Sums::new(channels.len(), places);
     for batch in batches {

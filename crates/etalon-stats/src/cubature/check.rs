@@ -5,9 +5,9 @@ use super::{InvalidPdf, Probe, Refinement, first_invalid};
 use crate::counting::{BATCH, FOUND, Share, add};
 use crate::error::Result;
 use crate::extremes::Extremes;
+use crate::parallel::sum;
 use crate::stream::CounterRng;
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// The density at random points against the polynomials that the rules integrate.
 ///
@@ -97,7 +97,6 @@ impl Refinement<'_> {
             }
             Ok(check)
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch);
-        batches.try_reduce(none, |a, b| Ok(a.plus(b)))
+        sum(0..count.div_ceil(BATCH), none, |all, batch| Ok(all.plus(of_batch(batch)?)), Check::plus)
     }
 }

@@ -15,11 +15,12 @@ use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::Subdivision;
 use crate::leaves::Leaves;
+use crate::parallel::each;
 use crate::power::FEWEST;
 use crate::sampler::Density;
 use crate::stream::CounterRng;
 use rand::RngExt;
-use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Lattices of a piece, and the points of each.
 pub const LATTICES: usize = 8;
@@ -148,12 +149,14 @@ impl Lattices {
         let mut is_fresh = false;
         loop {
             spent += open.len() * LATTICES * POINTS;
-            let ask = |(number, batch): (usize, &mut [Piece])| {
+            let batches: Vec<Mutex<&mut [Piece]>> = open.chunks_mut(PIECES).map(Mutex::new).collect();
+            let ask = |number: u64| {
                 poll(cancelled)?;
-                sample(leaves, density, batch, &pilot, [wanted.seed, ((asked + number) as u64) << 8 | wanted.stream])
+                let mut batch = batches[number as usize].lock().unwrap_or_else(PoisonError::into_inner);
+                sample(leaves, density, &mut batch, &pilot, [wanted.seed, (asked + number) << 8 | wanted.stream])
             };
-            let found = open.par_chunks_mut(PIECES).enumerate().map(ask).collect::<Result<Vec<_>>>()?;
-            asked += found.len();
+            let found = each(batches.len() as u64, ask)?;
+            asked += found.len() as u64;
             for [of_invalid, of_far] in found {
                 (invalid, far) = (invalid.or(of_invalid), far.or(of_far));
             }

@@ -7,9 +7,9 @@ use crate::domain::{Domain, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
+use crate::parallel::each_part;
 use crate::power::FEWEST;
 use crate::sampler::Density;
-use rayon::prelude::*;
 
 /// Evaluations of the density after which refinement stops, each time that probes are learned.
 const BUDGET: usize = 1 << 22;
@@ -225,7 +225,7 @@ impl<'a> Refinement<'a> {
             });
             Ok((made.collect::<Vec<_>>(), (first_invalid(&points, &values), far)))
         };
-        let made = parts.par_chunks(PARTS).map(apply).collect::<Result<Vec<_>>>()?;
+        let made = each_part(&parts, PARTS, apply)?;
         self.evaluations += parts.len() * if plane { KRONROD * KRONROD } else { KRONROD };
         let (pieces, invalid): (Vec<Vec<Piece>>, Vec<_>) = made.into_iter().unzip();
         let (invalid, far): (Vec<_>, Vec<_>) = invalid.into_iter().unzip();

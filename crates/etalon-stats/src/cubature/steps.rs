@@ -6,8 +6,8 @@ use crate::domain::Domain;
 use crate::error::{Cancelled, Result, poll};
 use crate::extremes::Extremes;
 use crate::grid::{Parts, Subdivision, subdivided};
+use crate::parallel::each;
 use crate::sampler::Density;
-use rayon::prelude::*;
 
 /// Values asked for at a time: enough for a density in another process.
 const POINTS: usize = 1 << 12;
@@ -105,8 +105,8 @@ pub(super) fn sums(
         Ok((shares, invalid))
     };
     let batch = VALUES.div_ceil(columns).max(rows.div_ceil(BATCHES));
-    let batches = (0..rows.div_ceil(batch)).into_par_iter();
-    let batches = batches.map(|i| of_rows(i * batch, rows.min((i + 1) * batch))).collect::<Result<Vec<_>>>()?;
+    let of_batch = |i: u64| of_rows(i as usize * batch, rows.min((i as usize + 1) * batch));
+    let batches = each(rows.div_ceil(batch) as u64, of_batch)?;
 
     // Add up in order, for sums that do not depend on the threads.
     let mut invalid: Option<InvalidPdf> = None;

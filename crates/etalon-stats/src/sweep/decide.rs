@@ -23,7 +23,7 @@ use crate::error::Result;
 use crate::examine::{Protocol, SampleCount};
 use crate::multiple::holm;
 use crate::outcome::Outcome;
-use rayon::prelude::*;
+use crate::parallel::each;
 use std::collections::BTreeMap;
 
 /// A statistical check survives the screen, to be run again, if its p-value is below this.
@@ -223,7 +223,7 @@ pub fn decide(
     confirm: impl Fn(&Survivor) -> Result<Option<Finding>> + Sync,
 ) -> Result<Vec<Decided>> {
     let fresh: Vec<Option<Finding>> = if is_parallel {
-        survivors.par_iter().map(&confirm).collect::<Result<_>>()?
+        each(survivors.len() as u64, |number| confirm(&survivors[number as usize]))?
     } else {
         survivors.iter().map(&confirm).collect::<Result<_>>()?
     };
@@ -238,6 +238,7 @@ mod tests {
     use crate::multiple::holm;
     use crate::stream::CounterRng;
     use rand::RngExt;
+    use rayon::prelude::*;
 
     const LEVEL: f64 = 0.05;
     const TESTS: u64 = 50_000;

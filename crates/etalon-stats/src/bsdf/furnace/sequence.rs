@@ -5,9 +5,9 @@ use crate::bsdf::contract::{Properties, Spectrum};
 use crate::bsdf::subject::Subject;
 use crate::error::{Result, poll};
 use crate::extremes::Extremes;
+use crate::parallel::each;
 use crate::stream::{Sobol, Stream};
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// Randomizations of a low-discrepancy sequence.
 const REPLICATES: u64 = 16;
@@ -76,7 +76,7 @@ fn replicated(subject: &Subject, power: u32, round: u64, largest: &mut Spectrum,
         }
         Ok([sum.map(|sum| sum / points), most])
     };
-    let found = (0..REPLICATES).into_par_iter().map(mean).collect::<Result<Vec<_>>>()?;
+    let found = each(REPLICATES, mean)?;
     let (n, freedom) = (REPLICATES as f64, (REPLICATES - 1) as f64);
     let (mut values, mut errors) = ([0.0; 3], [f64::INFINITY; 3]);
     for channel in 0..properties.channels {
