@@ -188,8 +188,7 @@ fn replayed(replay: &Replay) -> String {
     text
 }
 
-/// The table of errors, with the worst inputs if `names_inputs`, and the bounds.
-/// The bounds, and of `all` rows what was measured.
+/// The bounds; if `all`, the table of errors; if `names_inputs`, the worst inputs.
 fn human(output: &Output<'_>, all: bool, names_inputs: bool) -> String {
     let mut text = String::new();
     for bound in output.bounds {

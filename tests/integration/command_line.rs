@@ -385,7 +385,7 @@ fn reproduce_lists_and_makes() {
                median-cut-radiance-64 sphere-8 sphere-16 sphere-32 sphere-64 sphere-error depth-0 depth-1 depth-2 \
                depth-3 depth-4 depth-5 depth-100 depth-differences roughness-0.005 roughness-0.05 roughness-0.25 \
                roughness-0.5 sampling-importance sampling-hemisphere sampling-error iron metals-table error-time-sphere \
-               error-time-cornell error-time-roughness error-depth median-cut-error fresnel-angles proposal-cost"
+               error-time-cornell error-time-roughness error-depth median-cut-error fresnel-angles"
         .split_whitespace()
     {
         assert!(ids.contains(&id), "{id} is not in {ids:?}");

@@ -164,7 +164,7 @@ mod tests {
             let times = Times { wall: 1.0, cpu: 1.0 };
             let levels =
                 vec![Measured { spp: 1, times, errors, shown: Some((compare_shown(&white(), &white()), white())) }];
-            Run { seed: 1, levels, last: None, preparation: 0.0 }
+            Run { seed: 1, levels, last: None, preparation: 0.0, chosen: None }
         };
         let contender = Contender::from(name.parse::<Strategy>().unwrap());
         Curve::new(&contender, [-1.0, 1.0, -1.0, 1.0].map(run).into(), &reference, None).unwrap()

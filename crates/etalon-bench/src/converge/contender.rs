@@ -139,6 +139,8 @@ pub struct Replicate<'a> {
     pub spp: u32,
     /// Wall-clock seconds before the first sample, as far as they are known.
     pub preparation: f64,
+    /// The strategy that ours chose for the scene.
+    pub chosen: Option<Strategy>,
     /// Wall-clock seconds of all images so far, with the preparation.
     spent: f64,
     /// Samples and wall-clock seconds of the last two images.
@@ -150,15 +152,15 @@ const APART: u32 = 4;
 
 impl<'a> Replicate<'a> {
     fn new(source: Source<'a>, seed: u64) -> Self {
-        Self { source, seed, spp: 0, preparation: 0.0, spent: 0.0, last: Default::default() }
+        Self { source, seed, spp: 0, preparation: 0.0, chosen: None, spent: 0.0, last: Default::default() }
     }
 
     /// A replicate by our renderer with these settings.
     pub fn ours(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         let render = Doubling::new(scene, request, settings)?;
-        let preparation = render.preparation.wall;
+        let (preparation, chosen) = (render.preparation.wall, Strategy::of(render.settings()));
         let new = Self::new(Source::Ours(Box::new(render)), settings.seed);
-        Ok(Self { preparation, spent: preparation, ..new })
+        Ok(Self { preparation, chosen, spent: preparation, ..new })
     }
 
     /// Samples per pixel of the next image; `None` at the end of what was recorded.

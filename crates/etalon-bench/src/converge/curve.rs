@@ -3,6 +3,7 @@
 use super::contender::Contender;
 use super::doubling::Times;
 use super::reference::Reference;
+use super::strategy::Strategy;
 use crate::fit;
 use etalon_core::error::Result;
 use etalon_core::raster::{Comparison, DisplayMetrics, Image};
@@ -176,9 +177,17 @@ pub struct Run {
     pub last: Option<Image>,
     /// Wall-clock seconds before the first sample.
     pub preparation: f64,
+    /// The strategy that was chosen for the scene.
+    pub chosen: Option<Strategy>,
 }
 
 impl Curve {
+    /// What the default does with the scene, if all replicates did the same.
+    pub fn chosen(&self) -> Option<&Strategy> {
+        let first = self.runs.first()?.chosen.as_ref().filter(|_| self.contender.is_default())?;
+        self.runs.iter().all(|run| run.chosen.as_ref() == Some(first)).then_some(first)
+    }
+
     /// Whether its times are those of whole processes, start-up included.
     pub fn includes_start_up(&self) -> bool {
         self.contender.is_timed_from_outside() && self.times.is_none()
@@ -429,6 +438,7 @@ mod tests {
                 levels: [1, 4, 16, 64].into_iter().zip(*times).map(level).collect(),
                 last: None,
                 preparation: 0.0,
+                chosen: None,
             }
         };
         let runs: Vec<Run> = times.iter().enumerate().map(run).collect();

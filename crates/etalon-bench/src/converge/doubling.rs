@@ -84,6 +84,11 @@ impl<'a> Doubling<'a> {
         Ok(Self { job, part, spp: 0, times: Times::default(), preparation })
     }
 
+    /// The settings, with what was chosen for the scene.
+    pub fn settings(&self) -> &Settings {
+        self.job.settings()
+    }
+
     /// Samples per pixel so far.
     pub fn spp(&self) -> u32 {
         self.spp

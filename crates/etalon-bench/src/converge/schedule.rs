@@ -291,7 +291,8 @@ impl Entry<'_> {
             self.runs.clear();
             return Some(self.fault(&replicate, index, replicate.spp, message));
         }
-        self.runs.push(Run { seed: replicate.seed, levels, last, preparation: replicate.preparation });
+        let Replicate { seed, preparation, chosen, .. } = replicate;
+        self.runs.push(Run { seed, levels, last, preparation, chosen });
         None
     }
 }

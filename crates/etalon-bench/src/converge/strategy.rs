@@ -66,7 +66,8 @@ pub type Suffix = (&'static str, &'static str, fn(Settings) -> Option<Settings>)
 /// All suffixes.
 pub const SUFFIXES: [Suffix; 4] = [
     ("lt", "light tracing as a third technique of mis", |settings| {
-        (settings.sampling == Sampling::Mis).then_some(Settings { sampling: Sampling::MisLt, ..settings })
+        let is_mis = matches!(settings.sampling, Sampling::Mis | Sampling::MisLt);
+        is_mis.then_some(Settings { sampling: Sampling::MisLt, ..settings })
     }),
     ("adaptive", "more camera paths in pixels with more noise", |settings| {
         Some(Settings { adaptive: true, ..settings })
@@ -152,6 +153,25 @@ impl Strategy {
         strategies.filter(|strategy: &Self| strategy.settings(0).map_sampling().regions() as usize <= texels).collect()
     }
 
+    /// The strategy of settings that leave nothing to the render.
+    pub fn of(settings: &Settings) -> Option<Self> {
+        let plain = if settings.sampling == Sampling::MisLt { Sampling::Mis } else { settings.sampling };
+        let (method, ..) = METHODS.iter().find(|(.., sampling)| *sampling == plain)?;
+        let density = settings.map_sampling();
+        let mut name = if density == MapSampling::MAP {
+            (*method).to_owned()
+        } else if density.has_fixed_lights() {
+            density.to_string()
+        } else {
+            format!("{method}-{density}")
+        };
+        // A suffix that changes nothing is one that the settings have.
+        for (suffix, ..) in SUFFIXES.iter().filter(|(.., apply)| apply(*settings) == Some(*settings)) {
+            name += &format!("+{suffix}");
+        }
+        name.parse().ok()
+    }
+
     /// The settings of a render of a scene by this strategy.
     pub fn settings(&self, seed: u64) -> Settings {
         Settings { seed, ..self.settings }
@@ -205,6 +225,7 @@ mod tests {
                 }
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
+                assert_eq!(Strategy::of(&strategy.settings), Some(strategy.clone()));
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
                 let settings = strategy.settings(1);
                 assert_eq!(settings.adaptive, suffix.contains("adaptive"), "{name}");

@@ -226,9 +226,10 @@ pub fn label(strategy: &str) -> String {
 
 /// What a contender is called in figures, strategies in words, and whether it is biased.
 pub fn shown(curve: &Curve) -> String {
-    let name = match &curve.contender {
-        Contender::Strategy(strategy) => label(&strategy.name),
-        other => other.name().to_owned(),
+    let name = match (&curve.contender, curve.chosen()) {
+        (_, Some(chosen)) => format!("{} (default)", label(&chosen.name)),
+        (Contender::Strategy(strategy), None) => label(&strategy.name),
+        (other, None) => other.name().to_owned(),
     };
     format!("{name}{}", if curve.verdict == CurveVerdict::Biased { " (biased)" } else { "" })
 }
@@ -345,9 +346,12 @@ fn slopes(result: &Convergence) -> Panel {
     panel.line("", theme::GUIDE, [[-0.5, 0.0], [-0.5, count]])
 }
 
-/// The curves with their strokes, the default first: it lies beneath the others, with which it may coincide.
+/// The curves with their strokes, the default first: it lies beneath the others, with which it may coincide. The strategy that it chose is
+/// drawn once.
 fn drawn(result: &Convergence) -> Vec<(&Curve, Stroke)> {
     let mut drawn: Vec<_> = result.curves.iter().zip(strokes(result)).collect();
+    let chosen = result.curve(DEFAULT).and_then(Curve::chosen);
+    drawn.retain(|(curve, _)| chosen.is_none_or(|chosen| chosen.name != curve.strategy));
     drawn.sort_by_key(|(curve, _)| !curve.contender.is_default());
     drawn
 }
@@ -564,23 +568,33 @@ pub fn all_regions([width, height]: [usize; 2]) -> impl Iterator<Item = Region> 
     starts(height).flat_map(move |y| starts(width).map(move |x| Region { x, y, side }))
 }
 
-/// So many regions, without overlap, in which the mean absolute errors of the contenders vary most.
+/// At most `count` regions, without overlap, in which the contenders differ: the first one where their mean absolute errors vary most, each
+/// other one where they vary most in another way than in those before.
 pub fn regions([width, height]: [usize; 2], errors: &[Vec<f64>], count: usize) -> Vec<Region> {
     let side = side_of([width, height]);
-    let spread = |region: Region| {
-        let of = |errors: &Vec<f64>| {
-            let rows = (region.y..region.y + side).flat_map(|y| &errors[y * width + region.x..][..side]);
-            rows.filter(|e| e.is_finite()).map(|e| e.abs()).sum::<f64>()
-        };
-        let sums: Vec<f64> = errors.iter().map(of).collect();
-        sums.iter().copied().fold(0.0, f64::max) - sums.iter().copied().fold(f64::INFINITY, f64::min)
-    };
-    let mut all: Vec<(f64, Region)> = all_regions([width, height]).map(|region| (spread(region), region)).collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut all: Vec<(Region, Vec<f64>)> = all_regions([width, height])
+        .map(|region| {
+            let of = |errors: &Vec<f64>| {
+                let rows = (region.y..region.y + side).flat_map(|y| &errors[y * width + region.x..][..side]);
+                rows.filter(|e| e.is_finite()).map(|e| e.abs()).sum::<f64>()
+            };
+            let sums: Vec<f64> = errors.iter().map(of).collect();
+            let mean = sums.iter().sum::<f64>() / sums.len().max(1) as f64;
+            (region, sums.iter().map(|sum| sum - mean).collect())
+        })
+        .collect();
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut chosen: Vec<Region> = Vec::new();
-    for (_, region) in all {
-        if chosen.len() < count && !chosen.iter().any(|other| other.overlaps(region)) {
-            chosen.push(region);
+    while chosen.len() < count {
+        // The first of equals: `max_by` returns the last one.
+        let most = all.iter().rev().max_by(|(_, a), (_, b)| product(a, a).total_cmp(&product(b, b)));
+        let Some((region, found)) = most.cloned() else { break };
+        chosen.push(region);
+        all.retain(|(other, _)| !other.overlaps(region));
+        let squares = product(&found, &found);
+        for (_, of) in all.iter_mut().filter(|_| squares > 0.0) {
+            let share = product(of, &found) / squares;
+            of.iter_mut().zip(&found).for_each(|(value, found)| *value -= share * found);
         }
     }
     chosen.sort_by_key(|region| (region.x, region.y));

@@ -180,22 +180,34 @@ impl Display {
         zoom
     }
 
-    /// Black except for a marker at each sample, in the colour of its radiance; exposed for the samples, which are far brighter
-    /// than the average of the map.
+    /// Black except for a marker at each sample, in the hue of its radiance.
     pub fn samples_only(&self, rows: &[map_samples::SampleRow], side: usize) -> Drawing {
         let mut drawing = self.black();
         if rows.is_empty() {
             return drawing.into();
         }
-        let colours = rows.iter().map(|r| Rgb::new(r.r, r.g, r.b)).collect();
-        let strip = Image::from_pixels(rows.len(), 1, colours);
-        // The brightest lights may clip; the colours of the other markers matter more.
-        let bytes = to_rgb8(&strip, &self.look.tone(|| auto_exposure(&strip) + 2.5));
+        // The cube root of the brightness, unless an exposure is given: lamps keep their colours, and walls are seen
+        let power = if self.look.exposure.is_none() { 1.0 / 3.0 } else { 1.0 };
+        let of = |r: &map_samples::SampleRow| {
+            let (colour, brightest) = (Rgb::new(r.r, r.g, r.b), r.r.max(r.g).max(r.b));
+            if brightest > 0.0 { colour / brightest * brightest.powf(power) } else { colour }
+        };
+        let strip = Image::from_pixels(rows.len(), 1, rows.iter().map(of).collect());
+        let bytes = to_rgb8(
+            &strip,
+            &self.look.tone(|| -strip.pixels().iter().map(|c| c.max_element()).fold(0.0, f32::max).log2()),
+        );
         let colour = |rgb: &[u8]| Colour::rgb(rgb[0], rgb[1], rgb[2]);
         let markers: Vec<_> =
             rows.iter().zip(bytes.chunks_exact(3)).map(|(r, rgb)| ((r.x, r.y), ALONE * side, colour(rgb))).collect();
         self.markers(&mut drawing, &markers, &[(1.5, theme::MARKER_RIM)]);
-        said(drawing, "a square for each sample, in the colour of its radiance")
+        said(
+            drawing,
+            match self.look.exposure {
+                None => "a square for each sample, in the hue of its radiance, as bright as the cube root of it",
+                Some(_) => "a square for each sample, in the colour of its radiance",
+            },
+        )
     }
 
     /// The map with white lines between the regions and a blue dot at each centroid.

@@ -1,9 +1,8 @@
-//! Drawings of the proposal experiment, and of what proposal distributions cost: their densities over rows and columns, and the
-//! samples that they need.
+//! Histograms of the rows that inversion samples with uniform and with Gaussian random numbers.
 
 use super::text::p_value;
-use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, theme};
-use etalon_bench::proposal::{Along, Cost, Costs, Proposal, RowBin, SHAPES, Shape};
+use crate::figure::{Axis, Drawing, Panel, Plot, Point, Stroke, theme};
+use etalon_bench::proposal::{Proposal, RowBin};
 
 /// Two histograms over elevation, each with the target that it should follow and its p-value.
 pub fn drawing(result: &Proposal) -> Drawing {
@@ -35,88 +34,4 @@ pub fn nothing_to_test() -> Drawing {
 fn empty(title: String, highest: f64) -> Panel {
     let angle = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
     Panel::new(angle, Axis::linear("share of the samples").range(0.0, highest)).title(title)
-}
-
-/// Parts of an axis in the drawing, at most.
-const BINS: usize = 64;
-/// The relative standard error whose number of samples is shown.
-pub const ACCURACY: f64 = 0.01;
-
-/// The number of samples after which the relative standard error is [`ACCURACY`].
-pub fn samples(variance: f64) -> f64 {
-    variance / (ACCURACY * ACCURACY)
-}
-
-pub fn costs(costs: &Costs) -> Drawing {
-    let rows = Axis::linear("angle from the zenith (degrees)").range(0.0, 180.0).every(30.0);
-    let columns = Axis::linear("azimuth (degrees)").range(0.0, 360.0).every(60.0);
-    let top = vec![
-        densities("How often a row of the map is chosen", rows, 180.0, &costs.rows),
-        densities("How often a column of the map is chosen", columns, 360.0, &costs.columns),
-    ];
-    let bottom = vec![
-        needed("Cost of the irradiance of a floor", costs, |cost| cost.irradiance_variance),
-        needed("Cost of the flux of the map", costs, |cost| cost.flux_variance),
-    ];
-    Plot::grid([(String::new(), top), (String::new(), bottom)]).frame_size(400.0, 230.0).draw()
-}
-
-fn densities(title: &str, x: Axis, degrees: f64, all: &[Vec<f64>]) -> Panel {
-    let binned = |probabilities: &[f64]| -> Vec<f64> {
-        let per_bin = probabilities.len().div_ceil(BINS);
-        let mean = |bin: &[f64]| bin.iter().sum::<f64>() / bin.len() as f64 * probabilities.len() as f64;
-        probabilities.chunks(per_bin).map(mean).collect()
-    };
-    let edge = |i: usize, count: usize, parts: usize| {
-        (degrees * (i * count.div_ceil(BINS)) as f64 / parts as f64).min(degrees)
-    };
-    let mut panel = Panel::new(x, Axis::linear("probability / uniform probability")).title(title);
-    for (i, (shape, probabilities)) in SHAPES.iter().zip(all).enumerate() {
-        let (values, count) = (binned(probabilities), probabilities.len());
-        let label = named(shape);
-        let at = |i: usize| edge(i, count, count);
-        panel = if *shape == Shape::Map {
-            panel.bars(label, theme::GUIDE.colour, (0..=values.len()).map(at).collect(), values)
-        } else {
-            let middle = |i: usize| 0.5 * (at(i) + at(i + 1));
-            let line: Vec<Point> = values.iter().enumerate().map(|(i, value)| [middle(i), *value]).collect();
-            panel.line(label, theme::series(i), line)
-        };
-    }
-    panel
-}
-
-/// A proposal's name, with the unit of its width.
-fn named(shape: &Shape) -> String {
-    let unit = if matches!(shape, Shape::Gaussian(_)) { " of the axis" } else { "" };
-    shape.name() + unit
-}
-
-fn needed(title: &str, costs: &Costs, variance: fn(&Cost) -> f64) -> Panel {
-    let marks: [(Along, &str, Colour, Marker); 3] = [
-        (Along::Rows, "the proposal for the rows alone", theme::IMPORTANCE_SAMPLING, Marker::Triangle),
-        (Along::Columns, "for the columns alone", theme::HEMISPHERE_SAMPLING, Marker::Square),
-        (Along::Both, "for both", theme::REFERENCE, Marker::Open),
-    ];
-    let x = Axis::log("samples for a relative standard error of 1 %");
-    let mut panel = Panel::new(x, Axis::named("proposal", SHAPES.iter().map(named).collect::<Vec<_>>())).title(title);
-    let mut least = f64::INFINITY;
-    for (along, label, colour, marker) in marks {
-        let place =
-            |cost: &Cost| SHAPES.iter().position(|shape| shape.name() == cost.proposal).unwrap_or(0) as f64 + 0.5;
-        // By the map for the rows, for the columns and for both is one and the same
-        let is_mine =
-            |cost: &&Cost| cost.along == along && (along == Along::Both || cost.proposal != Shape::Map.name());
-        let mine = costs.costs.iter().filter(is_mine).filter(|cost| variance(cost) > 1e-9);
-        let points: Vec<Point> = mine.map(|cost| [samples(variance(cost)), place(cost)]).collect();
-        least = points.iter().map(|[x, _]| *x).fold(least, f64::min);
-        panel = panel.markers(label, colour, marker, points);
-    }
-    // A proposal without variance has no place on the axis
-    let exact = costs.costs.iter().find(|cost| cost.proposal == Shape::Map.name() && variance(cost) <= 1e-9);
-    let row = SHAPES.iter().position(|shape| *shape == Shape::Map).unwrap_or(0) as f64 + 0.5;
-    match exact {
-        Some(_) if least.is_finite() => panel.note([least, row - 0.35], "1 sample: all weights are equal", theme::INK),
-        _ => panel,
-    }
 }

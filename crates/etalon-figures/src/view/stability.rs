@@ -269,9 +269,9 @@ fn in_words(family: &str) -> String {
         "refraction" => "refracted direction".into(),
         "dielectric-pdf" => "rough glass, pdf of directions".into(),
         "half-vector" => "half vector of reflection".into(),
-        "half-cosine" => "cosine with that half vector".into(),
+        "half-cosine" => "cosine with the half vector of reflection".into(),
         "refraction-half-vector" => "half vector of refraction".into(),
-        "refraction-jacobian" => "Jacobian of that half vector".into(),
+        "refraction-jacobian" => "Jacobian of the half vector of refraction".into(),
         "sphere" => "distance to a sphere".into(),
         "triangle" => "distance to a triangle".into(),
         _ => match family.split_once('-') {

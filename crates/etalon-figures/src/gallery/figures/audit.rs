@@ -90,7 +90,9 @@ fn sheet(errata: &[Drawn]) -> (Page, Vec<Rect>) {
         ];
         places.push(Rect::new(x, y, width - GAP, height - 1.5 * GAP));
         let middle = x + drawing.width - MARGIN - 0.5 * FRAME[0];
-        sheet.append(drawing, x, y);
+        // Titles have one or two lines, and frames of a row stand at one height
+        let top = y + below - drawing.height;
+        sheet.append(drawing, x, top);
         for (k, (colour, line)) in lines.into_iter().enumerate() {
             let at = [middle, y + below + LINE * k as f64];
             let text = Text::new(at, theme::NOTE_SIZE, line).held(Anchor::Middle, Level::Top);

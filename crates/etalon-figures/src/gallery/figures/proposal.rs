@@ -1,9 +1,8 @@
-//! Inversion with uniform and with Gaussian random numbers: `proposal`; what proposal distributions cost: `proposal-cost`.
+//! Inversion with uniform and with Gaussian random numbers: `proposal`.
 
 use crate::gallery::prelude::*;
 use crate::view::proposal as view;
-use etalon_bench::metal::worst;
-use etalon_bench::proposal::{self, Cost, Proposal, RowBin, Shape};
+use etalon_bench::proposal::{self, Proposal, RowBin};
 
 /// Rows that are sampled.
 const SAMPLES: usize = 100_000;
@@ -11,7 +10,7 @@ const SAMPLES: usize = 100_000;
 const LEVEL: f64 = 1e-3;
 
 pub fn figures() -> Vec<Maker> {
-    vec![maker("proposal", content), maker("proposal-cost", |inputs, _| cost(inputs))]
+    vec![maker("proposal", content)]
 }
 
 /// Both histograms, if the map has light in enough rows.
@@ -32,29 +31,4 @@ fn content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         Check::at_most("p-value with Gaussian random numbers", result.gaussian.p, 1e-6),
     ];
     Content::new(view::drawing(result), &result.bins, checks)
-}
-
-/// Samples of each proposal that check the sums.
-const CHECKED: u32 = 1 << 16;
-
-fn cost(inputs: &Inputs) -> Result<Content> {
-    let map = &inputs.map.map;
-    let Some(costs) = proposal::costs(map, CHECKED, inputs.seed) else {
-        let check = Check::is_true("the map has light above the horizon", false);
-        return Content::new(view::nothing_to_test(), &[] as &[Cost], vec![check]);
-    };
-    let by_map = costs.costs.iter().filter(|cost| cost.proposal == Shape::Map.name());
-    let checks = vec![
-        Check::at_most(
-            "mean of 65536 samples of irradiance against the exact one, by the worst proposal (exact standard errors)",
-            costs.largest_z,
-            4.5,
-        ),
-        Check::at_most("variance of the flux by the map", worst(by_map.map(|cost| cost.flux_variance)), 1e-12),
-        Check::is_true(
-            "all proposals have a finite variance",
-            costs.costs.iter().all(|cost| cost.irradiance_variance.is_finite() && cost.flux_variance.is_finite()),
-        ),
-    ];
-    Content::new(view::costs(&costs), &costs.costs, checks)
 }
