@@ -33,11 +33,11 @@ pub struct Fresnel {
     #[arg(value_name = "MEDIUM", allow_negative_numbers = true, conflicts_with_all = ["k", "eta_t"])]
     media: Vec<String>,
     /// Index of refraction where light comes from: a number, air or a dielectric
-    #[arg(long, value_name = "ETA", default_value_t = 1.0, value_parser = index, allow_negative_numbers = true)]
-    eta_i: f64,
+    #[arg(long, value_name = "ETA", default_value = "1", value_parser = index, allow_negative_numbers = true)]
+    eta_i: Interface,
     /// Index of refraction on the other side: a number, air or a dielectric
-    #[arg(long, value_name = "ETA", default_value_t = 1.45, value_parser = index, allow_negative_numbers = true)]
-    eta_t: f64,
+    #[arg(long, value_name = "ETA", default_value = "1.45", value_parser = index, allow_negative_numbers = true)]
+    eta_t: Interface,
     /// Metals, by symbol or name
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', action = ArgAction::Set)]
     #[arg(long_help = metal_help(), conflicts_with_all = ["k", "eta_t"])]
@@ -76,12 +76,16 @@ pub struct Fresnel {
 }
 
 /// Reads an index of refraction, or the name of a dielectric, at the d line.
-fn index(text: &str) -> std::result::Result<f64, String> {
+fn index(text: &str) -> std::result::Result<Interface, String> {
     let by_name = |_| match media::by_name(text) {
-        Some(medium @ Medium::Dielectric(_)) => Ok(medium.index_d()[0]),
+        Some(medium @ Medium::Dielectric(_)) => Ok(Interface::of(medium)),
         _ => Err("not a number, nor a dielectric of --list".to_owned()),
     };
-    if text == "air" { Ok(1.0) } else { text.parse().or_else(by_name) }
+    if text == "air" {
+        Ok(Interface::dielectric(1.0))
+    } else {
+        text.parse().map(Interface::dielectric).or_else(by_name)
+    }
 }
 
 fn metal_help() -> String {
@@ -143,11 +147,11 @@ impl Fresnel {
             return Err(Error::parameter("model", "the first report plots no metals")
                 .with_hint("the second report's approximation is always plotted beside the exact curves"));
         }
-        let is_equal = |other: &&Interface| other.k == 0.0 && other.eta == self.eta_i;
-        let unnamed = [Interface::dielectric(self.eta_t)];
+        let is_equal = |other: &&Interface| other.k == 0.0 && other.eta == self.eta_i.eta;
+        let unnamed = [self.eta_t.clone()];
         let others = if interfaces.is_empty() && self.k.is_none() { &unnamed[..] } else { &interfaces };
         if let Some(equal) = others.iter().find(is_equal) {
-            let eta = rounded(self.eta_i, 5);
+            let eta = rounded(self.eta_i.eta, 5);
             console.warn(&format!("{}: both sides have the index {eta}, so that nothing is reflected", equal.name));
         }
         if self.both && (others.len() != 1 || others[0].k > 0.0) {
@@ -158,15 +162,15 @@ impl Fresnel {
         match &*interfaces {
             [] if !has_curves => match self.k {
                 Some(k) => {
-                    let curves = metal::by_index(self.eta_i, self.eta_t, k, self.points)?;
+                    let curves = metal::by_index(self.eta_i.eta, self.eta_t.eta, k, self.points)?;
                     self.metal(&curves, "-index", global, console)
                 }
-                None => self.dielectric(&Interface::dielectric(self.eta_t), "", global, console),
+                None => self.dielectric(&self.eta_t, "", global, console),
             },
             [] => {
-                let mut interface = Interface::dielectric(self.eta_t);
+                let mut interface = self.eta_t.clone();
                 if let Some(k) = self.k {
-                    interface = Interface { name: format!("η = {}, k = {k}", self.eta_t), k, ..interface };
+                    interface = Interface { name: format!("η = {}, k = {k}", interface.eta), k, ..interface };
                 }
                 self.side_by_side(&[interface], "", global, console)
             }
@@ -174,7 +178,7 @@ impl Fresnel {
                 let name = format!("-{}", only.short);
                 match only.medium {
                     Some(Medium::Metal(metal)) => {
-                        let curves = metal::of_metal(self.eta_i, metal, self.points)?;
+                        let curves = metal::of_metal(self.eta_i.eta, metal, self.points)?;
                         self.metal(&curves, &name, global, console)
                     }
                     _ => self.dielectric(only, &name, global, console),
@@ -201,28 +205,36 @@ impl Fresnel {
         global: &Global,
         console: &Console,
     ) -> Result<Verdict> {
-        let curves = |eta_i, interfaces: &[_]| study::curves(eta_i, interfaces, self.points, self.model);
-        let of_leaving = |eta_i| curves(eta_i, &[Interface::dielectric(self.eta_i)]);
-        let leaving = self.both.then(|| of_leaving(interfaces[0].eta)).transpose()?;
-        let curves = Sides { entering: curves(self.eta_i, interfaces)?, leaving };
+        let curves = |from, interfaces: &[_]| study::curves(from, interfaces, self.points, self.model);
+        let leaving = self.both.then(|| curves(&interfaces[0], &[self.eta_i.clone()])).transpose()?;
+        let curves = Sides { entering: curves(&self.eta_i, interfaces)?, leaving };
         let sides: Vec<_> = curves.all().cloned().collect();
         let (usual, ending) = if self.both { (&BOTH[..], "-both") } else { (&[Curve::Unpolarized][..], "") };
         let drawing = view::of_media(&sides, self.show.as_deref().unwrap_or(usual));
-        let media = || sides.iter().flat_map(|side| &side.media);
+        // Where light comes from tells the two sides of one medium apart
+        let name = |from: &str, medium: &str| match self.both {
+            true => format!("{from} to {medium}"),
+            false => medium.to_owned(),
+        };
+        let of_side = |side: &study::MediaCurves| {
+            side.media.iter().map(|medium| (name(&side.from, &medium.name), medium.clone())).collect::<Vec<_>>()
+        };
         let written = self.write(&format!("{names}{ending}"), &drawing, &study::csv(&sides)?, global)?;
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.2}°"));
-            Table::of(&media().collect::<Vec<_>>())
-                .words("medium", |c| &c.name)
-                .numbers("eta", |c| format!("{:.4}", c.eta))
-                .numbers("k", |c| format!("{:.4}", c.k))
-                .numbers("R at 0°", |c| format!("{:.5}", c.r_normal))
-                .numbers("Brewster", |c| angle(c.brewster_deg))
-                .numbers("critical", |c| angle(c.critical_deg))
-                .numbers("largest error of Schlick", |c| {
+            Table::of(&sides.iter().flat_map(of_side).collect::<Vec<_>>())
+                .words("medium", |(name, _)| name)
+                .numbers("eta", |(_, c)| format!("{:.4}", c.eta))
+                .numbers("k", |(_, c)| format!("{:.4}", c.k))
+                .numbers("R at 0°", |(_, c)| format!("{:.5}", c.r_normal))
+                .numbers("Brewster", |(_, c)| angle(c.brewster_deg))
+                .numbers("critical", |(_, c)| angle(c.critical_deg))
+                .numbers("largest error of Schlick", |(_, c)| {
                     format!("{:.4} at {:.1}°", c.schlick_max_abs_error, c.schlick_max_abs_error_deg)
                 })
-                .text_with(|c, line| line + &c.source.map_or(String::new(), |source| format!("  index: {source}\n")))
+                .text_with(|(_, c), line| {
+                    line + &c.source.map_or(String::new(), |source| format!("  index: {source}\n"))
+                })
         });
         Ok(Verdict::Good)
     }
@@ -230,7 +242,7 @@ impl Fresnel {
     fn angles(&self, media: &[Interface], global: &Global, console: &Console) -> Result<Verdict> {
         let all = || media::DIELECTRICS.iter().map(|dielectric| Interface::of(Medium::Dielectric(dielectric)));
         let marked = if media.is_empty() { all().collect() } else { media.to_vec() };
-        let angles = study::special_angles(self.eta_i, &marked, self.points)?;
+        let angles = study::special_angles(self.eta_i.eta, &marked, self.points)?;
         let rows: Vec<_> = angles.curves.iter().chain(&angles.media).cloned().collect();
         let names: String = media.iter().map(|interface| format!("-{}", interface.short)).collect();
         let drawing = view::of_special_angles(&angles);
@@ -249,7 +261,7 @@ impl Fresnel {
     }
 
     fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
-        let curves = fresnel::curves(self.eta_i, interface.eta, self.points, self.model)?;
+        let curves = fresnel::curves(self.eta_i.eta, interface.eta, self.points, self.model)?;
         let written = self.write(name, &view::dielectric(&curves, &interface.name), &curves.csv()?, global)?;
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));

@@ -26,10 +26,11 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// A dielectric without a name.
+    /// A dielectric without a name, except air.
     #[must_use]
     pub fn dielectric(eta: f64) -> Self {
-        Self { name: format!("η = {eta}"), short: eta.to_string(), eta, k: 0.0, medium: None }
+        let name = if eta == 1.0 { "air".to_owned() } else { format!("η = {eta}") };
+        Self { name, short: eta.to_string(), eta, k: 0.0, medium: None }
     }
 
     /// A medium of the registry at the d line.
@@ -88,7 +89,9 @@ pub struct MediumCurves {
 /// Several media, met by light from the same side.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MediaCurves {
-    /// Index of refraction on the side of the incident light.
+    /// What is on the side of the incident light.
+    pub from: String,
+    /// Its index of refraction.
     pub eta_i: f64,
     /// Wavelength in nanometres at which the media known by name have their indices.
     pub wavelength_nm: f64,
@@ -98,34 +101,35 @@ pub struct MediaCurves {
 
 /// The rows of all media as CSV.
 pub fn csv(sides: &[MediaCurves]) -> Result<Vec<u8>> {
-    let media = sides.iter().flat_map(|side| &side.media);
-    let rows = media.flat_map(|medium| medium.rows.iter().map(|row| (&medium.name, row)));
-    Table::of(&rows.collect::<Vec<(&String, &Row)>>())
-        .field("medium", |(name, _)| *name)
+    let media = sides.iter().flat_map(|side| side.media.iter().map(move |medium| (&side.from, medium)));
+    let rows = media.flat_map(|(from, medium)| medium.rows.iter().map(move |row| ([from, &medium.name], row)));
+    Table::of(&rows.collect::<Vec<([&String; 2], &Row)>>())
+        .field("medium", |(names, _)| names[1])
         .field("theta_deg", |(_, row)| row.theta_deg)
         .field("r_parallel", |(_, row)| row.exact.parallel)
         .field("r_perpendicular", |(_, row)| row.exact.perpendicular)
         .field("r_unpolarized", |(_, row)| row.exact.unpolarized())
         .field("transmittance", |(_, row)| row.exact.transmittance())
         .field("r_schlick", |(_, row)| row.schlick)
+        .field("from", |(names, _)| names[0])
         .csv()
 }
 
 /// The largest number of media side by side: as many as have a colour of their own in a figure.
 pub const MAX_MEDIA: usize = 7;
 
-/// Computes the curves of each interface for light that comes from index `eta_i`.
+/// Computes the curves of each interface for light that comes from a dielectric.
 ///
 /// # Errors
 /// [`Error::Parameter`] for no medium, more than [`MAX_MEDIA`], one given twice, impossible indices and numbers of points.
-pub fn curves(eta_i: f64, interfaces: &[Interface], points: usize, formulas: Formulas) -> Result<MediaCurves> {
+pub fn curves(from: &Interface, interfaces: &[Interface], points: usize, formulas: Formulas) -> Result<MediaCurves> {
     if !(1..=MAX_MEDIA).contains(&interfaces.len()) {
         return Err(Error::parameter("media", format!("{} media cannot be drawn in one figure", interfaces.len()))
             .with_hint(format!("give 1 to {MAX_MEDIA}")));
     }
     check_distinct(interfaces)?;
-    let media = interfaces.iter().map(|interface| one(eta_i, interface, points, formulas)).collect::<Result<_>>()?;
-    Ok(MediaCurves { eta_i, wavelength_nm: D_LINE_NM, media })
+    let media = interfaces.iter().map(|interface| one(from.eta, interface, points, formulas)).collect::<Result<_>>()?;
+    Ok(MediaCurves { from: from.name.clone(), eta_i: from.eta, wavelength_nm: D_LINE_NM, media })
 }
 
 /// Refuses a medium that is given twice.
@@ -239,7 +243,7 @@ mod tests {
 
     fn of(names: &[&str]) -> Result<MediaCurves> {
         let interfaces = names.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-        curves(1.0, &interfaces, 91, Formulas::Exact)
+        curves(&Interface::dielectric(1.0), &interfaces, 91, Formulas::Exact)
     }
 
     #[test]
@@ -258,7 +262,9 @@ mod tests {
         assert!((all.media[1].brewster_deg.unwrap() - 56.309_932).abs() < 1e-6);
         assert_eq!((all.media[1].source, all.media[2].source), (None, Some("Johnson & Christy 1972")));
         // From inside of water: total reflection beyond 48.6°.
-        let inside = curves(1.3334, &[Interface::dielectric(1.0)], 2, Formulas::Exact).unwrap();
+        let inside =
+            curves(&Interface::named("water").unwrap(), &[Interface::dielectric(1.0)], 2, Formulas::Exact).unwrap();
+        assert_eq!([&inside.from, &inside.media[0].name], ["water", "air"]);
         assert!((inside.media[0].critical_deg.unwrap() - 48.59).abs() < 0.01);
     }
 

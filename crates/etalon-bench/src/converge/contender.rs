@@ -158,7 +158,7 @@ impl<'a> Replicate<'a> {
     /// A replicate by our renderer with these settings.
     pub fn ours(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         let render = Doubling::new(scene, request, settings)?;
-        let (preparation, chosen) = (render.preparation.wall, Strategy::of(render.settings()));
+        let (preparation, chosen) = (render.preparation.wall, Strategy::of(render.settings(), scene));
         let new = Self::new(Source::Ours(Box::new(render)), settings.seed);
         Ok(Self { preparation, chosen, spent: preparation, ..new })
     }

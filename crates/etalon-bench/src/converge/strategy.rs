@@ -153,12 +153,12 @@ impl Strategy {
         strategies.filter(|strategy: &Self| strategy.settings(0).map_sampling().regions() as usize <= texels).collect()
     }
 
-    /// The strategy of settings that leave nothing to the render.
-    pub fn of(settings: &Settings) -> Option<Self> {
+    /// The strategy of settings that leave nothing to the render, on a scene, which may have no map.
+    pub fn of(settings: &Settings, scene: &Scene) -> Option<Self> {
         let plain = if settings.sampling == Sampling::MisLt { Sampling::Mis } else { settings.sampling };
         let (method, ..) = METHODS.iter().find(|(.., sampling)| *sampling == plain)?;
         let density = settings.map_sampling();
-        let mut name = if density == MapSampling::MAP {
+        let mut name = if density == MapSampling::MAP || scene.environment.is_none() {
             (*method).to_owned()
         } else if density.has_fixed_lights() {
             density.to_string()
@@ -216,6 +216,7 @@ mod tests {
 
     #[test]
     fn names_mean_what_they_say() {
+        let (furnace, _) = builtin::furnace();
         for (name, _) in methods().into_iter().filter(|(name, _)| name != DEFAULT) {
             for suffix in ["", "+independent", "+all-normals", "+lt+adaptive+independent+all-normals"] {
                 let name = name.replace('K', "16") + suffix;
@@ -225,7 +226,7 @@ mod tests {
                 }
                 let strategy: Strategy = name.parse().unwrap();
                 assert_eq!(strategy.name, name);
-                assert_eq!(Strategy::of(&strategy.settings), Some(strategy.clone()));
+                assert_eq!(Strategy::of(&strategy.settings, &furnace), Some(strategy.clone()));
                 assert_eq!(strategy.is_independent(), suffix.contains("independent"));
                 let settings = strategy.settings(1);
                 assert_eq!(settings.adaptive, suffix.contains("adaptive"), "{name}");

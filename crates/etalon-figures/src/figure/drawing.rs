@@ -134,10 +134,18 @@ impl Drawing {
                         (from..to).contains(&(index - 1))
                     })
                 };
-                let unit = if let Self::Sheet(sheet) = self { sheet.unit() } else { 1 };
-                let middle = parts.div_ceil(2).next_multiple_of(unit).min(parts);
+                let middle = parts.div_ceil(2).next_multiple_of(self.unit()).min(parts);
                 [half(0, middle), half(middle, parts)].into_iter().flatten().collect()
             }
+        }
+    }
+
+    /// The images that stay together, also of a sheet above its colour bar.
+    fn unit(&self) -> usize {
+        match self {
+            Self::Sheet(sheet) => sheet.unit(),
+            Self::Stack { rows, .. } => rows.iter().map(Self::unit).max().unwrap_or(1),
+            _ => 1,
         }
     }
 

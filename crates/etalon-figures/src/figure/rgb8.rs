@@ -168,7 +168,7 @@ impl Group {
 ///
 /// A group of colours is cut at its mean along the axis of the largest variance, the group with the largest first (Wan, Wong and
 /// Prusinkiewicz 1988), each colour with the square root of its number of pixels. If asked for, the error of a pixel goes to its neighbours
-/// (Floyd and Steinberg 1976), without which smooth shades turn into rings; flat areas of a colour of the palette stay as they are.
+/// (Floyd and Steinberg 1976), without which smooth shades turn into rings; colours of the palette itself stay as they are.
 pub fn palette(image: &Rgb8, is_dithered: bool) -> (Vec<[u8; 3]>, Vec<u8>) {
     let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
     image.pixels().pixels().for_each(|pixel| *counts.entry(pixel.0).or_default() += 1);
@@ -217,9 +217,7 @@ fn dithered(image: &Rgb8, palette: &[[u8; 3]]) -> Vec<u8> {
     for y in 0..image.height() {
         for x in 0..width {
             let pixel = image.pixel(x, y);
-            // Flat areas stay flat, and so does what no error reaches; within a shade, a colour of the palette passes errors on as others do
-            let is_flat = || x > 0 && pixel == image.pixel(x - 1, y) && x + 1 < width && pixel == image.pixel(x + 1, y);
-            if let Some(own) = own.get(&pixel).filter(|_| errors[0][x + 1] == [0.0; 3] || is_flat()) {
+            if let Some(own) = own.get(&pixel) {
                 places.push(*own);
                 continue;
             }

@@ -428,10 +428,10 @@ fn crops(compared: &Compared, tiles: &[Tile]) -> Drawing {
         let Some(worst) = worst else { continue };
         let [mean_a, mean_b] = worst.means.map(|mean| format!("{mean:.4}"));
         let channel = compared.channels[worst.channel];
-        cells.push((format!("{}: image A, channel {channel}: {mean_a}", i + 1), shown(&a)));
-        cells.push((format!("image B, channel {channel}: {mean_b}"), shown(&b)));
-        let p = compared.families[2].adjusted(worst);
-        cells.push((format!("A − B, ±{}; corrected {}", rounded(limit, 2), p_value(p)), map.image()));
+        let (number, p) = (i + 1, compared.families[2].adjusted(worst));
+        cells.push((format!("{number}: image A, channel {channel}: {mean_a}"), shown(&a)));
+        cells.push((format!("{number}: image B, channel {channel}: {mean_b}"), shown(&b)));
+        cells.push((format!("{number}: A − B, ±{}; corrected {}", rounded(limit, 2), p_value(p)), map.image()));
     }
     image_rows("The tiles that differ most, with their surroundings", 3, &cells)
 }

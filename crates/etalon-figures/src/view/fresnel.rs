@@ -171,10 +171,10 @@ fn errors(curves: &ConductorCurves) -> Panel {
         Panel::new(angle_axis(), Axis::linear("error of /{R} unpolarized")).title("Errors of the approximations");
     for (c, &colour) in curves.channels.iter().zip(colours) {
         let approximate = |row: &Row| c.approximate(row).unpolarized() - row.exact.unpolarized();
-        let name = if c.name.contains("nm") { c.name.as_str() } else { "" };
+        let name = if c.name.contains("nm") { format!("{}, ", c.name) } else { String::new() };
         panel = panel
-            .line(format!("for ∣/{{n}}∣² ≫ 1 {name}"), stroke(colour, theme::SOLID), points(&c.rows, approximate))
-            .line(format!("Schlick {name}"), stroke(colour, theme::DASHED), points(&c.rows, Row::error));
+            .line(format!("{name}∣/{{n}}∣² ≫ 1"), stroke(colour, theme::SOLID), points(&c.rows, approximate))
+            .line(format!("{name}Schlick"), stroke(colour, theme::DASHED), points(&c.rows, Row::error));
     }
     panel
 }
@@ -294,9 +294,9 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
     let shares: Vec<Curve> = show.iter().copied().filter(|curve| *curve != Curve::Error).collect();
     let panel = |show: &[Curve], y: Axis| with_angles(panel(curves, show, y), curves, &angles);
     let mut panels = Vec::new();
-    let from = side(curves.eta_i, &curves.eta_i.to_string());
+    let from = side(curves.eta_i, &curves.from);
     let side = match &*curves.media {
-        [only] if only.name == "η = 1" => format!("From {from} into air"),
+        [only] if only.k == 0.0 => format!("From {from} into {}", side(only.eta, &only.name)),
         [only] => format!("From {from} into {}", only.name),
         _ if *shares == [Curve::Unpolarized] => format!("Reflectance, light from {from}"),
         _ => format!("Light from {from}"),

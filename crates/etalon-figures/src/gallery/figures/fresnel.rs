@@ -78,7 +78,7 @@ const NAMES: [&str; 6] = ["water", "glass", "diamond", "Fe", "Au", "Ag"];
 
 fn media() -> Result<Content> {
     let interfaces = NAMES.iter().map(|name| Interface::named(name)).collect::<Result<Vec<_>>>()?;
-    let curves = media::curves(1.0, &interfaces, POINTS, Formulas::Exact)?;
+    let curves = media::curves(&Interface::dielectric(1.0), &interfaces, POINTS, Formulas::Exact)?;
     let closed = |c: &MediumCurves| {
         ((c.eta - 1.0).powi(2) + c.k * c.k) / ((c.eta + 1.0).powi(2) + c.k * c.k) - c.rows[0].exact.unpolarized()
     };
