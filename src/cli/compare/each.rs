@@ -1,6 +1,6 @@
 //! `etalon compare --each IMAGE… --reference B`: many images against one.
 
-use super::{Compare, Input, OtherSize, left_out, measure, read, why};
+use super::{Compare, Input, OtherSize, REASONS, Reason, left_out, measure, read, unknown};
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Verdict};
 use crate::cli::map_file::short_name;
@@ -44,6 +44,7 @@ struct Done {
 #[derive(Clone, Copy)]
 enum Exceeded {
     Limit(Limit),
+    Reason(Reason),
     NotFinite,
     Size,
 }
@@ -53,6 +54,8 @@ impl Exceeded {
     fn name(self) -> &'static str {
         match self {
             Self::Limit(limit) => limit.metric.name,
+            Self::Reason(Reason::Mistake) => "mistake",
+            Self::Reason(Reason::Copy) => "copy",
             Self::NotFinite => "finite",
             Self::Size => "size",
         }
@@ -62,6 +65,8 @@ impl Exceeded {
     fn text(self) -> String {
         match self {
             Self::Limit(limit) => format!("{} above {}", limit.metric.title, limit.most),
+            Self::Reason(Reason::Mistake) => "not only noise".into(),
+            Self::Reason(Reason::Copy) => "a copy".into(),
             Self::NotFinite => "pixels that are not finite".into(),
             Self::Size => "another size".into(),
         }
@@ -106,6 +111,7 @@ struct Output<'a> {
     rejected: usize,
     unreadable: usize,
     interrupted: bool,
+    seconds: f64,
 }
 
 #[derive(Serialize)]
@@ -155,6 +161,7 @@ impl Compare {
             return Err(error);
         }
         name_equal(&mut entries);
+        entries.iter_mut().for_each(|entry| self.reject(entry));
         if let Some(metric) = self.sort {
             sort(&mut entries, metric);
         }
@@ -177,12 +184,13 @@ impl Compare {
             ));
         }
         let mut saving = Saving::default();
-        let cells: Vec<Shown> = entries.iter().map(shown).collect();
+        let cells: Vec<Shown> = entries.iter().map(|entry| shown(entry, &entries, self)).collect();
         let sheet = view::sheet((&reference.display().to_string(), &b.image), &cells);
         saving.add(output::write(&stem, &sheet, &style, &csv(&entries)?));
         let list = entries.iter().flat_map(|entry| self.checks_of(entry, reference)).collect();
         let title = format!("etalon compare --each against {}", reference.display());
-        let mut checks = Checks { title, list, seconds: start.elapsed().as_secs_f64() };
+        let seconds = start.elapsed().as_secs_f64();
+        let mut checks = Checks { title, list, seconds };
         if missing > 0 {
             let left_out = format!("{} not compared", counted(missing, "image"));
             console.warn(&format!("interrupted: {left_out}"));
@@ -195,8 +203,9 @@ impl Compare {
         let unreadable = count(|entry| entry.problem().is_some() && !entry.is_rejected());
         let images = entries.iter().map(record).collect();
         let interrupted = missing > 0;
-        let output = Output { reference: reference.display().to_string(), images, rejected, unreadable, interrupted };
-        console.saved(&output, &target.written(files), || self.text(&entries, [rejected, unreadable]));
+        let output =
+            Output { reference: reference.display().to_string(), images, rejected, unreadable, interrupted, seconds };
+        console.saved(&output, &target.written(files), || self.text(&entries, [rejected, unreadable], seconds));
         saved?;
         // What could not be compared is told after the results of all others
         let failed = |entry: Entry| match entry.result {
@@ -218,7 +227,7 @@ impl Compare {
             let measured = measure(path, &a, reference, b)?;
             let (exceeded, thumbnail) = match &measured {
                 Ok(measured) => (self.exceeded(measured), Thumbnail::new(&a.image, &b.image)),
-                Err(_) if self.at_most.is_empty() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
+                Err(_) if !self.judges() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
                 Err(_) => (vec![Exceeded::Size], Thumbnail::of_another_size(&a.image, &b.image)),
             };
             Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped: a.is_clipped, exceeded })
@@ -234,7 +243,17 @@ impl Compare {
             vec![Check { group: group.clone(), name, verdict: Some(verdict), message, details, seconds: None }]
         };
         match (entry.measured(), entry.problem()) {
-            (Some(measured), _) if !self.at_most.is_empty() => self.checks(&group, measured),
+            (Some(measured), _) if self.judges() => {
+                let rejected =
+                    |reason| entry.exceeded().iter().any(|e| matches!(e, Exceeded::Reason(r) if *r == reason));
+                let verdict = |reason| match rejected(reason) {
+                    true => etalon_stats::Verdict::Reject,
+                    false => etalon_stats::Verdict::Accept,
+                };
+                let reasons = REASONS.into_iter().filter(|(.., reason)| self.reject.contains(reason));
+                let of_reason = |(name, _, reason)| plain(name, verdict(reason), remark(entry).unwrap_or_default());
+                self.checks(&group, measured).into_iter().chain(reasons.flat_map(of_reason)).collect()
+            }
             (Some(_), _) => plain("file", etalon_stats::Verdict::Accept, remark(entry).unwrap_or_default()),
             (None, problem) => {
                 let turned = entry.explanation().map(view::explained);
@@ -247,7 +266,7 @@ impl Compare {
         }
     }
 
-    fn text(&self, entries: &[Entry], [rejected, unreadable]: [usize; 2]) -> String {
+    fn text(&self, entries: &[Entry], [rejected, unreadable]: [usize; 2], seconds: f64) -> String {
         let number = |entry: &Entry, metric: &Metric| match entry.measured().map(|measured| metric.of(measured)) {
             Some(value) if value.is_nan() => "-".into(),
             Some(value) => rounded(value, 3),
@@ -255,11 +274,7 @@ impl Compare {
         };
         let mut table = Table::of(entries).words("image", |entry| &entry.file);
         // The usual ones, and those that were asked for
-        let is_asked = |metric: &Metric| {
-            let limits = self.at_most.iter().map(|limit| limit.metric);
-            limits.chain(self.sort).any(|asked| asked.name == metric.name)
-        };
-        let shown = METRICS.iter().enumerate().filter(|(i, metric)| *i < USUAL || is_asked(metric));
+        let shown = METRICS.iter().enumerate().filter(|(i, metric)| *i < USUAL || self.asks_for(metric));
         for (_, metric) in shown {
             let heading = metric.heading();
             table = table.numbers(&heading, |entry| number(entry, metric));
@@ -270,20 +285,42 @@ impl Compare {
             rejected.into_iter().chain(remark(entry)).collect()
         };
         let mut text = String::new();
-        if !self.at_most.is_empty() {
+        if self.judges() {
             text += &format!("rejected: {rejected} of {}", counted(entries.len(), "image"));
             text += &if unreadable > 0 { format!("; {unreadable} not compared\n") } else { "\n".to_owned() };
         }
-        text + &table.text_with(|entry, line| {
+        text += &table.text_with(|entry, line| {
             line + &about(entry).iter().map(|about| wrapped(about, "  ", LINE)).collect::<String>()
-        })
+        });
+        text + &format!("{} in {seconds:.1} s\n", counted(entries.len(), "image"))
+    }
+
+    /// Whether a metric has a limit, or sorts.
+    fn asks_for(&self, metric: &Metric) -> bool {
+        self.at_most.iter().map(|limit| limit.metric).chain(self.sort).any(|asked| asked.name == metric.name)
+    }
+
+    /// Whether images are accepted or rejected.
+    fn judges(&self) -> bool {
+        !self.at_most.is_empty() || !self.reject.is_empty()
+    }
+
+    /// Rejects an image for the reasons that are given.
+    fn reject(&self, entry: &mut Entry) {
+        let Entry { result: Ok(done), same_as, .. } = entry else { return };
+        let Ok(measured) = &done.measured else { return };
+        let holds = |reason: &&Reason| match reason {
+            Reason::Mistake => measured.explanation.is_some() || measured.beyond_noise == Some(true),
+            Reason::Copy => measured.identical || same_as.is_some(),
+        };
+        done.exceeded.extend(self.reject.iter().filter(holds).map(|reason| Exceeded::Reason(*reason)));
     }
 
     /// The limits that an image exceeds.
     fn exceeded(&self, measured: &Measured) -> Vec<Exceeded> {
         let above =
             self.at_most.iter().filter(|limit| !limit.holds_of_rest(measured)).map(|limit| Exceeded::Limit(*limit));
-        let has_holes = measured.numbers.non_finite > 0 && !self.at_most.is_empty();
+        let has_holes = measured.numbers.non_finite > 0 && self.judges();
         above.chain(has_holes.then_some(Exceeded::NotFinite)).collect()
     }
 }
@@ -344,37 +381,37 @@ fn sort(entries: &mut [Entry], metric: &Metric) {
 
 /// What is to be said of an image beside its metrics.
 fn remark(entry: &Entry) -> Option<String> {
-    let twin = entry.same_as.as_ref().map(|twin| format!("same pixels as {twin}"));
-    let parts = match entry.measured() {
-        Some(measured) => {
-            let same = measured.identical.then(|| "the same values as the reference".to_owned());
-            [same, why(measured), left_out(measured), twin]
-        }
-        None => [entry.problem(), entry.explanation().map(view::explained), twin, None],
-    };
-    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let parts = said(entry, &view::explained);
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
-fn shown(entry: &Entry) -> Shown<'_> {
-    let name = short_name(entry.file.as_ref());
-    let Ok(done) = &entry.result else {
-        let caption = format!("{name}: not compared");
-        return Shown { caption, thumbnail: None, is_rejected: false, is_explained: false };
-    };
-    let mut parts = Vec::new();
-    match &done.measured {
-        Ok(measured) => {
-            let metrics = ["flip", "rel_mse", "ssim", "psnr"].into_iter().filter_map(Metric::named);
-            let numbers = metrics.map(|metric| (metric, metric.of(measured))).filter(|(_, value)| value.is_finite());
-            parts.push(numbers.map(|(metric, value)| view::of_metric(metric, value)).collect::<Vec<_>>().join(", "));
-            let holes = measured.numbers.non_finite;
-            parts.extend((holes > 0).then(|| format!("{} NaN or infinite", counted(holes, "pixel"))));
-            parts.extend(measured.identical.then(|| "the same values as the reference".to_owned()));
+/// The same in parts, an explanation as `explained` tells it.
+fn said(entry: &Entry, explained: &dyn Fn(&Explanation) -> String) -> Vec<String> {
+    let twin = entry.same_as.as_ref().map(|twin| format!("same pixels as {twin}"));
+    let explanation = entry.explanation().map(explained);
+    let parts = match entry.measured() {
+        Some(measured) => {
+            let same = measured.identical.then(|| "the same values as the reference".to_owned());
+            [same, explanation.or_else(|| unknown(measured)), left_out(measured), twin]
         }
-        Err(other) => parts.push(other.text()),
-    }
-    parts.extend(entry.explanation().map(Explanation::headline));
+        None => [entry.problem(), explanation, twin, None],
+    };
+    parts.into_iter().flatten().collect()
+}
+
+/// An image of the sheet: below its name what rejects it, the metrics that are asked for, or else FLIP and PSNR, and what is to be said of it.
+fn shown<'a>(entry: &'a Entry, entries: &[Entry], compare: &Compare) -> Shown<'a> {
+    let has_name = |other: &&Entry| short_name(other.file.as_ref()) == short_name(entry.file.as_ref());
+    let file = Path::new(&entry.file);
+    // Two files may differ in their extension, or in their folder
+    let name = match entries.iter().filter(has_name).map(|other| Path::new(&other.file).file_name()).collect::<Vec<_>>()
+    {
+        same if same.len() < 2 => short_name(file.as_ref()),
+        same if same.iter().filter(|other| **other == file.file_name()).count() < 2 => {
+            file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        }
+        _ => entry.file.clone(),
+    };
     let above = entry.exceeded().iter().filter(|exceeded| matches!(exceeded, Exceeded::Limit(_)));
     let above: Vec<String> = above.map(|exceeded| exceeded.text()).collect();
     let rejected = match above.join(", ") {
@@ -382,9 +419,22 @@ fn shown(entry: &Entry) -> Shown<'_> {
         above if above.is_empty() => ", rejected".into(),
         above => format!(", rejected ({above})"),
     };
+    let is_any_asked = METRICS.iter().any(|metric| compare.asks_for(metric));
+    let is_shown = |metric: &&Metric| match is_any_asked {
+        true => compare.asks_for(metric),
+        false => ["flip", "psnr"].contains(&metric.name),
+    };
+    let numbers = entry.measured().map(|measured| {
+        let shown = METRICS.iter().filter(is_shown).map(|metric| (metric, metric.of(measured)));
+        let finite = shown.filter(|(_, value)| value.is_finite());
+        finite.map(|(metric, value)| view::of_metric(metric, value)).collect::<Vec<_>>().join(", ")
+    });
+    let numbers = numbers.filter(|numbers| !numbers.is_empty());
+    let parts: Vec<String> = numbers.into_iter().chain(said(entry, &Explanation::headline)).collect();
+    let thumbnail = entry.result.as_ref().ok().map(|done| &done.thumbnail);
     Shown {
         caption: format!("{name}{rejected}: {}", parts.join("; ")),
-        thumbnail: Some(&done.thumbnail),
+        thumbnail,
         is_rejected: entry.is_rejected(),
         is_explained: entry.explanation().is_some_and(|explanation| !explanation.in_part),
     }

@@ -7,7 +7,7 @@ mod pair;
 use super::console::Console;
 use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use crate::cli::style::StyleArgs;
-use crate::cli::values::{fraction, share};
+use crate::cli::values::{choice, fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned};
 use etalon_core::error::{Error, Result};
@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
                         --detect would have been found with 90 % probability; 3: cannot tell, with the numbers of images that would find it. The book has the formulas and the \
                         layers that single images need.\n\nExamples:\n  etalon render sphere-env -s 1 -o a.exr && etalon render sphere-env -o b.exr && etalon compare a.exr b.exr\n  etalon compare render.exr reference.exr\n  \
                         etalon compare render.exr golden.exr --at-most flip=.05 --junit golden.xml\n  \
-                        etalon compare --each students/*.png --reference reference.png --sort flip\n  \
+                        etalon compare --each students/*.png --reference reference.png --sort flip --reject mistake,copy\n  \
                         etalon compare mine-*.exr --against theirs-*.exr --detect 0.5%\n  \
                         etalon compare render.exr --against mitsuba-moment.exr --spp 256"
 )]
@@ -62,6 +62,9 @@ pub struct Compare {
     /// METRIC is mse, rel_mse, flip, rmse, mape, smape or max_abs.
     #[arg(long, value_name = "METRIC=N,...", value_parser = limit, value_delimiter = ',', action = ArgAction::Set, conflicts_with = "against")]
     at_most: Vec<Limit>,
+    /// Reject an image of --each for these reasons, whatever its metrics
+    #[arg(long, value_name = "WHY,...", value_parser = choice(REASONS), value_delimiter = ',', action = ArgAction::Set, requires = "each")]
+    reject: Vec<Reason>,
     /// Images of the second renderer: test whether both have one expectation
     #[arg(long, value_name = "IMAGE", num_args = 1.., action = ArgAction::Set)]
     against: Vec<PathBuf>,
@@ -140,12 +143,26 @@ impl Compare {
     }
 }
 
+/// Why an image of many is rejected beside limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reason {
+    Mistake,
+    Copy,
+}
+
+const REASONS: [(&str, &str, Reason); 2] = [
+    ("mistake", "A usual mistake, or a difference that is more than noise", Reason::Mistake),
+    ("copy", "The values of the reference, or of an image before it", Reason::Copy),
+];
+
 /// What explains the difference, or that nothing does.
 fn why(measured: &Measured) -> Option<String> {
-    let unknown = || {
-        (measured.beyond_noise == Some(true)).then(|| "more than noise, and no usual mistake explains it".to_owned())
-    };
-    measured.explanation.as_ref().map(explained).or_else(unknown)
+    measured.explanation.as_ref().map(explained).or_else(|| unknown(measured))
+}
+
+/// What is said of a difference that nothing explains.
+fn unknown(measured: &Measured) -> Option<String> {
+    (measured.beyond_noise == Some(true)).then(|| "more than noise, and no usual mistake explains it".to_owned())
 }
 
 /// What is said of pixels that are not finite, if there are any.

@@ -51,8 +51,8 @@ const LEAST: usize = 3;
 const RIM: f64 = 0.2;
 /// Times that a marker on black has the side of one on the map, where it would cover what it marks.
 const ALONE: usize = 2;
-/// Times that a larger marker of the key has the area of the smaller one.
-const LARGER: usize = 16;
+/// The diameter of a dot of the inset, in drawing units.
+const DOT: f64 = 10.0;
 
 impl Display {
     pub fn new(map: &EnvMap, look: Look) -> Self {
@@ -115,8 +115,10 @@ impl Display {
         let rim = RIM * side as f64;
         self.markers(&mut drawing, &markers, &[(2.0 * rim, theme::MARKER_SHADE), (rim, theme::BORDER)]);
         let densest = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1);
-        let zoom = densest.map(|densest| self.inset(&mut drawing, rows, densest.at));
-        Drawing::Picture(Picture { page: drawing, key: self.key(side, zoom) })
+        // An inset that does not part the dots shows nothing
+        let is_parted = |group: &&Group| group.extent * self.scale * self.zoom()[1] as f64 > DOT;
+        let zoom = densest.filter(is_parted).map(|densest| self.inset(&mut drawing, rows, densest.at));
+        Drawing::Picture(Picture { page: drawing, key: self.key(side, densest.map(|group| group.count), zoom) })
     }
 
     /// The side of a marker, less where many would cover what they mark.
@@ -126,21 +128,26 @@ impl Display {
     }
 
     /// What the markers mean.
-    fn key(&self, side: usize, zoom: Option<usize>) -> Vec<(f64, Colour, String)> {
+    fn key(&self, side: usize, most: Option<usize>, zoom: Option<usize>) -> Vec<(f64, Colour, String)> {
         let inset =
             zoom.map(|zoom| (0, format!("inset: the square in orange, {zoom} times as large, a dot for each sample")));
-        let markers = [(1, "1 sample".to_owned()), (LARGER, format!("{LARGER} samples close together"))];
+        let most = most.map(|most| (most, format!("{most} samples close together, the most")));
+        let markers = [(1, "1 sample".to_owned())].into_iter().chain(most);
         let side = |count: usize| side as f64 * (count as f64).sqrt() * self.scale;
-        markers.into_iter().chain(inset).map(|(count, name)| (side(count), theme::MARKER, name)).collect()
+        markers.chain(inset).map(|(count, name)| (side(count), theme::MARKER, name)).collect()
+    }
+
+    /// The pixels of the page that the inset shows along each side, and how much larger.
+    fn zoom(&self) -> [usize; 2] {
+        let part = (self.base.height() / INSET_PART).max(1);
+        [part, (self.base.height() / INSET_SIDE / part).max(2)]
     }
 
     /// An enlarged part of the map around a texel, with a marker at each sample, in the corner with the fewest samples;
     /// by how much it is enlarged.
     fn inset(&self, drawing: &mut Page, rows: &[map_samples::SampleRow], (x, y): (f64, f64)) -> usize {
         let (width, height) = (self.base.width(), self.base.height());
-        // Pixels of the page that the part has along each side
-        let part = (height / INSET_PART).max(1);
-        let zoom = (height / INSET_SIDE / part).max(2);
+        let [part, zoom] = self.zoom();
         let corner =
             |at: f64, size: usize| ((at * self.scale) as usize).saturating_sub(part / 2).min(size - part.min(size));
         let (left, top) = (corner(x, width), corner(y, height));
@@ -174,7 +181,7 @@ impl Display {
         // Samples of one texel show as a darker marker
         for [x, y] in inside {
             let centre = [place.x + x, place.y + y];
-            drawing.circle(centre, 5.0, theme::BORDER.faded(0.6));
+            drawing.circle(centre, 0.5 * DOT, theme::BORDER.faded(0.6));
             drawing.circle(centre, 3.6, theme::MARKER.faded(0.6));
         }
         zoom
@@ -273,17 +280,23 @@ fn said(page: Page, text: &str) -> Drawing {
 struct Group {
     /// Their mean position in texels.
     at: (f64, f64),
+    /// The larger side of the smallest rectangle around them, in texels.
+    extent: f64,
     count: usize,
 }
 
 /// The samples in cells of `side` texels a side, in the order of the cells.
 fn grouped(rows: &[map_samples::SampleRow], side: usize) -> Vec<Group> {
-    let mut cells: BTreeMap<[usize; 2], (f64, f64, usize)> = BTreeMap::new();
+    let mut cells: BTreeMap<[usize; 2], Vec<[f64; 2]>> = BTreeMap::new();
     for r in rows {
-        let cell = cells.entry([r.y, r.x].map(|v| v as usize / side.max(1))).or_default();
-        *cell = (cell.0 + r.x, cell.1 + r.y, cell.2 + 1);
+        cells.entry([r.y, r.x].map(|v| v as usize / side.max(1))).or_default().push([r.x, r.y]);
     }
-    let group = |(x, y, count): (f64, f64, usize)| Group { at: (x / count as f64, y / count as f64), count };
+    let group = |places: Vec<[f64; 2]>| {
+        let mean = |axis: usize| places.iter().map(|at| at[axis]).sum::<f64>() / places.len() as f64;
+        let end = |axis: usize, of: fn(f64, f64) -> f64| places.iter().map(|at| at[axis]).fold(f64::NAN, of);
+        let extent = |axis| end(axis, f64::max) - end(axis, f64::min);
+        Group { at: (mean(0), mean(1)), extent: extent(0).max(extent(1)), count: places.len() }
+    };
     cells.into_values().map(group).collect()
 }
 
@@ -330,7 +343,11 @@ mod tests {
         // Two rims below the markers, then the frames of the inset and of what it shows
         assert_eq!(sides[..6], [14.0, 9.0, 12.0, 7.0, 10.0, 5.0]);
         assert_eq!(sides[6..10], [21.0, 21.0, 126.0, 126.0]);
-        assert_eq!(drawing.key.iter().map(|(side, ..)| *side).collect::<Vec<_>>(), [5.0, 20.0, 0.0]);
+        assert_eq!(drawing.key.iter().map(|(side, ..)| *side).collect::<Vec<_>>(), [5.0, 10.0, 0.0]);
+        // Four samples at one place are not parted by an inset
+        let alike = Display::new(&map, Look::default()).samples(&[at(100.5, 50.5); 4], 5);
+        let Drawing::Picture(drawing) = alike else { panic!("a picture") };
+        assert_eq!(drawing.key.iter().map(|(side, ..)| *side).collect::<Vec<_>>(), [5.0, 10.0]);
     }
 
     #[test]
