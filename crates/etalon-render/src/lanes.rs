@@ -1,5 +1,6 @@
 //! Many paths side by side, component by component, so that loops over them vectorize.
 
+use etalon_core::scene::Ray;
 use glam::{Vec2, Vec3};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::LazyLock;
@@ -48,13 +49,6 @@ pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[[f32; 
 pub const NONE: u32 = u32::MAX;
 
 pub const ZERO3: Lane3 = [[0.0; LANES]; 3];
-
-/// A ray with a unit direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    pub origin: Vec3,
-    pub direction: Vec3,
-}
 
 /// A value per path, and how those of all paths are stored: numbers and vectors component by component.
 pub trait Item: Copy {

@@ -1,11 +1,12 @@
 //! Light samples for many shading points at once: of one light for all points, or of one for each, which the light tree chooses.
 
-use super::lanes::{BLOCK, LANES, Lane, Lane3, NONE, Ray, at, block, blocks, put, set, wide};
+use super::lanes::{BLOCK, LANES, Lane, Lane3, NONE, at, block, blocks, put, set, wide};
 use super::light_sample::{LightSample, LightSampleLanes, SampleLight};
 use super::light_selection::Lights;
 use super::light_tree::LightTreeAt;
 use super::lights::{LightKind, SampledLight};
 use super::shaders::Kind;
+use etalon_core::scene::Ray;
 use std::array::from_mut;
 
 /// A direction towards a light from each of the first `count` positions.

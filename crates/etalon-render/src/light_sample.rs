@@ -1,9 +1,10 @@
 //! What every light offers: samples of directions towards it, their pdf, and points of its surface; and the weights of multiple
 //! importance sampling.
 
-use super::lanes::{LANES, NONE, Ray, at, set};
+use super::lanes::{LANES, NONE, at, set};
 use super::light_tree::LightBounds;
 use etalon_core::math::Rgb;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 
 /// A direction towards a light.

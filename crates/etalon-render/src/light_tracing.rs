@@ -29,7 +29,6 @@
 
 use super::environment::EnvironmentSampling;
 use super::geometry::Geometry;
-use super::lanes::Ray;
 use super::light_selection::Lights;
 use super::shaders::{Kind, SurfaceShader, is_sound};
 use super::solids;
@@ -38,6 +37,7 @@ use etalon_core::math::Rgb;
 use etalon_core::math::circular::Circular;
 use etalon_core::sampling::hash::mix64;
 use etalon_core::sampling::table::Table1;
+use etalon_core::scene::Ray;
 use etalon_core::scene::{Request, Scene, Shape, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};

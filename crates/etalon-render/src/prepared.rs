@@ -3,7 +3,7 @@
 use super::environment::EnvironmentSampling;
 use super::film::PathClasses;
 use super::geometry::Geometry;
-use super::lanes::{Hits, Ray};
+use super::lanes::Hits;
 use super::light_sample::SampleLight;
 use super::light_selection::Lights;
 use super::light_tracing::LightTracing;
@@ -15,6 +15,7 @@ use super::settings::{Sampling, Settings};
 use super::shaders::{Kind, SurfaceShader};
 use etalon_core::error::{Error, Result};
 use etalon_core::memory;
+use etalon_core::scene::Ray;
 use etalon_core::scene::{Bvh, Request, Scene};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;

@@ -1,12 +1,13 @@
 //! The vertex before a ray, and the MIS weight of the light that the ray finds.
 
-use super::lanes::{Hits, NONE, Ray, Rays, plain_items};
+use super::lanes::{Hits, NONE, Rays, plain_items};
 use super::light_sample::balance_heuristic;
 use super::prepared::PreparedScene;
 use super::settings::Sampling;
 use super::shaders::Kind;
 use etalon_core::math::Rgb;
 use etalon_core::scene::EmitterVisibility;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 
 /// The vertex before a ray, as far as multiple importance sampling needs it.

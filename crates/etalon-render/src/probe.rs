@@ -5,7 +5,7 @@ pub use crate::bsdf_lanes::{
 };
 pub use crate::camera::PreparedCamera;
 pub use crate::geometry::Surface;
-pub use crate::lanes::{BLOCK, LANES, Lane, NONE, Ray, Rays, at, set};
+pub use crate::lanes::{BLOCK, LANES, Lane, NONE, Rays, at, set};
 pub use crate::light_lanes::{sample_one_light, sample_own_lights};
 pub use crate::light_sample::{LightSample, LightSampleLanes, SampleLight};
 pub use crate::light_selection::Lights;
@@ -14,3 +14,4 @@ pub use crate::light_tree::{LightTree, LightTreeAt};
 pub use crate::lights::SampledLight;
 pub use crate::prepared::PreparedScene;
 pub use crate::shaders::{Kind, adjoint_factor, is_sound};
+pub use etalon_core::scene::Ray;

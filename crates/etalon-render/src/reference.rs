@@ -11,7 +11,7 @@
 use super::camera::PreparedCamera;
 use super::film::PathClass;
 use super::geometry::Surface;
-use super::lanes::{Hits, LANES, NONE, Ray, Rays};
+use super::lanes::{Hits, LANES, NONE, Rays};
 use super::prepared::{PreparedScene, ROULETTE_AFTER, ROULETTE_BELOW};
 use super::ray_samples::{RaySamples, Streams, SubSample};
 use super::settings::Sampling;
@@ -20,6 +20,7 @@ use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter};
 use etalon_core::math::{Frame, Rgb};
 use etalon_core::sampling::warp;
 use etalon_core::scene::EmitterVisibility;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 use std::borrow::Cow;
 

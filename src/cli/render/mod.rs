@@ -55,6 +55,8 @@ pub struct Render {
     #[arg(help_heading = SAMPLING, short, hide = true, value_name = "FILE")]
     file: Option<PathBuf>,
     /// Which techniques find the light [default: chosen by a trial of the scene]
+    ///
+    /// To compare images of two at equal samples, give --uniform, too.
     #[arg(help_heading = SAMPLING, long, value_parser = choice(Sampling::ALL.map(|s| (s.name(), s.about(), s))))]
     sampling: Option<Sampling>,
     /// The same as --sampling hemisphere

@@ -5,7 +5,7 @@ use crate::sampling::filter::PixelFilter;
 use glam::{DVec3, Vec3};
 
 /// A half-line. The direction has unit length.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ray {
     pub origin: Vec3,
     /// Where it goes, of unit length.

@@ -252,7 +252,7 @@ impl Plot {
                 }
                 let is_narrow = limit.is_finite() && row.panels.len() > 1;
                 let mut chart = chart(&panel, [width, height], has_own, limit, is_narrow);
-                chart.legend_below([width, height]);
+                chart.legend_below([width, height], limit);
                 chart
             };
             row.panels.iter().enumerate().map(draw).collect()
@@ -350,25 +350,27 @@ fn chart(panel: &Panel, [width, height]: [f64; 2], has_own: Parts, limit: f64, i
     let mut chart = Chart::new(panel, [width, height], has_own, limit);
     if let Some(map) = lying {
         let bar = map.lying_bar(width, limit);
-        chart.below(bar, [width, height]);
+        chart.below(bar, [width, height], limit);
     }
     chart
 }
 
 impl Chart {
     /// Puts a legend that found no free place inside the frame below it.
-    fn legend_below(&mut self, frame: [f64; 2]) {
+    fn legend_below(&mut self, frame: [f64; 2], limit: f64) {
         let Some(legend) = self.legend.take() else { return };
         let columns = legend.columns_within(frame[0] + 0.5 * self.room.left);
         let [w, h] = legend.size(columns);
         let mut page = Page::new(w, h, PIXELS);
         legend.draw(&mut page, [0.0, 0.0], columns);
-        self.below(page, frame);
+        self.below(page, frame, limit);
     }
 
-    /// Adds something below the frame: in its middle, or further to the left where there is no room to the right.
-    fn below(&mut self, page: Page, [width, height]: [f64; 2]) {
-        let x = (0.5 * (width - page.width)).min(width + self.room.right - page.width);
+    /// Adds something below the frame: in its middle, or further to the left where a room that is limited leaves none to the right.
+    fn below(&mut self, page: Page, [width, height]: [f64; 2], limit: f64) {
+        let right =
+            if limit.is_finite() { limit - self.room.left.max(0.5 * (page.width - width)) - width } else { 0.0 };
+        let x = (0.5 * (width - page.width)).min(width + self.room.right.max(right) - page.width);
         let y = height + self.room.bottom + LEGEND_GAP;
         let bottom = self.room.bottom + LEGEND_GAP + page.height;
         let sides = Sides { left: -x, right: x + page.width - width, bottom, top: 0.0 };

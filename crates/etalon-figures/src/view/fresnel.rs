@@ -297,6 +297,7 @@ fn panels_of_media(curves: &MediaCurves, show: &[Curve]) -> Vec<Panel> {
     let from = side(curves.eta_i, &curves.from);
     let side = match &*curves.media {
         [only] if only.k == 0.0 => format!("From {from} into {}", side(only.eta, &only.name)),
+        [only] if only.source.is_some() => format!("From {from} into {} at {:.2} nm", only.name, curves.wavelength_nm),
         [only] => format!("From {from} into {}", only.name),
         _ if *shares == [Curve::Unpolarized] => format!("Reflectance, light from {from}"),
         _ => format!("Light from {from}"),

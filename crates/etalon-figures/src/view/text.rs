@@ -178,9 +178,10 @@ pub fn wrapped(text: &str, indent: &str, width: usize) -> String {
     lines.iter().map(|line| format!("{indent}{line}\n")).collect()
 }
 
-/// A text with its first letter in upper case, unless that is the name of a function.
+/// A text with its first letter in upper case, unless that is the name of a function or of a variable.
 pub fn capitalized(text: &str) -> String {
-    if text.get(1..2) == Some("(") {
+    let is_variable = text.get(1..2) == Some(" ") && !text.starts_with("a ");
+    if text.get(1..2) == Some("(") || is_variable {
         return text.to_owned();
     }
     let mut chars = text.chars();

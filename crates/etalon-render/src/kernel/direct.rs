@@ -4,7 +4,7 @@ use super::scatter::next_q;
 use super::state::{ShadowRay, ShadowRays, Step, Vertices};
 use crate::bsdf_lanes::{Scattered, eval_many, reverse_pdf_many};
 use crate::environment::{EnvironmentSampling, SurfaceSampling, surface_sampling};
-use crate::lanes::{Hits, LANES, NONE, Ray, Rows, at, fill};
+use crate::lanes::{Hits, LANES, NONE, Rows, at, fill};
 use crate::light_lanes;
 use crate::light_sample::{LightSample, LightSampleLanes, balance_heuristic};
 use crate::light_selection::Round;
@@ -13,6 +13,7 @@ use crate::radiance::Radiance;
 use crate::ray_samples::SubSample;
 use crate::shaders::Kind;
 use etalon_core::math::{Frame, Rgb};
+use etalon_core::scene::Ray;
 use std::f32::consts::FRAC_1_PI;
 
 /// The buffers of direct light.

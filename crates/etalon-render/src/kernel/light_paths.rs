@@ -8,7 +8,7 @@ use super::surfaces::evaluate;
 use crate::bsdf_lanes::{Scattered, TransportMode, eval_many};
 use crate::camera::{PreparedCamera, View};
 use crate::film::{PathClass, Splat};
-use crate::lanes::{LANES, Ray, Rows, ZERO3, at, lanes, plain_items, set};
+use crate::lanes::{LANES, Rows, ZERO3, at, lanes, plain_items, set};
 use crate::light_tracing::{LightTracing, SAMPLES_PER_LIGHT_PATH, Start, delta_ratio};
 use crate::lights::SHORT;
 use crate::prepared::PreparedScene;
@@ -17,6 +17,7 @@ use crate::ray_samples::{RaySamples, Streams, SubSample};
 use crate::shaders::{Kind, adjoint_factor};
 use etalon_core::bsdf::BsdfSample;
 use etalon_core::math::Rgb;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 
 plain_items! { [f32; 2] = [0.0; 2] }

@@ -2,13 +2,14 @@
 
 use super::state::{PathRay, PathRays, Step, Vertices};
 use crate::bsdf_lanes::{Scattered, reverse_pdf_many, sample_cosine_hemisphere, sample_many};
-use crate::lanes::{LANES, Lane3, Ray, Rows, at};
+use crate::lanes::{LANES, Lane3, Rows, at};
 use crate::light_tracing::{delta_ratio, projected};
 use crate::previous::PreviousVertex;
 use crate::ray_samples::{Dimension, SubSample};
 use crate::shaders::Kind;
 use etalon_core::bsdf::{BsdfSample, Scatter};
 use etalon_core::math::Rgb;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 

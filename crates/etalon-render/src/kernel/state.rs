@@ -4,7 +4,7 @@ use crate::bsdf_lanes::{Bsdfs, TransportMode};
 use crate::camera::PreparedCamera;
 use crate::film::PathClass;
 use crate::geometry::Surface;
-use crate::lanes::{Hits, Ray, at, lanes, plain_items};
+use crate::lanes::{Hits, at, lanes, plain_items};
 use crate::light_tracing::{LightTracing, projected};
 use crate::prepared::PreparedScene;
 use crate::previous::PreviousVertex;
@@ -12,6 +12,7 @@ use crate::ray_samples::RaySamples;
 use crate::shaders::{Kind, SurfaceShader, is_sound};
 use etalon_core::bsdf::{Bsdf, Scatter};
 use etalon_core::math::{Frame, Rgb};
+use etalon_core::scene::Ray;
 use glam::{Vec2, Vec3};
 
 plain_items! { PathClass = PathClass::DIRECT, Surface = Surface::NONE }

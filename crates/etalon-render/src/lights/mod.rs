@@ -5,7 +5,7 @@ mod rectangle;
 mod sphere;
 mod triangle;
 
-use super::lanes::{NONE, Ray};
+use super::lanes::NONE;
 use super::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
 use super::light_tree::LightBounds;
 use super::settings::{Sampling, Settings};
@@ -13,6 +13,7 @@ use etalon_core::envmap::samplers::FixedLight;
 use etalon_core::error::{Error, Result};
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Rgb, mean_rgb};
+use etalon_core::scene::Ray;
 use etalon_core::scene::{Emission, EmitterVisibility, Falloff, Light, Object, Rectangle, Scene, Shape};
 use glam::Vec3;
 use rectangle::RectangleLight;

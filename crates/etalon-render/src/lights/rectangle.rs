@@ -1,11 +1,11 @@
 //! Sampling an emissive rectangle by the solid angle that it subtends.
 
-use crate::lanes::Ray;
 use crate::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
 use crate::light_tree::LightBounds;
 use crate::solids;
 use etalon_core::math::{Rgb, map_array, mean_rgb};
 use etalon_core::sampling::rectangle::{SphericalRectangle, solid_angle};
+use etalon_core::scene::Ray;
 use etalon_core::scene::{Plane, Rectangle};
 use glam::Vec3;
 

@@ -1,11 +1,11 @@
 //! Sampling an emissive sphere by the solid angle that it subtends.
 
-use crate::lanes::Ray;
 use crate::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
 use crate::light_tree::LightBounds;
 use crate::solids;
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Rgb, mean_rgb};
+use etalon_core::scene::Ray;
 use etalon_core::scene::Sphere;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};

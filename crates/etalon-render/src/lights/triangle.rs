@@ -1,12 +1,12 @@
 //! Sampling a triangle of an emissive mesh by the solid angle that it subtends.
 
-use crate::lanes::Ray;
 use crate::light_sample::{AreaLight, LightPoint, LightSample, SampleLight};
 use crate::light_tree::LightBounds;
 use crate::solids;
 use etalon_core::math::{Rgb, map_array, mean_rgb};
 use etalon_core::sampling::spherical_triangle::SphericalTriangle;
 use etalon_core::scene::Plane;
+use etalon_core::scene::Ray;
 use glam::Vec3;
 
 /// An emissive triangle.
