@@ -193,7 +193,7 @@ impl Display {
         if rows.is_empty() {
             return drawing.into();
         }
-        // The cube root of the brightness, unless an exposure is given: lamps keep their colours, and walls are seen
+        // The cube root of the brightness, unless an exposure is given: bright windows keep their colours, and walls are seen
         let power = if self.look.exposure.is_none() { 1.0 / 3.0 } else { 1.0 };
         let of = |r: &map_samples::SampleRow| {
             let (colour, brightest) = (Rgb::new(r.r, r.g, r.b), r.r.max(r.g).max(r.b));
