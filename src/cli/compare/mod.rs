@@ -9,7 +9,7 @@ use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use crate::cli::style::StyleArgs;
 use crate::cli::values::{fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned};
+use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned, with_interval};
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Image, ReadOptions};
 use etalon_figures::view::checks::Check;
@@ -143,7 +143,13 @@ impl Compare {
 /// What explains the difference, or that nothing does.
 fn why(measured: &Measured) -> Option<String> {
     let unknown = || {
-        (measured.beyond_noise == Some(true)).then(|| "more than noise, and no usual mistake explains it".to_owned())
+        (measured.beyond_noise == Some(true)).then(|| match measured.ratio_of_means {
+            Some([ratio, half_width]) => {
+                let ratio = with_interval(ratio, half_width);
+                format!("more than noise: the mean of A is {ratio} times that of B; noise hides what explains it")
+            }
+            None => "more than noise, and no usual mistake explains it".to_owned(),
+        })
     };
     measured.explanation.as_ref().map(explained).or_else(unknown)
 }
