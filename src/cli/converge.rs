@@ -5,6 +5,7 @@ use super::families::reply_limit;
 use super::global::{Global, OUTPUT, Reports, SAMPLING, Verdict, out, seed, threads};
 use super::scene_file::{Loaded, SceneArgs};
 use super::style::StyleArgs;
+use super::values::share;
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::converge::answer::Answer;
 use etalon_bench::converge::contender::{Contender, Fault};
@@ -78,6 +79,9 @@ pub struct Converge {
     /// Renders of each strategy, for the confidence bands [default: 8, if they fit]
     #[arg(long, help_heading = SAMPLING, value_name = "N")]
     replicates: Option<u32>,
+    /// Relative bias of a renderer's mean to find with 90 % probability: 0.01 or 1%
+    #[arg(long, help_heading = SAMPLING, value_name = "W", default_value = "1%", value_parser = share, requires = "external")]
+    detect: f64,
     /// Light samples at each hit
     #[arg(short, long, help_heading = SAMPLING, value_name = "N", default_value_t = 1)]
     light_samples: u32,
@@ -106,8 +110,8 @@ fn after_help() -> String {
          that differs most). Steeper or flatter: the\ninterval of its slope is further than {SLOPE_MARGIN} from -1/2.\n\nPlaceholders of a renderer's command (split into words as by a shell; \
          nothing is substituted):\n{placeholders}\nWithout SCENE, renderers are compared with each other; --reference is an image file then, or one of them.\n\n\
          Exit codes: 0 good, 1 a renderer is biased against the reference or a run of it failed, 2 usage or bad input, \
-         3 the budget was too small \
-         for any verdict, or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
+         3 the bias of a renderer was \
+         not tested, or one of --detect might have gone unnoticed; the budget was too small for any verdict; or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
          etalon converge sphere-env --envmap sun --strategies light,light-cosine,median-cut-64\n  \
          etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'\n  \
          etalon converge --renderer 'old=./old {{spp}} {{seed}} {{out}}' --renderer 'new=./new {{spp}} {{seed}} {{out}}' --reference ref.exr",
@@ -195,6 +199,8 @@ impl Converge {
         let bar = console.countdown(left, "converge");
         let mut result = measure(&scene, &request, &contenders, &plan, reference)?;
         bar.finish_and_clear();
+        // Who fixes the samples compares images of equal ones
+        result.equal_samples = self.max_spp.is_some();
         result.sufficient_budget = result.sufficient_budget.map(|seconds| seconds + read);
         let end = if result.interrupted { "the interruption".into() } else { format!("the budget of {budget} s") };
         for what in &result.cut {
@@ -215,22 +221,19 @@ impl Converge {
         }
         let checks = Checks {
             title: format!("etalon converge {}", result.scene),
-            list: checks(&result),
+            list: checks(&result, self.detect),
             seconds: start.elapsed().as_secs_f64(),
         };
         saving.add(self.reports.write(&checks));
         let (files, saved) = saving.end();
         let (common_cpu_seconds, common_rmse) = (result.common_seconds(), result.common_rmse());
         let output = Output { answer: Answer::of(&result, 0.95), result: &result, common_cpu_seconds, common_rmse };
-        console.saved(&output, &target.written(files), || text(&output));
+        console.saved(&output, &target.written(files), || text(&output, self.detect));
         saved?;
-        Ok(match result.has_verdict() {
-            _ if result.interrupted => Verdict::Inconclusive,
-            _ if checks.list.iter().any(|check| check.verdict == Some(etalon_stats::Verdict::Reject)) => {
-                Verdict::Rejected
-            }
-            true => Verdict::Good,
-            false => Verdict::Inconclusive,
+        Ok(match result.interrupted {
+            true => Verdict::Inconclusive,
+            false if is_ours_alone => Verdict::of(true, !result.has_verdict()),
+            false => Verdict::from(&checks),
         })
     }
 
@@ -321,8 +324,44 @@ impl Converge {
     }
 }
 
-/// A check for each renderer in another program, whether it is biased against the reference; and one for each run that failed.
-fn checks(result: &Convergence) -> Vec<Check> {
+/// Whether a renderer is biased, and what is said of it: a bias that was found, or the one that would have been.
+fn judged(result: &Convergence, curve: &Curve, detect: f64) -> (etalon_stats::Verdict, String) {
+    use etalon_stats::Verdict::{Accept, Inconclusive, Reject};
+    let bias = view::bias(result, curve);
+    let found = match curve.verdict {
+        _ if !curve.is_tested() => return (Inconclusive, bias),
+        CurveVerdict::Unknown => format!("slope unknown; {bias}"),
+        verdict => format!("{}; {bias}", view::word(verdict)),
+    };
+    match curve.verdict {
+        CurveVerdict::Biased => (Reject, found),
+        _ if curve.detectable_mean_bias <= detect => (Accept, format!("{found}; {}", view::detectable(curve))),
+        _ => (Inconclusive, format!("{found}; {}", too_little(curve, detect))),
+    }
+}
+
+/// "cannot tell: the smallest bias of the mean found with 90 % probability is 5.0 %, not 1 %; 200 replicates or 25 times …".
+fn too_little(curve: &Curve, detect: f64) -> String {
+    let percent = |share: f64| format!("{} %", rounded(100.0 * share, 2));
+    let needed = match curve.samples_to_find(detect) {
+        Some(times) => {
+            let replicates = (times * curve.replicates as f64).ceil();
+            let times = rounded(times, 2);
+            format!(
+                "about {replicates} replicates, or {times} times the samples (--replicates, --budget), would find that"
+            )
+        }
+        None => "the noise of the reference hides that".into(),
+    };
+    format!(
+        "cannot tell: the smallest bias of the image's mean found with 90 % probability is {}, not {} (--detect); {needed}",
+        percent(curve.detectable_mean_bias),
+        percent(detect)
+    )
+}
+
+/// A check for each renderer in another program: whether it is biased against the reference, and no run of it failed.
+fn checks(result: &Convergence, detect: f64) -> Vec<Check> {
     let source = result.reference.as_ref().map_or("no reference", |facts| &facts.source);
     let check = |name: &str, verdict, message: String| Check {
         group: format!("{} against {source}", result.scene),
@@ -333,23 +372,19 @@ fn checks(result: &Convergence) -> Vec<Check> {
         seconds: None,
     };
     let external = result.curves.iter().filter(|curve| curve.contender.is_timed_from_outside());
-    let of_curve = external.map(|curve| {
-        let verdict = match curve.verdict {
-            CurveVerdict::Biased => etalon_stats::Verdict::Reject,
-            CurveVerdict::Unknown => etalon_stats::Verdict::Inconclusive,
-            CurveVerdict::MonteCarlo | CurveVerdict::Faster | CurveVerdict::Slower => etalon_stats::Verdict::Accept,
-        };
-        let found = match view::detectable(curve) {
-            some if verdict == etalon_stats::Verdict::Accept && !some.is_empty() => format!("; {some}"),
-            _ => String::new(),
-        };
-        check(&curve.strategy, verdict, format!("{}; {}{found}", view::word(curve.verdict), view::bias(result, curve)))
+    let failures = view::failures(result);
+    let failed = failures.iter().map(|(Fault { strategy, replicate, seed, spp, message }, count)| {
+        let also = result.curve(strategy).map(|curve| judged(result, curve, detect).1);
+        let also = also.map_or(String::new(), |also| format!("; {also}"));
+        let message = format!("{message} ({count} failed; replicate {replicate}, seed {seed}, {spp} spp){also}");
+        check(strategy, etalon_stats::Verdict::Reject, message)
     });
-    let faults = result.faults.iter().map(|Fault { strategy, replicate, seed, spp, message }| {
-        let name = format!("{strategy}, replicate {replicate}, seed {seed}, {spp} spp");
-        check(&name, etalon_stats::Verdict::Reject, message.clone())
+    let whole = external.filter(|curve| failures.iter().all(|(fault, _)| fault.strategy != curve.strategy));
+    let of_curve = whole.map(|curve| {
+        let (verdict, found) = judged(result, curve, detect);
+        check(&curve.strategy, verdict, found)
     });
-    let mut list: Vec<Check> = of_curve.chain(faults).collect();
+    let mut list: Vec<Check> = of_curve.chain(failed).collect();
     if list.is_empty() {
         let why = if result.interrupted { "interrupted" } else { "the budget was too small" };
         let message = format!("{why}: no renderer has finished all its renders");
@@ -364,17 +399,24 @@ enum Chosen {
     By(Box<Contender>),
 }
 
-fn text(output: &Output<'_>) -> String {
+fn text(output: &Output<'_>, detect: f64) -> String {
     let Output { answer, result, common_cpu_seconds, common_rmse } = output;
+    let failed = view::failures(result)
+        .into_iter()
+        .map(|(fault, count)| wrapped(&format!("failed: {}: {} ({count})", fault.strategy, fault.message), "", LINE));
+    let failed: String = failed.collect();
     let sufficient = result.sufficient_budget.map_or(String::new(), |seconds| {
         format!("too little time for verdicts: a budget of about {} would do (--budget)\n", duration(seconds))
     });
     if result.curves.is_empty() {
         let what = if result.faults.is_empty() { "finished its renders" } else { "given images that can be used" };
         let before = if result.interrupted { " before the interruption" } else { "" };
-        return format!("no answer: no method has {what}{before}\n{sufficient}");
+        return format!("{failed}no answer: no method has {what}{before}\n{sufficient}");
     }
-    let mut text: String = view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", LINE)).collect();
+    let untested = result.curves.iter().filter(|curve| !curve.is_tested());
+    let untested = untested.map(|curve| format!("{}: {}\n", curve.strategy, view::bias(result, curve)));
+    let mut text = failed + &untested.collect::<String>();
+    text.extend(view::sentences(answer.as_ref()).lines().map(|line| wrapped(line, "", LINE)));
     text += &sufficient;
     text += &format!("{}, {}x{} pixels; ", result.scene, result.width, result.height);
     text += &match &result.reference {
@@ -401,16 +443,17 @@ fn text(output: &Output<'_>) -> String {
         );
         text += &format!("{}:\n{}", curve.strategy, wrapped(&times, "  ", LINE));
     }
-    let is_accepted = |curve: &&Curve| {
-        curve.contender.is_timed_from_outside()
-            && ![CurveVerdict::Biased, CurveVerdict::Unknown].contains(&curve.verdict)
+    let is_judged = |curve: &&Curve| {
+        curve.contender.is_timed_from_outside() && curve.is_tested() && curve.verdict != CurveVerdict::Biased
     };
-    let accepted = result.curves.iter().filter(is_accepted).map(|curve| (curve, view::detectable(curve)));
-    let known: Vec<_> = accepted.filter(|(_, found)| !found.is_empty()).collect();
-    for (curve, found) in &known {
+    let mut is_any_accepted = false;
+    for curve in result.curves.iter().filter(is_judged) {
+        let is_accepted = curve.detectable_mean_bias <= detect;
+        let found = if is_accepted { view::detectable(curve) } else { too_little(curve, detect) };
         text += &wrapped(&format!("{}: {found}", curve.strategy), "", LINE);
+        is_any_accepted |= is_accepted;
     }
-    if !known.is_empty() {
+    if is_any_accepted {
         text += "a part of an image may hide a larger bias: etalon compare IMAGE... --against\nIMAGE... tests tiles, too (--keep-runs DIR keeps images)\n";
     }
     text += &match result.exact_seconds {

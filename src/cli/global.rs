@@ -7,7 +7,8 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, value_parser};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::output::{self, Target};
-use etalon_figures::view::checks::Checks;
+use etalon_figures::view::checks::{Check, Checks};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 pub const DEFAULT_SEED: u64 = 1;
@@ -160,7 +161,7 @@ impl From<&Checks> for Verdict {
 }
 
 /// The options, of subcommands with checks.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Reports {
     /// Write the checks as JUnit XML too
     #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
@@ -218,6 +219,39 @@ impl Reports {
         }
         Ok([&self.junit, &self.markdown].into_iter().flatten().cloned().collect())
     }
+}
+
+/// Writes the reports that a command line asks for, valid or not, where the run ended with an error: a check that is inconclusive, in the
+/// place of a report of an earlier run. All else that the command line names is input, which is not replaced.
+pub fn report_error(args: &[OsString], error: &str) {
+    let (mut reports, mut others) = (Reports::default(), Vec::new());
+    let mut words = args.iter().skip(1);
+    while let Some(word) = words.next() {
+        let text = word.to_string_lossy();
+        let (name, value) = text.split_once('=').map_or((&*text, None), |(name, value)| (name, Some(value.into())));
+        let report = match name {
+            "--junit" => &mut reports.junit,
+            "--markdown" => &mut reports.markdown,
+            _ => {
+                others.push(text.into_owned());
+                continue;
+            }
+        };
+        *report = value.or_else(|| words.next().map(PathBuf::from));
+    }
+    files::note_command(&others);
+    let command = others.iter().find(|word| !word.starts_with('-')).map_or("", String::as_str);
+    let check = Check {
+        group: "run".into(),
+        name: "input".into(),
+        verdict: Some(etalon_stats::Verdict::Inconclusive),
+        message: error.into(),
+        details: String::new(),
+        seconds: None,
+    };
+    let checks = Checks { title: format!("etalon {command}"), list: vec![check], seconds: 0.0 };
+    // What keeps a report from being written is the error itself, or comes after it
+    let _ = reports.check().and_then(|()| reports.write(&checks));
 }
 
 /// Most bytes of a file that is appended to; summaries of GitHub have at most one MiB.

@@ -32,7 +32,7 @@ use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_core::memory;
 use flags::Flags;
-use global::{Global, Verdict};
+use global::{Global, Verdict, report_error};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
@@ -86,6 +86,7 @@ enum Command {
 /// It sets what belongs to the whole process: handlers of signals, the number of threads, the limit of memory.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     crate::BUILD.declare();
+    files::protect_inputs();
     // Parse the arguments
     let mut command = Cli::command();
     command.build();
@@ -103,6 +104,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
             }
             // Arguments may hold characters that command a terminal
             let example = example(&command, &args, &e);
+            let message = e.render().to_string();
+            let message = message.split("\n\n").next().unwrap_or_default();
+            report_error(&args, message.trim_start_matches("error: "));
             let _ = write!(std::io::stderr(), "{}{example}", console::shown(&e.render().to_string()));
             return 2;
         }
@@ -119,7 +123,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(verdict) => verdict.code(),
         Err(error) => {
             let code = if matches!(error, Error::Interrupted) { 3 } else { 2 };
-            Console::error(&Flags::of(&command, &matches).named(error));
+            let error = Flags::of(&command, &matches).named(error);
+            Console::error(&error);
+            report_error(&args, &error.to_string());
             code
         }
     }
@@ -147,7 +153,6 @@ fn with_threads(threads: Option<u32>, work: impl FnOnce() -> Result<Verdict> + S
 }
 
 fn run(cli: &Cli, console: &Console) -> Result<Verdict> {
-    files::protect_inputs();
     cli.global.arguments.check()?;
     match &cli.command {
         Command::Fresnel(args) => args.run(&cli.global, console),

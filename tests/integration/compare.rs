@@ -47,7 +47,8 @@ fn exit_codes_say_the_verdict() {
     let ran = run(dir.path(), &same, &["--junit", "t.xml"]);
     assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
     assert!(ran.stdout.starts_with("no difference found; a uniform bias of "), "{}", ran.stdout);
-    let junit = std::fs::read_to_string(dir.path().join("t.xml")).unwrap();
+    let read_junit = || std::fs::read_to_string(dir.path().join("t.xml")).unwrap();
+    let junit = read_junit();
     assert!(junit.contains("tests=\"3\" failures=\"0\" errors=\"0\""), "{junit}");
     let ran = run(dir.path(), &same, &["--detect", "0.01%", "--json"]);
     assert!(ran.code == 3 && ran.stdout.contains("\"answer\":\"cannot-tell\""), "{}", ran.stdout);
@@ -66,6 +67,13 @@ fn exit_codes_say_the_verdict() {
     assert!(std::fs::read_to_string(dir.path().join("t.xml")).unwrap().contains("<failure"));
     let markdown = std::fs::read_to_string(dir.path().join("t.md")).unwrap();
     assert!(markdown.contains("(16 images): rejected\n") && markdown.contains("; most at "), "{markdown}");
+    assert!(markdown.contains("; mean of all channels +"), "{markdown}");
+    let junit = read_junit();
+    let mut failures = junit.split("<failure message=\"").skip(1);
+    assert!(
+        failures.all(|text| text.split_once("\">").is_some_and(|(message, more)| more.starts_with(message))),
+        "{junit}"
+    );
     // An exposure is named between the means, too
     let exposed = replicates(dir.path(), 16, 1.1);
     let ran = run(dir.path(), &exposed, &[]);
@@ -292,6 +300,22 @@ fn two_images_may_be_limited() {
     }
     let same = run("compare a0.exr a0.exr --at-most mse=0");
     assert!(same.code == 0 && same.stdout.contains("A and B are the same values"), "{}", same.stdout);
+    // The report of an earlier run does not stay where the input is bad, before or after the arguments are read
+    for line in ["compare a0.exr gone.exr --at-most mse=0", "compare a0.exr b0.exr --at-most mse=x"] {
+        std::fs::write(dir.path().join("old.xml"), "<testsuites/>").unwrap();
+        let ran = run(&format!("{line} --junit old.xml --markdown=old.md"));
+        let [junit, markdown] =
+            ["old.xml", "old.md"].map(|file| std::fs::read_to_string(dir.path().join(file)).unwrap());
+        assert!(ran.code == 2 && junit.contains("name=\"etalon compare\" tests=\"1\" failures=\"0\" errors=\"1\""));
+        assert!(markdown.contains("## etalon compare: inconclusive\n"), "{markdown}");
+        let said = ran.stderr.lines().next().unwrap().trim_start_matches("error: ").replace(['<', '>'], "");
+        assert!(junit.replace("&lt;", "").replace("&gt;", "").contains(&said), "{said}: {junit}");
+        // An input stays as it is, whatever the command
+        let before = std::fs::read(dir.path().join("b0.exr")).unwrap();
+        std::fs::copy(dir.path().join("b0.exr"), dir.path().join("b0.data")).unwrap();
+        assert_eq!(run(&format!("{line} --against b0.data --junit b0.data")).code, 2);
+        assert_eq!(std::fs::read(dir.path().join("b0.data")).unwrap(), before);
+    }
     for (line, says) in [
         ("compare a0.exr b0.exr --at-most ssim=.9", "larger for images that are more alike"),
         ("compare a0.exr b0.exr --junit j.xml", "--at-most"),

@@ -229,6 +229,34 @@ fn renderers_need_no_scene() {
         markdown.starts_with("## etalon converge good-bsdf: rejected\n") && markdown.contains("all channels +10."),
         "{markdown}"
     );
+    let pictures = std::fs::read_to_string(path("out/good-bsdf-converge-pictures.svg")).unwrap();
+    assert!(pictures.contains("At 256 samples per pixel: image and"), "--max-spp shows images of equal samples");
+    // A bias that might have gone unnoticed, and one that was not tested, are no pass
+    let small = etalon(folder.path(), &[&args[..], &["--detect", "0.01%", "--junit", "j.xml"]].concat());
+    assert_eq!(small.code, 3, "{}{}", small.stdout, small.stderr);
+    assert!(small.stdout.contains("good: cannot tell: the smallest bias") && !small.stdout.contains("good: no bias"));
+    let junit = || std::fs::read_to_string(path("j.xml")).unwrap();
+    assert!(junit().contains("errors=\"1\"") && junit().contains(", not 0.01"), "{}", junit());
+    let two = ["converge", "--renderer", &bright, "--reference", "ref.exr", "--max-spp", "256", "--replicates", "2"];
+    let ran = etalon(folder.path(), &[&two[..], &["--budget", "60", "--junit", "j.xml"]].concat());
+    assert_eq!(ran.code, 3, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.starts_with("bsdf: bias not tested (2 replicates; 3 are needed)\n"), "{}", ran.stdout);
+    assert!(
+        !ran.stdout.contains("no known bias") && junit().contains("<error message=\"bias not tested ("),
+        "{}",
+        junit()
+    );
+    // A renderer that fails is named first, in the table, and once in the report
+    let bad = ["--renderer", "bad=sh -c \"exit 9\" {spp} {seed} {out}", "--junit", "j.xml"];
+    let ran = etalon(folder.path(), &[&args[..], &bad].concat());
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+    assert!(
+        ran.stdout.starts_with("failed: bad: it failed (exit code 9") && ran.stdout.contains("(2 of 2"),
+        "{}",
+        ran.stdout
+    );
+    assert!(ran.stdout.lines().any(|line| line.starts_with("bad ") && line.ends_with(" failed")), "{}", ran.stdout);
+    assert!(junit().contains("tests=\"2\" failures=\"1\"") && junit().contains("name=\"bad\""), "{}", junit());
     let figure = std::fs::read_to_string(path("out/good-bsdf-converge.svg")).unwrap();
     assert!(figure.contains(">bsdf (biased)<") && !figure.contains("BSDF"), "a renderer keeps its name");
     for (args, says) in [

@@ -169,7 +169,7 @@ const ENTRIES: [Entry; 14] = [
                 "converge cornell-lambert -r 8 8 --strategies none --budget 2 --reference a0.pfm --renderer \
                  |bad=python3 renderer.py VALUE {seed} {out} {spp}| --renderer |fine=python3 renderer.py 0.5 {seed} {out} {spp}|",
                 SAID,
-                "bad, replicate 1 (seed 1, 1 spp): 1 pixels of its image are not finite",
+                "bad, replicate 1 (seed 1, 1 spp): 1 pixel of its image is not finite",
             ),
             (
                 "converge cornell-lambert -r 8 8 --strategies none --budget 2 --reference one.pfm --renderer \

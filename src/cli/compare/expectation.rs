@@ -196,18 +196,8 @@ fn check(compared: &Compared, sides: &str, family: &FamilyResult) -> Check {
         count => format!("; {count} of {} dominated by a few samples", family.tests.len()),
     };
     let message = format!("{p}{most}{dominated}");
-    Check {
-        group: sides.to_owned(),
-        name: family.family.name().into(),
-        verdict,
-        message,
-        details: if verdict == Some(etalon_stats::Verdict::Reject) { details(compared) } else { String::new() },
-        seconds: None,
-    }
-}
-
-/// The verdict, and what would explain the difference.
-fn details(compared: &Compared) -> String {
-    let explanation = compared.explanation.as_ref().map(|of| format!("; between the means: {}", view::explained(of)));
-    sentence(compared) + &explanation.unwrap_or_default()
+    let is_rejected = verdict == Some(etalon_stats::Verdict::Reject);
+    let why = compared.explanation.as_ref().filter(|_| is_rejected);
+    let details = why.map_or(String::new(), |of| format!("{message}; between the means: {}", view::explained(of)));
+    Check { group: sides.to_owned(), name: family.family.name().into(), verdict, message, details, seconds: None }
 }

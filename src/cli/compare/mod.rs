@@ -9,7 +9,7 @@ use super::global::{Global, OUTPUT, Reports, Verdict, out, threads};
 use crate::cli::style::StyleArgs;
 use crate::cli::values::{choice, fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
-use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned};
+use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned, with_interval};
 use etalon_core::error::{Error, Result};
 use etalon_core::raster::{self, Image, ReadOptions};
 use etalon_figures::view::checks::Check;
@@ -162,7 +162,13 @@ fn why(measured: &Measured) -> Option<String> {
 
 /// What is said of a difference that nothing explains.
 fn unknown(measured: &Measured) -> Option<String> {
-    (measured.beyond_noise == Some(true)).then(|| "more than noise, and no usual mistake explains it".to_owned())
+    (measured.beyond_noise == Some(true)).then(|| match measured.ratio_of_means {
+        Some([ratio, half_width]) => {
+            let ratio = with_interval(ratio, half_width);
+            format!("more than noise: the mean of A is {ratio} times that of B; noise hides what explains it")
+        }
+        None => "more than noise, and no usual mistake explains it".to_owned(),
+    })
 }
 
 /// What is said of pixels that are not finite, if there are any.

@@ -3,7 +3,8 @@
 //! A mistake explains a difference if undoing it leaves nothing but noise. Noise is distinguished from differences by products of
 //! the residual's means over blocks of pixels two blocks apart: their expectation is 0 for noise, whatever its distribution, also if a
 //! filter correlates neighbouring pixels, and positive for a difference that goes on over several pixels. Differences of
-//! neighbouring pixels give the variance of these products.
+//! neighbouring pixels give the variance of these products. Blocks with much noise have less weight: a factor of 1.1 shows in the sky
+//! beside noisy shadows.
 
 use etalon_core::math::Rgb;
 use etalon_core::raster::{Image, linear_from_srgb, srgb_from_linear};
@@ -155,6 +156,10 @@ pub enum Reason {
     /// Noise, or nothing.
     Noise,
     Mistake(Explanation),
+    /// Undoing some mistake leaves nothing but noise, which is too much to tell whether it is the one: the mean of A over that of B, with
+    /// the half width of its interval of 95 %.
+    Hidden([f64; 2]),
+    /// Undoing each mistake leaves more than noise.
     Unknown,
 }
 
@@ -171,7 +176,7 @@ impl Reason {
 /// curve: these are clipped at 1.
 #[must_use]
 pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
-    let grid = Grids::new(b);
+    let grid = Grids::new(b, &[a, b]);
     let before = grid.structure(a, b);
     let significance = |of: &Structure| of.energy / of.error;
     let main = (0..before.len()).max_by(|&i, &j| significance(&before[i]).total_cmp(&significance(&before[j])));
@@ -259,14 +264,19 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
         let most = found.as_ref().map_or(f64::INFINITY, |found| MOST_LEFT * found.left);
         found = two.filter(|two| !two.explanation.in_part && two.left <= most).or(found);
     }
-    found.map_or(Reason::Unknown, |found| Reason::Mistake(found.explanation))
+    if let Some(found) = found {
+        return Reason::Mistake(found.explanation);
+    }
+    let others = powers(&pair, a, clip).into_iter().chain(by_channel(a, b, &grid, clip));
+    let is_open = singles.into_iter().chain(others).any(|change| pair.leaves_noise(&change, clip));
+    if is_open { Reason::Hidden(grid.ratio_of_means(a, b)) } else { Reason::Unknown }
 }
 
 /// The turn or transposition of `a` after which it is as wide and high as `b`, and differs by noise or by next to nothing; `a` is as
 /// wide as `b` is high, and as high as that is wide.
 #[must_use]
 pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
-    let grid = Grids::new(b);
+    let grid = Grids::new(b, &[b]);
     let turns = rearranged(a, b);
     if let Some(same) = turns.iter().find(|turn| turn.image(b) == *b) {
         return Some(same.explains(f64::NAN, [false, false]));
@@ -274,7 +284,6 @@ pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
     let left: Vec<Vec<Structure>> = turns.iter().map(|turn| grid.structure(&turn.image(b), b)).collect();
     let energy = |i: usize| left[i].iter().map(|of| of.energy).sum::<f64>();
     let best = (0..turns.len()).min_by(|&i, &j| energy(i).total_cmp(&energy(j)))?;
-    let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
     let leaves_noise = left[best].iter().all(is_noise);
     // The others show how far a wrong turn is off
     let is_told = (0..turns.len()).filter(|i| *i != best).all(|other| {
@@ -285,7 +294,20 @@ pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
     is_told.then(|| turns[best].explains(f64::NAN, [leaves_noise, false]))
 }
 
+/// Whether a residual cannot be told from noise.
+fn is_noise(of: &Structure) -> bool {
+    of.energy <= WITHIN * of.error
+}
+
 impl Pair<'_> {
+    /// Whether a change leaves nothing but noise, much or little.
+    fn leaves_noise(&self, change: &Change, clip: Clip) -> bool {
+        let limit = clip.after(&*change.value);
+        let clip = |image: Image| image.map(|p| clipped(p, limit));
+        self.grid.0[self.main].sampled_energy(self.b, &change.pixel, limit) <= self.sampled
+            && self.grid.structure(&clip(change.image(self.b)), &clip(self.b.clone())).iter().all(is_noise)
+    }
+
     /// What a change leaves, if it explains the difference, or most of it.
     fn try_one(&self, change: &Change, clip: Clip) -> Option<Found> {
         let limit = clip.after(&*change.value);
@@ -300,7 +322,6 @@ impl Pair<'_> {
             return None;
         }
         let after = self.grid.structure(&a, &b);
-        let is_noise = |of: &Structure| of.energy <= WITHIN * of.error;
         let is_within = |share: f64| {
             after.iter().zip(&self.before).all(|(of, was)| is_noise(of) || of.energy <= share * was.energy)
         };
@@ -347,10 +368,22 @@ fn mse(a: &Image, b: &Image) -> f64 {
     sum / count as f64
 }
 
+/// Decimals of a number with three digits that count.
+fn decimals(value: f64) -> usize {
+    (2.0 - value.abs().log10().floor()).within(0.0, 6.0) as usize
+}
+
 /// A number with three digits that count.
 fn three_digits(value: f64) -> String {
-    let decimals = (2.0 - value.abs().log10().floor()).within(0.0, 6.0);
-    format!("{value:.0$}", decimals as usize)
+    format!("{value:.0$}", decimals(value))
+}
+
+/// A number with three digits that count, and the half width of its interval, if that is not 0 in these digits: "1.11 ± 0.02".
+#[must_use]
+pub fn with_interval(value: f64, half_width: f64) -> String {
+    let half = format!("{half_width:.0$}", decimals(value));
+    let is_known = half.contains(|c: char| ('1'..='9').contains(&c));
+    three_digits(value) + &if is_known { format!(" ± {half}") } else { String::new() }
 }
 
 /// Turns of A, and its channels in another order; turns that make A as large as B.
@@ -453,7 +486,9 @@ fn changes<'a>(a: &'a Image, b: &Image, grid: &Grids, clip: Clip) -> Vec<Change<
         list.push(by_value(a, mistake, cure, true, move |p| clipped(p, Rgb::splat(top))));
     }
     if let Some([factor, ..]) = grid.factors(a, b, true, clip) {
-        let mistake = format!("A is {} times as bright as B", three_digits(1.0 / f64::from(factor)));
+        let brighter = 1.0 / f64::from(factor);
+        let half_width = brighter * grid.half_width_of_log_factor(a, b, factor, clip);
+        let mistake = format!("A is {} times as bright as B", with_interval(brighter, half_width));
         list.push(by_value(a, mistake, format!("multiply A by {factor:.4}"), false, move |p| p * factor));
     }
     if let Some(constant) = grid.constant(a, b) {
@@ -550,6 +585,8 @@ const LARGEST_EXPONENT: f64 = 2.0;
 /// Fits to images that are clipped by what the last fit says, and to powers of noisy pixels; and the change after which no other is needed.
 const FITS: usize = 20;
 const SETTLED: f64 = 1e-4;
+/// Half of the interval over which a derivative is a difference.
+const STEP: f64 = 1e-3;
 
 /// The pixels by which [`shift`] moves, the one with the least error of the grey values; none if that is 0.
 fn shift(a: &Image, b: &Image, grid: &Grids) -> Option<[isize; 2]> {
@@ -586,10 +623,14 @@ struct Grid {
     rows: usize,
     /// The block of each pixel; none beyond the last whole block.
     of_pixel: Vec<Option<u32>>,
-    /// What the residual of each block is measured by: about the radiance of B there.
+    /// What the residual of each block is measured by: about the radiance of B there, or more where there is much noise.
     levels: Vec<f64>,
     /// The least level.
     floor: f64,
+    /// What a block counts in fits: 1, or less where there is much noise.
+    weights: Vec<f64>,
+    /// Rows of blocks from one of the sample to the next.
+    step: usize,
 }
 
 /// Products of the residual's means over blocks, by the levels of the blocks: their mean, and its standard error if the residual is noise.
@@ -598,20 +639,32 @@ struct Structure {
     error: f64,
 }
 
+/// By block: the sums of values and the number of pixels, the squares of differences of neighbours and their number.
+struct Sums {
+    sums: Vec<[f32; 3]>,
+    pixels: Vec<f64>,
+    squares: Vec<[f32; 3]>,
+    pairs: Vec<f64>,
+}
+
 /// Most blocks across an image, about, and the sides of the largest ones.
 const BLOCKS: f64 = 50.0;
 const SIDES: [usize; 2] = [2, 8];
-/// The part of the image's level that keeps dark blocks from outweighing all others.
+/// The part of the image's level that keeps dark blocks from outweighing all others; and noise of this part of a block's level
+/// makes its weight less.
 const FLOOR: f64 = 0.1;
+/// Standard errors of an interval of 95 %.
+const INTERVAL: f64 = 1.96;
 /// Larger relative residuals count as this: a few bright pixels are no more than any other.
 const LARGEST: f64 = 1.0;
 
 impl Grids {
-    fn new(b: &Image) -> Self {
+    /// Of images like `b`, whose noise is that of the images `noisy`.
+    fn new(b: &Image, noisy: &[&Image]) -> Self {
         let side = ((b.pixels().len() as f64).sqrt() / BLOCKS).round() as usize;
         let mut sides = vec![SIDES[0], side.clamp(SIDES[0], SIDES[1])];
         sides.dedup();
-        Self(sides.into_iter().map(|side| Grid::new(b, side)).collect())
+        Self(sides.into_iter().map(|side| Grid::new(b, noisy, side)).collect())
     }
 
     fn structure(&self, a: &Image, b: &Image) -> Vec<Structure> {
@@ -662,6 +715,33 @@ impl Grids {
         fitted(factors, false)
     }
 
+    /// The half width of the interval of 95 % of the logarithm of [`factors`](Self::factors) of all channels together, from the residual,
+    /// block by block: channels share their noise.
+    fn half_width_of_log_factor(&self, a: &Image, b: &Image, factor: f32, clip: Clip) -> f64 {
+        let (grid, factor) = (self.largest(), f64::from(factor));
+        let limit = clip.after(&|p| p * factor as f32);
+        let (of_a, of_b) = (grid.means(a, limit / factor as f32), grid.means(b, limit));
+        let balance = |log: f64| grid.balance(&of_a, &of_b, &[0, 1, 2], |a| a * factor * log.exp(), |_| 1.0);
+        let slope = (balance(STEP) - balance(-STEP)) / (2.0 * STEP);
+        let of_block = |((a, b), weight): ((&[f64; 3], &[f64; 3]), &f64)| {
+            weight * (0..3).map(|c| grid.relative(factor * a[c], b[c])).sum::<f64>()
+        };
+        let values = of_a.iter().zip(&of_b).zip(&grid.weights).map(of_block).filter(|v| v.is_finite());
+        INTERVAL * values.map(|v| v * v).sum::<f64>().sqrt() / slope.abs()
+    }
+
+    /// The mean of A over that of B, and half of its interval of 95 %, from what blocks differ from that ratio.
+    fn ratio_of_means(&self, a: &Image, b: &Image) -> [f64; 2] {
+        let [of_a, of_b] = [a, b].map(|image| self.largest().means(image, Rgb::INFINITY));
+        let sum = |values: &[f64; 3]| values.iter().sum::<f64>();
+        let pairs = of_a.iter().zip(&of_b).map(|(a, b)| [sum(a), sum(b)]);
+        let pairs: Vec<[f64; 2]> = pairs.filter(|[a, b]| (a + b).is_finite()).collect();
+        let [all_of_a, all_of_b] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>());
+        let ratio = all_of_a / all_of_b;
+        let squares: f64 = pairs.iter().map(|[a, b]| (a - ratio * b).powi(2)).sum();
+        [ratio, INTERVAL * squares.sqrt() / all_of_b.abs()]
+    }
+
     /// The same of a constant that is added.
     fn constant(&self, a: &Image, b: &Image) -> Option<f32> {
         let [of_a, of_b] = [a, b].map(|image| self.largest().means(image, Rgb::INFINITY));
@@ -699,13 +779,15 @@ impl Grids {
             return None;
         }
         // The mean of powers is not the power of the mean: the last steps are by pixels, along secants
-        let weights = grid.sampled_means(b, &|x, y| a.get(x, y), Rgb::INFINITY);
+        let of_a = grid.sampled_means(b, &|x, y| a.get(x, y), Rgb::INFINITY);
         let balance = |log: f64| {
             let of_power = grid.sampled_means(b, &pixel(log), limit(log));
             let of_b = grid.sampled_means(b, &|x, y| b.get(x, y), limit(log));
-            let terms = of_power.iter().flatten().zip(of_b.iter().flatten()).zip(weights.iter().flatten());
-            let terms = terms.map(|((a, b), of_a)| grid.relative(*a, *b) * log_of(*of_a));
-            terms.filter(|term| term.is_finite()).sum::<f64>()
+            let terms = of_power.iter().flatten().zip(of_b.iter().flatten()).zip(of_a.iter().flatten());
+            let term = |(i, ((a, b), of_a)): (usize, ((&f64, &f64), &f64))| {
+                grid.weight(i / 3, of_b.len()) * grid.relative(*a, *b) * log_of(*of_a)
+            };
+            terms.enumerate().map(term).filter(|term| term.is_finite()).sum::<f64>()
         };
         let (mut old, mut new) = (log, log + 0.01);
         let mut at_old = balance(old);
@@ -729,30 +811,75 @@ impl Grids {
 }
 
 impl Grid {
-    fn new(b: &Image, side: usize) -> Self {
+    fn new(b: &Image, noisy: &[&Image], side: usize) -> Self {
         let (columns, rows) = ((b.width() / side).max(1), (b.height() / side).max(1));
         let block = |i: usize| {
             let [x, y] = [i % b.width() / side, i / b.width() / side];
             (x < columns && y < rows).then_some((y * columns + x) as u32)
         };
         let of_pixel = (0..b.pixels().len()).map(block).collect();
-        let mut grid = Self { side, columns, rows, of_pixel, levels: vec![0.0; columns * rows], floor: 0.0 };
-        let mut counts = vec![0.0; columns * rows];
-        for (i, p) in b.pixels().iter().enumerate() {
-            if let Some(block) = grid.block(i).filter(|_| p.is_finite()) {
-                grid.levels[block] += p.as_dvec3().abs().element_sum() / 3.0;
+        let mut grid = Self {
+            side,
+            columns,
+            rows,
+            of_pixel,
+            levels: vec![0.0; columns * rows],
+            floor: 0.0,
+            weights: Vec::new(),
+            step: b.pixels().len().div_ceil(SAMPLE).max(1),
+        };
+        (grid.levels, grid.floor) = grid.levels_of(b);
+        grid.weights = grid.noise(noisy).into_iter().map(|noise| 1.0 / (1.0 + noise / (FLOOR * FLOOR))).collect();
+        grid.levels.iter_mut().zip(&grid.weights).for_each(|(level, weight)| *level /= weight.sqrt());
+        grid
+    }
+
+    /// The radiance of each block above the floor, and the floor.
+    fn levels_of(&self, image: &Image) -> (Vec<f64>, f64) {
+        let (mut levels, mut counts) = (vec![0.0; self.levels.len()], vec![0.0; self.levels.len()]);
+        for (i, p) in image.pixels().iter().enumerate() {
+            if let Some(block) = self.block(i).filter(|_| p.is_finite()) {
+                levels[block] += p.as_dvec3().abs().element_sum() / 3.0;
                 counts[block] += 1.0;
             }
         }
-        grid.levels
+        levels
             .iter_mut()
             .zip(counts)
             .for_each(|(level, count)| *level = if count > 0.0 { *level / count } else { 0.0 });
         // A small light does not raise the level of the image
-        let typical = (grid.levels.iter().map(|level| level.sqrt()).sum::<f64>() / grid.levels.len() as f64).powi(2);
-        grid.floor = FLOOR * typical;
-        grid.levels.iter_mut().for_each(|level| *level += FLOOR * typical);
-        grid
+        let typical = (levels.iter().map(|level| level.sqrt()).sum::<f64>() / levels.len() as f64).powi(2);
+        levels.iter_mut().for_each(|level| *level += FLOOR * typical);
+        (levels, FLOOR * typical)
+    }
+
+    /// The variance of the mean of each block relative to its squared level, the sum over the images, by the differences of neighbours in 3 by
+    /// 3 blocks. Relative to its own level, each image counts alike whatever its exposure, and bright samples alike in both.
+    fn noise(&self, images: &[&Image]) -> Vec<f64> {
+        let near = |values: &[f64], block: usize| {
+            let (x, y) = (block % self.columns, block / self.columns);
+            let columns = x.saturating_sub(1)..(x + 2).min(self.columns);
+            let rows = y.saturating_sub(1)..(y + 2).min(self.rows);
+            let count = columns.len() * rows.len();
+            let all = rows.flat_map(|y| columns.clone().map(move |x| y * self.columns + x));
+            all.map(|block| values[block]).sum::<f64>() / count as f64
+        };
+        let mut noise = vec![0.0; self.levels.len()];
+        for image in images {
+            let sums = self.sums(image.pixels(), image.width());
+            let variance = |block: usize| {
+                let squares = sums.squares[block].iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0;
+                let variance = 0.5 * squares / sums.pairs[block] / sums.pixels[block];
+                if variance.is_finite() { variance } else { 0.0 }
+            };
+            let variances: Vec<f64> = (0..noise.len()).map(variance).collect();
+            let (levels, _) = self.levels_of(image);
+            for (block, noise) in noise.iter_mut().enumerate() {
+                let relative = near(&variances, block) / near(&levels, block).powi(2);
+                *noise += if relative.is_finite() { relative } else { 0.0 };
+            }
+        }
+        noise
     }
 
     /// The means of the blocks, of values that are clipped at a limit; NaN without a finite pixel.
@@ -769,8 +896,14 @@ impl Grid {
     }
 
     /// The rows of blocks of which the sample consists.
-    fn sampled_rows(&self, b: &Image) -> StepBy<Range<usize>> {
-        (0..self.rows).step_by(b.pixels().len().div_ceil(SAMPLE).max(1))
+    fn sampled_rows(&self) -> StepBy<Range<usize>> {
+        (0..self.rows).step_by(self.step)
+    }
+
+    /// The weight of the i-th of `count` blocks, which are all or those of the sample.
+    fn weight(&self, i: usize, count: usize) -> f64 {
+        let step = if count == self.weights.len() { 1 } else { self.step };
+        self.weights[i / self.columns * step * self.columns + i % self.columns]
     }
 
     /// The means of the blocks in a few rows of blocks, of pixels of an image as large as `b`.
@@ -788,14 +921,14 @@ impl Grid {
             }
             (sum / count).to_array()
         };
-        self.sampled_rows(b).flat_map(|row| (0..self.columns).map(move |column| of_block(row, column))).collect()
+        self.sampled_rows().flat_map(|row| (0..self.columns).map(move |column| of_block(row, column))).collect()
     }
 
     /// The energy of [`structure`](Self::structure) in the sample.
     fn sampled_energy(&self, b: &Image, pixel: &dyn Fn(usize, usize) -> Rgb, limit: Rgb) -> f64 {
         let of_a = self.sampled_means(b, pixel, limit);
         let of_b = self.sampled_means(b, &|x, y| b.get(x, y), limit);
-        self.energy_of_means(b, &of_a, &of_b, 1.0)
+        self.energy_of_means(&of_a, &of_b, 1.0)
     }
 
     /// The same after the best factor.
@@ -804,12 +937,12 @@ impl Grid {
         let of_b = self.sampled_means(b, &|x, y| b.get(x, y), Rgb::INFINITY);
         let log =
             root([-LARGEST_LOG, LARGEST_LOG], |log| self.balance(&of_a, &of_b, &[0, 1, 2], |a| a * log.exp(), |_| 1.0));
-        self.energy_of_means(b, &of_a, &of_b, log.map_or(1.0, f64::exp))
+        self.energy_of_means(&of_a, &of_b, log.map_or(1.0, f64::exp))
     }
 
-    fn energy_of_means(&self, b: &Image, of_a: &[[f64; 3]], of_b: &[[f64; 3]], factor: f64) -> f64 {
+    fn energy_of_means(&self, of_a: &[[f64; 3]], of_b: &[[f64; 3]], factor: f64) -> f64 {
         let (mut energy, mut count) = (0.0, 0.0);
-        for (i, row) in self.sampled_rows(b).enumerate() {
+        for (i, row) in self.sampled_rows().enumerate() {
             let relative = |column: usize, c: usize| {
                 let at = i * self.columns + column;
                 let difference = factor * of_a[at][c] - of_b[at][c];
@@ -829,7 +962,7 @@ impl Grid {
     }
 
     /// The sum over the blocks of the difference of B and changed A by their sum, which treats both alike and in which no block,
-    /// however bright, has more weight than others, except for the `weight` that its value in A has.
+    /// however bright, has more weight than others without noise, except for the `weight` that its value in A has.
     fn balance(
         &self,
         of_a: &[[f64; 3]],
@@ -838,11 +971,11 @@ impl Grid {
         change: impl Fn(f64) -> f64,
         weight: impl Fn(f64) -> f64,
     ) -> f64 {
-        let blocks = of_a.iter().zip(of_b);
-        let values = blocks
-            .flat_map(|(a, b)| channels.iter().map(move |&c| [a[c], b[c]]))
-            .map(|[a, b]| self.relative(change(a), b) * weight(a));
-        values.filter(|v| v.is_finite()).sum()
+        let of_block = |(i, (a, b)): (usize, (&[f64; 3], &[f64; 3]))| {
+            let values = channels.iter().map(|&c| self.relative(change(a[c]), b[c]) * weight(a[c]));
+            self.weight(i, of_a.len()) * values.filter(|v| v.is_finite()).sum::<f64>()
+        };
+        of_a.iter().zip(of_b).enumerate().map(of_block).sum()
     }
 
     fn relative(&self, a: f64, b: f64) -> f64 {
@@ -853,21 +986,26 @@ impl Grid {
         self.of_pixel[pixel].map(|block| block as usize)
     }
 
-    fn structure(&self, residual: &[Rgb], width: usize) -> Structure {
+    fn sums(&self, values: &[Rgb], width: usize) -> Sums {
         let blocks = self.levels.len();
-        // By block: sums of the residual and its number of pixels, squares of differences of neighbours and their number
         let (mut sums, mut squares) = (vec![[0.0_f32; 3]; blocks], vec![[0.0_f32; 3]; blocks]);
         let (mut pixels, mut pairs) = (vec![0.0_f64; blocks], vec![0.0_f64; blocks]);
-        for (i, r) in residual.iter().enumerate() {
+        for (i, r) in values.iter().enumerate() {
             let Some(block) = self.block(i).filter(|_| r.is_finite()) else { continue };
             pixels[block] += 1.0;
             (0..3).for_each(|c| sums[block][c] += r[c]);
-            let right = residual.get(i + 1).filter(|_| (i + 1) % width > 0);
-            for other in [right, residual.get(i + width)].into_iter().flatten().filter(|other| other.is_finite()) {
+            let right = values.get(i + 1).filter(|_| (i + 1) % width > 0);
+            for other in [right, values.get(i + width)].into_iter().flatten().filter(|other| other.is_finite()) {
                 pairs[block] += 1.0;
                 (0..3).for_each(|c| squares[block][c] += (r[c] - other[c]).powi(2));
             }
         }
+        Sums { sums, pixels, squares, pairs }
+    }
+
+    fn structure(&self, residual: &[Rgb], width: usize) -> Structure {
+        let blocks = self.levels.len();
+        let Sums { sums, pixels, squares, pairs } = self.sums(residual, width);
         // The mean of a block by its level, and the variance of that
         let relative = |block: usize, c: usize| {
             let (n, level) = (pixels[block], self.levels[block]);
@@ -1028,6 +1166,52 @@ mod tests {
             let light = if (30..40).contains(&x) && y < 6 { 12.0 } else { 0.0 };
             Rgb::new(u * (texture + 0.4 * s), v * (texture + 0.3 * t), u * (0.9 * texture + 0.1)) + Rgb::splat(light)
         })
+    }
+
+    /// A sky with next to no noise above a ground whose noise is as large as its radiance.
+    fn noisy_ground(seed: u64, factor: f32) -> Image {
+        use etalon_core::sampling::stream::{Independent, Stream};
+        Image::from_fn(64, 48, |x, y| {
+            let noise = Independent::new(seed, (64 * y + x) as u64, 0).pair(0).map(|u| 3.4 * (u as f32 - 0.5));
+            let noise = Rgb::new(noise[0], noise[0], noise[1]) * if y < 16 { 0.01 } else { 1.0 };
+            (Rgb::ONE + noise) * factor * (0.2 + x as f32 / 64.0) * Rgb::new(0.4, 0.5, 0.7)
+        })
+    }
+
+    #[test]
+    fn a_factor_is_named_that_shows_where_there_is_little_noise() {
+        for factor in [0.9, 1.1, 1.3] {
+            let found = explain(&noisy_ground(1, factor), &noisy_ground(2, 1.0), FLOATS).explanation().unwrap();
+            assert!(found.mistake.starts_with(&format!("A is {factor}")) && found.leaves_noise, "{found:?}");
+            assert!(found.mistake.contains(" ± 0.0"), "{found:?}");
+        }
+        assert_eq!(explain(&noisy_ground(1, 1.0), &noisy_ground(2, 1.0), FLOATS), Reason::Noise);
+    }
+
+    #[test]
+    fn what_noise_hides_is_not_said_to_be_no_mistake() {
+        // Noise everywhere: the factor is told from 1, and not from a constant
+        let noisy = |seed: u64, factor: f32| {
+            use etalon_core::sampling::stream::{Independent, Stream};
+            Image::from_fn(64, 48, |x, y| {
+                let u = Independent::new(seed, (64 * y + x) as u64, 0).pair(0)[0] as f32;
+                Rgb::splat(factor * (1.0 + 2.0 * (u - 0.5)))
+            })
+        };
+        let factors = [1.14, 1.17, 1.2, 1.23, 1.26];
+        let found = factors.map(|factor| explain(&noisy(1, factor), &noisy(2, 1.0), FLOATS));
+        assert!(!found.contains(&Reason::Unknown), "{found:?}");
+        let hidden = found.iter().zip(factors).filter_map(|(reason, factor)| match reason {
+            Reason::Hidden([ratio, half_width]) => Some((ratio - f64::from(factor)).abs() / half_width),
+            _ => None,
+        });
+        let errors: Vec<f64> = hidden.collect();
+        assert!(!errors.is_empty() && errors.iter().all(|error| *error < 2.0), "{found:?}");
+        // A part that is brighter, which no change undoes
+        let b = textured(2);
+        let a = textured(1);
+        let part = Image::from_fn(96, 72, |x, y| a.get(x, y) * if x < 48 && y < 36 { 1.5 } else { 1.0 });
+        assert_eq!(explain(&part, &b, FLOATS), Reason::Unknown);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct Measured {
     pub explanation: Option<Explanation>,
     /// Whether A and B differ by more than noise; unknown for images of more than 4 million pixels.
     pub beyond_noise: Option<bool>,
+    /// The mean of A over that of B with the half width of its interval of 95 %, where noise hides which mistake explains the difference.
+    pub ratio_of_means: Option<[f64; 2]>,
     /// Whether A and B have the same values.
     pub identical: bool,
 }
@@ -38,6 +40,7 @@ impl Measured {
             numbers,
             shown: if is_small { compare_shown(a, b) } else { unknown },
             beyond_noise: reason.as_ref().map(|reason| *reason != Reason::Noise),
+            ratio_of_means: if let Some(Reason::Hidden(ratio)) = reason { Some(ratio) } else { None },
             explanation: reason.and_then(Reason::explanation),
             identical: numbers.non_finite == 0 && numbers.max_abs == 0.0,
         })

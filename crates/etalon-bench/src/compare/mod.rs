@@ -15,7 +15,7 @@ mod noise;
 mod side;
 
 pub use self::bias::Bias;
-pub use self::explain::{Explanation, explain_turned};
+pub use self::explain::{Explanation, explain_turned, with_interval};
 pub use self::functionals::{Family, Functional};
 pub use self::measured::{Limit, METRICS, Measured, Metric};
 pub use self::side::{Noise, NotFinite, PRECISION, Side};

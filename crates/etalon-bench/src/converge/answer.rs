@@ -24,6 +24,9 @@ pub struct Convergence {
     pub cut: Vec<String>,
     /// Seconds of a budget that would do for all replicates, if this one did not; none where that is not known.
     pub sufficient_budget: Option<f64>,
+    /// Whether images are shown at equal samples, not after equal time.
+    #[serde(skip)]
+    pub equal_samples: bool,
     /// Runs of renderers that failed.
     pub faults: Vec<Fault>,
     /// What else must be known of the result, in words.
@@ -106,13 +109,14 @@ pub struct Rival {
 
 impl Answer {
     /// Compares efficiencies, 1/(MSE · processor time), after the processor time that all have had; `None` if no contender
-    /// without bias has one. A renderer whose start-up is not separated from its time has none.
+    /// that was tested and has no bias has one. A renderer whose start-up is not separated from its time has none.
     ///
     /// The interval of a ratio, at this confidence, is that of its logarithm, whose half width is √(h₁² + h₂²) with the half
     /// widths h of the two logarithms by the jackknife over the replicates (Student's t).
     pub fn of(result: &Convergence, confidence: f64) -> Option<Self> {
         let cpu_seconds = result.common_seconds();
-        let unbiased = result.curves.iter().filter(|c| c.verdict != CurveVerdict::Biased && !c.includes_start_up());
+        let is_unbiased = |c: &&Curve| c.verdict != CurveVerdict::Biased && c.is_tested();
+        let unbiased = result.curves.iter().filter(is_unbiased).filter(|c| !c.includes_start_up());
         let known = |curve: &'_ Curve| {
             let estimate = curve.log_efficiency_at(cpu_seconds).at_confidence(confidence, curve.runs.len());
             estimate.value.is_finite().then_some(estimate)
@@ -153,6 +157,14 @@ mod tests {
     use etalon_core::math::Rgb;
     use etalon_core::raster::{Comparison, Image, compare, compare_shown};
     use etalon_core::scene::Request;
+
+    #[test]
+    fn what_was_not_tested_for_bias_is_no_answer() {
+        let mut few = curve(("mis", 1.0, 0.01));
+        few.replicates = 2;
+        let result = Convergence { curves: vec![few], ..Convergence::default() };
+        assert_eq!(Answer::of(&result, 0.95), None);
+    }
 
     /// Four replicates that take a second each, with squared errors of `mse` · (1 ± spread).
     fn curve((name, mse, spread): (&str, f64, f64)) -> Curve {

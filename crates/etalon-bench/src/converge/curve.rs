@@ -163,6 +163,8 @@ pub const FIT_LEVELS: usize = 3;
 pub const SLOPE_MARGIN: f64 = 0.02;
 /// The share of the last level's mean squared error that the squared bias of the pixels has at least to be called bias.
 const LEAST_BIAS: f64 = 0.01;
+/// Replicates from which bias can be told from chance.
+pub const REPLICATES_FOR_VERDICT: usize = 3;
 /// Level of each of both t-tests for bias, of the pixels and of the image's mean.
 pub const BIAS_LEVEL: f64 = 5e-3;
 
@@ -186,6 +188,20 @@ impl Curve {
     pub fn chosen(&self) -> Option<&Strategy> {
         let first = self.runs.first()?.chosen.as_ref().filter(|_| self.contender.is_default())?;
         self.runs.iter().all(|run| run.chosen.as_ref() == Some(first)).then_some(first)
+    }
+
+    /// Whether it has replicates enough to say that no bias is found.
+    pub fn is_tested(&self) -> bool {
+        self.replicates >= REPLICATES_FOR_VERDICT || self.verdict == CurveVerdict::Biased
+    }
+
+    /// As many times the samples find a bias of the mean of `share` with 90 % probability; `None` if the noise of the reference, which
+    /// they do not reduce, hides it.
+    pub fn samples_to_find(&self, share: f64) -> Option<f64> {
+        let own = Estimate::mean(&relative_biases(&self.runs)).standard_error.powi(2);
+        let all = self.mean_bias.standard_error.powi(2);
+        let times = own / (all * (share / self.detectable_mean_bias).powi(2) - (all - own));
+        (times > 0.0 && times.is_finite()).then_some(times)
     }
 
     /// Whether its times are those of whole processes, start-up included.
@@ -320,9 +336,7 @@ fn mean_times(runs: &[&Run], fit: Option<TimeFit>) -> Vec<Times> {
 /// The mean of the last level's images over that of the reference, minus 1. The standard error has that of the reference in it;
 /// the pixels of a reference are independent. Where its noise is unknown, all that the pixels differ by may be noise.
 fn mean_bias(runs: &[Run], reference: &Reference, bias2: Estimate) -> Estimate {
-    let errors = || runs.iter().filter_map(|run| Some(run.levels.last()?.errors));
-    let relative: Vec<f64> = errors().map(|e| e.mean_a / e.mean_b - 1.0).collect();
-    let estimate = Estimate::mean(&relative);
+    let estimate = Estimate::mean(&relative_biases(runs));
     let of_reference = if reference.is_of_unknown_noise() {
         (bias2.value.at_least(0.0) / reference.facts.pixels as f64).sqrt()
     } else {
@@ -332,6 +346,12 @@ fn mean_bias(runs: &[Run], reference: &Reference, bias2: Estimate) -> Estimate {
     let standard_error = estimate.standard_error.hypot(of_reference);
     let ratio = if estimate.standard_error > 0.0 { estimate.half_width / estimate.standard_error } else { 2.0 };
     Estimate { standard_error, half_width: standard_error * ratio, ..estimate }
+}
+
+/// The mean of the last level's image over that of the reference, minus 1, by replicate.
+fn relative_biases(runs: &[Run]) -> Vec<f64> {
+    let errors = runs.iter().filter_map(|run| Some(run.levels.last()?.errors));
+    errors.map(|e| e.mean_a / e.mean_b - 1.0).collect()
 }
 
 /// The mean over all pixels of the squared bias of the last level, which replicates do not average away.
@@ -345,7 +365,7 @@ fn bias2(runs: &[Run], reference: &Reference) -> Result<Estimate> {
     let Some((first, _)) = images.first() else { return Ok(Estimate::default()) };
     reference.compare(first)?;
     // The jackknife leaves one out, and the estimate needs two.
-    if images.len() < 3 {
+    if images.len() < REPLICATES_FOR_VERDICT {
         return Ok(Estimate::default());
     }
     // bias² = (R MSE(x̄) − mean MSE)/(R − 1), its error by leaving out each replicate.
@@ -403,7 +423,7 @@ fn verdict(
     let in_pixels = bias2.value > least && beyond(bias2, BIAS_LEVEL);
     if in_pixels || beyond(mean_bias, 0.5 * BIAS_LEVEL) {
         CurveVerdict::Biased
-    } else if !slope.half_width.is_finite() {
+    } else if replicates < REPLICATES_FOR_VERDICT || !slope.half_width.is_finite() {
         CurveVerdict::Unknown
     } else if slope.high() < -0.5 - SLOPE_MARGIN {
         CurveVerdict::Faster
@@ -481,8 +501,24 @@ mod tests {
         let verdict = |bias2, mean_bias| verdict(slope, [of(bias2, 0.01), of(mean_bias, 0.002)], 8, Some(&level));
         assert_eq!(verdict((2.0 * rms).powi(2), 0.0), CurveVerdict::Biased);
         assert_eq!((verdict(0.0, mean), verdict(0.0, 0.0)), (CurveVerdict::Biased, CurveVerdict::MonteCarlo));
+        let unknown = super::verdict(slope, [of(f64::NAN, f64::NAN); 2], 2, Some(&level));
+        assert_eq!(unknown, CurveVerdict::Unknown, "of two replicates no bias is known");
         // A squared bias below a hundredth of the mean squared error does not count.
         assert!((detectable([of(0.0, 1e-9), of(0.0, 0.002)], 8, Some(&level), 1.0)[0] - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn as_many_times_the_samples_find_a_bias() {
+        let mut found = curve(&BUSY);
+        found.runs.iter_mut().zip([0.9, 1.1, 1.0, 0.95, 1.05]).for_each(|(run, a)| run.levels[3].errors.mean_a = a);
+        // Noise of the renderer alone: a quarter of the bias takes 16 times the samples
+        found.mean_bias = Estimate::mean(&relative_biases(&found.runs));
+        found.detectable_mean_bias = 0.2;
+        assert!((found.samples_to_find(0.05).unwrap() - 16.0).abs() < 1e-9);
+        // Half of the variance is the reference's
+        found.mean_bias.standard_error *= 2.0_f64.sqrt();
+        assert!((found.samples_to_find(0.2).unwrap() - 1.0).abs() < 1e-9);
+        assert!(found.samples_to_find(0.15).unwrap() > 2.0 && found.samples_to_find(0.14).is_none());
     }
 
     #[test]

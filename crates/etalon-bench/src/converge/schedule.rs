@@ -3,7 +3,7 @@
 
 use super::answer::Convergence;
 use super::contender::{Contender, Fault, Replicate, Step};
-use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, Run, TimeFit};
+use super::curve::{Curve, FIT_FROM, FIT_LEVELS, Measured, REPLICATES_FOR_VERDICT, Run, TimeFit};
 use super::doubling::Deadline;
 use super::recorded;
 use super::reference::Reference;
@@ -80,8 +80,6 @@ impl Plan {
 
 /// The share of the time that is reserved for evaluating errors.
 const RESERVE: f64 = 0.03;
-/// Replicates from which bias can be told from chance.
-const REPLICATES_FOR_VERDICT: usize = 3;
 /// Replicates that may fail before a renderer is given up.
 const FAILURES: usize = 2;
 
@@ -126,7 +124,7 @@ pub fn run(
     let replicates = plan.replicates.unwrap_or(REPLICATES);
     let mut longest = 0.0_f64;
     for index in 0..replicates {
-        let left_out = || format!("{} of {replicates} replicates", replicates - index);
+        let left_out = || format!("{} of {replicates} replicates left out", replicates - index);
         let before = all.left();
         if before < longest * (1.0 + RESERVE) {
             result.cut.extend(plan.replicates.map(|_| left_out()));
@@ -183,11 +181,11 @@ pub fn run(
     let is_separated = unseparated.is_empty();
     for entry in entries {
         let times = fit(&entry).filter(|_| entry.contender.is_timed_from_outside() && is_separated);
-        let Entry { contender, runs, .. } = entry;
+        let Entry { contender, runs, given_up, .. } = entry;
         let name = contender.name();
         let reached = runs.first().and_then(|run| run.levels.last()).map_or(0, |level| level.spp);
-        let asked =
-            plan.max_spp.filter(|asked| reached <= asked / if contender.is_timed_from_outside() { 4 } else { 2 });
+        let asked = plan.max_spp.filter(|_| !given_up);
+        let asked = asked.filter(|asked| reached <= asked / if contender.is_timed_from_outside() { 4 } else { 2 });
         let count = runs.len();
         let short = |asked| format!("{name}: {reached} of {asked} samples per pixel, in each of {count} replicates");
         result.cut.extend(asked.map(short));

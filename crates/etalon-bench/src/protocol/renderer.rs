@@ -141,8 +141,10 @@ impl Renderer {
         }
         if let Some(i) = image.pixels().iter().position(|pixel| !pixel.is_finite()) {
             let count = image.pixels().iter().filter(|pixel| !pixel.is_finite()).count();
+            let pixels =
+                if count == 1 { "1 pixel of its image is".into() } else { format!("{count} pixels of its image are") };
             let (x, y) = (i % size[0], i / size[0]);
-            return Err(failure(format!("{count} pixels of its image are not finite, the first at ({x}, {y})")));
+            return Err(failure(format!("{pixels} not finite, the first at ({x}, {y})")));
         }
         Ok(Rendered { image, wall, cpu })
     }
@@ -301,7 +303,7 @@ mod tests {
             ("true", "wrote no image", false),
             ("echo nonsense > \"$3\"", "cannot be read: image.exr", false),
             (&image(&black).replace("2 1", "1 2"), "has 1x2 pixels, not 2x1", false),
-            (&image(&nan), "1 pixels of its image are not finite, the first at (1, 0)", false),
+            (&image(&nan), "1 pixel of its image is not finite, the first at (1, 0)", false),
             ("sleep 1000", "did not end within", true),
         ] {
             let failure = run(script, if is_final { 0.3 } else { 20.0 }).unwrap_err();

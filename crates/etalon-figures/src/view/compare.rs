@@ -454,7 +454,15 @@ pub fn most(compared: &Compared, family: &FamilyResult) -> Option<String> {
     let worst = family.worst?;
     let ([a, b], channel) = (worst.means.map(|mean| rounded(mean, 5)), compared.channels[worst.channel]);
     let bias = bias(compared, family, &worst);
-    Some(format!("most at {}, channel {channel}: A {a}, B {b}, {bias}", worst.functional))
+    let is_mean_of_rgb = family.family == Family::Mean && compared.channels[0] == "R";
+    let all = if is_mean_of_rgb { of_all_channels(&family.tests) } else { String::new() };
+    Some(format!("most at {}, channel {channel}: A {a}, B {b}, {bias}{all}", worst.functional))
+}
+
+/// "; mean of all channels -9.0 %", of the tests of a functional.
+fn of_all_channels(tests: &[Tested]) -> String {
+    let [a, b] = [0, 1].map(|side| tests.iter().map(|test| test.means[side]).sum::<f64>());
+    if b > 0.0 { format!("; mean of all channels {:+.2} %", 100.0 * (a / b - 1.0)) } else { String::new() }
 }
 
 /// What is said of pixels that are not compared.

@@ -1,12 +1,12 @@
 //! Error against run time by strategy: curves with their slopes, efficiency, the tables, the answer in words; and images after equal
 //! time: of every contender the regions where contenders differ most, enlarged, above their errors.
 
-use super::text::{duration, rounded};
+use super::text::{counted, duration, rounded};
 use crate::figure::{Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Rgb8, Shading, Stroke, contact_sheet, theme};
 use etalon_bench::converge::Convergence;
 use etalon_bench::converge::answer::{Answer, Ratio, Rival};
-use etalon_bench::converge::contender::Contender;
-use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, Run};
+use etalon_bench::converge::contender::{Contender, Fault};
+use etalon_bench::converge::curve::{Curve, CurveVerdict, Level, Measured, REPLICATES_FOR_VERDICT, Run};
 use etalon_bench::converge::strategy::DEFAULT;
 use etalon_bench::table::Table;
 use etalon_core::error::Result;
@@ -79,38 +79,69 @@ pub fn replicates_csv(result: &Convergence) -> Result<Vec<u8>> {
         .csv()
 }
 
-/// The methods at their last levels, those with bias at the end; their efficiency is that of the answer, after equal time.
+/// The methods at their last levels, those with bias and those without a level at the end; their efficiency is that of the answer, after equal time.
 pub fn table(result: &Convergence) -> String {
     let target = result.common_rmse();
     let seconds = result.common_seconds();
     let efficiency = |curve: &Curve| curve.log_efficiency_at(seconds).value.exp();
     let is_biased = |curve: &Curve| curve.verdict == CurveVerdict::Biased;
-    let mut last: Vec<(&Curve, &Level)> = result.curves.iter().filter_map(|c| Some((c, c.levels.last()?))).collect();
-    last.sort_by_key(|(curve, _)| is_biased(curve));
+    let mut last: Vec<(&str, Option<(&Curve, &Level)>)> =
+        result.curves.iter().filter_map(|c| Some((c.strategy.as_str(), Some((c, c.levels.last()?))))).collect();
+    last.sort_by_key(|(_, row)| row.is_some_and(|(curve, _)| is_biased(curve)));
+    let failed = failures(result).into_iter().map(|(fault, _)| fault.strategy.as_str());
+    last.extend(failed.filter(|name| result.curve(name).is_none()).map(|name| (name, None)));
     let known = |value: f64, text: String| if value.is_finite() { text } else { "unknown".into() };
+    let cell = |row: &Option<(&Curve, &Level)>, f: &dyn Fn(&Curve, &Level) -> String| {
+        row.map_or(String::new(), |(curve, level)| f(curve, level))
+    };
     let mut heading = "biased: another expectation than the reference (the MSE includes the bias)\n";
     Table::of(&last)
-        .words("strategy", |(curve, _)| &curve.strategy)
-        .numbers("spp", |(_, level)| level.spp)
-        .numbers("time", |(_, level)| duration(level.cpu_seconds))
-        .numbers("RMSE", |(_, level)| rounded(level.rmse(), 3))
-        .numbers("slope", |(Curve { slope, .. }, _)| {
-            known(slope.half_width, format!("{:.2} ± {:.2}", slope.value, slope.half_width))
+        .words("strategy", |(name, _)| name)
+        .numbers("spp", |(_, row)| cell(row, &|_, level| level.spp.to_string()))
+        .numbers("time", |(_, row)| cell(row, &|_, level| duration(level.cpu_seconds)))
+        .numbers("RMSE", |(_, row)| cell(row, &|_, level| rounded(level.rmse(), 3)))
+        .numbers("slope", |(_, row)| {
+            cell(row, &|Curve { slope, .. }, _| {
+                known(slope.half_width, format!("{:.2} ± {:.2}", slope.value, slope.half_width))
+            })
         })
-        .words("verdict", |(curve, _)| word(curve.verdict))
-        .numbers("1/(MSE·time) †", |(curve, _)| known(efficiency(curve), rounded(efficiency(curve), 3)))
-        .numbers("time to *", |(curve, _)| match is_biased(curve) {
-            true => String::new(),
-            false => curve.time_to(target).map_or("never".into(), duration),
+        .words("verdict", |(_, row)| row.map_or("failed", |(curve, _)| word(curve.verdict)))
+        .numbers("1/(MSE·time) †", |(_, row)| {
+            cell(row, &|curve, _| known(efficiency(curve), rounded(efficiency(curve), 3)))
         })
-        .text_with(|(curve, _), line| match is_biased(curve) {
-            true => format!("{}{line}  {}\n", std::mem::take(&mut heading), bias(result, curve)),
-            false => line,
+        .numbers("time to *", |(_, row)| {
+            cell(row, &|curve, _| match is_biased(curve) {
+                true => String::new(),
+                false => curve.time_to(target).map_or("never".into(), duration),
+            })
         })
+        .text_with(|(_, row), line| match row {
+            Some((curve, _)) if is_biased(curve) => {
+                format!("{}{line}  {}\n", std::mem::take(&mut heading), bias(result, curve))
+            }
+            _ => line,
+        })
+}
+
+/// The first failure of each contender of which runs failed, and how many did: "2 of 2 replicates".
+pub fn failures(result: &Convergence) -> Vec<(&Fault, String)> {
+    let of = |name: &str| result.faults.iter().filter(|fault| fault.strategy == name).count();
+    let is_first = |i: &usize| result.faults[..*i].iter().all(|other| other.strategy != result.faults[*i].strategy);
+    let told = |i: usize| {
+        let fault = &result.faults[i];
+        let failed = of(&fault.strategy);
+        let all = failed + result.curve(&fault.strategy).map_or(0, |curve| curve.replicates);
+        (fault, format!("{failed} of {}", counted(all, "replicate")))
+    };
+    (0..result.faults.len()).filter(is_first).map(told).collect()
 }
 
 /// The bias of a curve in words.
 pub fn bias(result: &Convergence, curve: &Curve) -> String {
+    if !curve.is_tested() {
+        let replicates = counted(curve.replicates, "replicate");
+        return format!("bias not tested ({replicates}; {REPLICATES_FOR_VERDICT} are needed)");
+    }
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
     let parts = [curve.mean_bias.value, curve.mean_bias.half_width, curve.bias2.value.max(0.0).sqrt() / mean];
     match parts.map(|part| 100.0 * part) {
@@ -118,7 +149,7 @@ pub fn bias(result: &Convergence, curve: &Curve) -> String {
             let rms = if rms > 0.0 { format!("RMS {rms:.2} % of the mean") } else { "RMS not resolved".to_owned() };
             format!("bias: mean of all channels {value:+.2} ± {half_width:.2} %, {rms}")
         }
-        _ => "bias: unknown, of too few replicates".into(),
+        _ => "bias: unknown".into(),
     }
 }
 
@@ -461,19 +492,23 @@ const REGIONS: usize = 2;
 const WIDTH: usize = 360;
 const COLUMNS: usize = 5;
 
-/// Images after equal time, with their relative errors below: of all contenders, or of so many.
+/// Images after equal time, or at the most samples that all have, with their relative errors below: of all contenders, or of so many.
 pub fn images(result: &Convergence, most: usize) -> Drawing {
     let seconds = result.common_seconds();
     let Some(truth) = &result.truth else { return contact_sheet("Nothing was measured", 1, &[]) };
     let truth = truth.image();
     let mean = result.reference.as_ref().map_or(f64::NAN, |facts| facts.mean);
-    // Each contender at the level nearest to the common time
-    let levels: Vec<(&Curve, &Level, &Image)> = result
-        .curves
-        .iter()
-        .filter_map(|curve| curve.nearest(seconds).map(|at| (curve, &curve.levels[at], &curve.images[at])))
-        .collect();
-    let levels = spread(levels, most);
+    // Each contender at the common samples, or at the level nearest to the common time
+    let with = |curve: &Curve, spp: u32| curve.levels.iter().position(|level| level.spp == spp);
+    let all = result.curves.iter().flat_map(|curve| &curve.levels).map(|level| level.spp);
+    let common = all.filter(|spp| result.curves.iter().all(|curve| with(curve, *spp).is_some())).max();
+    let common = common.filter(|_| result.equal_samples);
+    let at = |curve: &Curve| common.map_or_else(|| curve.nearest(seconds), |spp| with(curve, spp));
+    let levels = result.curves.iter().filter_map(|curve| {
+        let at = at(curve)?;
+        Some((curve, &curve.levels[at], &curve.images[at]))
+    });
+    let levels = spread(levels.collect(), most);
     // One scale of errors for all: the median RMSE, rounded up
     let mut sizes: Vec<f64> = levels.iter().map(|(_, level, _)| level.rmse() / mean).collect();
     sizes.sort_by(f64::total_cmp);
@@ -517,7 +552,11 @@ pub fn images(result: &Convergence, most: usize) -> Drawing {
         );
         cells.push((caption, cropped([&tones(image), &scale(image.width(), errors).image()], &regions)));
     }
-    let title = format!("After about {} of processor time each: image and relative error", duration(seconds));
+    let at = match common {
+        Some(spp) => format!("At {} per pixel", counted(spp as usize, "sample")),
+        None => format!("After about {} of processor time each", duration(seconds)),
+    };
+    let title = format!("{at}: image and relative error");
     let sheet = contact_sheet(&title, COLUMNS, &cells);
     let bar = scale(1, Vec::new()).bar(420.0);
     Drawing::stacked(vec![sheet, bar], 0.5)
