@@ -9,7 +9,7 @@ mod counts;
 mod marginals;
 mod pairs;
 
-pub use counts::{Clearness, Kinds, Named, TOLD, clearness, facts, is_clear, of_counts};
+pub use counts::{Clearness, Kinds, Named, TOLD, clearness, facts, is_clear, of_counts, of_others};
 pub use pairs::{EQUAL, FEWEST_PAIRS, Pair, common_factor, of_one_variable, of_pairs};
 
 use crate::domain::{Domain, Point};
@@ -388,6 +388,37 @@ mod tests {
             !opposite.contains("samples follow"),
             "another lobe at the opposite side is no mistake of the list: {opposite}"
         );
+    }
+
+    #[test]
+    fn names_hold_within_cells_and_whatever_the_seed() {
+        let of_seeds = |domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn Density| -> Vec<String> {
+            let of = |seed| {
+                let samples = crate::SampleCount::Detect(0.05);
+                let outcome = validate(domain, sampler, density, &Protocol { seed, samples, ..Protocol::default() });
+                outcome.unwrap().to_string()
+            };
+            (1..=8).map(of).collect()
+        };
+        // Half diffuse, half a lobe of half vectors, whose pdf lacks 1/(4 ωo · h): by the cells of the sphere as dense at the pole as cos θ/sin θ
+        let draw = |u: &[f64]| {
+            let cos = if u[0] < 0.5 { (1.0 - u[1]).sqrt() } else { 2.0 * (1.0 - u[1]).powf(2.0 / 31.0) - 1.0 };
+            Some(Sample::new(direction(cos, u[2]))).filter(|_| cos > 0.0)
+        };
+        let pdf = |w: [f64; 3]| {
+            let of_half = 31.0 / TAU * (0.5 * (1.0 + w[2])).sqrt().powi(30);
+            if w[2] > 0.0 { 0.5 * w[2] / PI + 0.5 * of_half } else { 0.0 }
+        };
+        let density = crate::density(pdf).with_mass(crate::Mass::AtMostOne);
+        for text in of_seeds(&Directions::sphere(Pole::Z), &sampler(3, draw), &density) {
+            assert!(!text.contains("cos θ/sin θ"), "{text}");
+        }
+        // The pdf times sin θ, whose integral is wrong, too
+        let lobe = sampler(2, |u: &[f64]| Some(Sample::new(direction((1.0 - u[0]).powf(1.0 / 21.0), u[1]))));
+        let pdf = crate::density(|w: [f64; 3]| 21.0 / TAU * w[2].powi(20) * (1.0 - w[2] * w[2]).sqrt());
+        for text in of_seeds(&Directions::hemisphere(Pole::Z), &lobe, &pdf) {
+            assert!(text.contains("the pdf divided by sin θ"), "{text}");
+        }
     }
 
     #[test]
