@@ -239,6 +239,7 @@ pub fn examine(
         pilot: &pilot,
         pilots,
         others: others.as_ref(),
+        function: if leaves.is_none() && domain.is_plane() { mistakes::curve::of(&charts) } else { None },
         corners: &corners,
         subdivision: &subdivision,
         labels,
@@ -294,6 +295,8 @@ struct Test<'a> {
     pilots: u64,
     /// Counts of the pilot by which names of mistakes are confirmed.
     others: Option<&'a Counts>,
+    /// The coordinate of samples that is a function of the other one.
+    function: Option<usize>,
     /// What was found at the corners of the random numbers.
     corners: &'a Corners,
     subdivision: &'a Subdivision<'a>,
@@ -341,6 +344,12 @@ impl Test<'_> {
     fn mistake(&self, counts: &Counts, kinds: Kinds) -> Result<Option<Named>> {
         if self.is_in_leaves {
             return Ok(None);
+        }
+        if let Some(i) = self.function {
+            let names = self.domain.coordinates();
+            let (y, x) = (names[i], names[1 - i]);
+            let words = format!("samples have {y} as a function of {x}, as if one random number were used for both");
+            return Ok(Some(Named { what: NamedMistake::from(words), is_fitted: false }));
         }
         mistakes::of_counts(self.domain, self.density, counts, self.others, NAMES, kinds)
     }

@@ -689,7 +689,8 @@ impl<'a> Table<'a> {
             let is_much = MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
             let is_factor = ratio.is_finite() && (is_much || kinds != Kinds::Local && self.is_mass_wrong());
             let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
-            let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
+            let told =
+                || format!("{samples} follow {of} up to a factor: {of} is {text} times as large as {samples} say");
             let told = of_draws().or_else(|| is_factor.then(told).map(Named::new));
             // Without atoms, the rest of the draws has what the factor lacks.
             let has_atoms = self.others.len() > 1;
