@@ -92,8 +92,10 @@ fn factor_of_wo(findings: &[&Finding]) -> Option<NamedMistake> {
     if factors.iter().all(|(_, factor)| is_same(*factor, factors[0].1)) {
         // What differs in numbers alone is one cause in any case.
         let is_told_once = findings.iter().all(|finding| words(finding.outcome) == words(findings[0].outcome));
-        let told =
-            format!("{samples} follow {function} up to a factor: {function} is {:.3} times as large", factors[0].1);
+        let told = format!(
+            "{samples} follow {function} up to a factor: {function} is {:.3} times as large as {samples} say",
+            factors[0].1
+        );
         return (!is_told_once).then(|| NamedMistake::from(told).with_suffix(first.suffix()));
     }
     let told = |(cos, factor): &(f64, f64)| {
@@ -204,6 +206,9 @@ mod tests {
                 .contains("the pdf is 2.349 times as large at 20°, 2.873 times as large at 50°")
         );
         let one = told(&by(|_| 2.0));
-        assert!(one.len() == 1 && one[0].contains("up to a factor: the pdf is 2.000 times as large"), "{one:?}");
+        assert!(
+            one.len() == 1 && one[0].contains("up to a factor: the pdf is 2.000 times as large as samples say"),
+            "{one:?}"
+        );
     }
 }

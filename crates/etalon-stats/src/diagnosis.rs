@@ -12,7 +12,8 @@ use std::collections::VecDeque;
 use std::fmt::{Debug, Display, Write};
 
 /// What no test of samples against their pdf sees.
-pub const UNSEEN: &str = "this test cannot see an error that pdf and samples share: a wrong parameter in both";
+pub const UNSEEN: &str = "this test cannot see an error that pdf and samples share (a wrong parameter in both), nor one \
+                          below the error that it detects: a smaller `detect` takes more samples";
 
 /// Regions in the table.
 const LISTED: usize = 6;
@@ -30,6 +31,8 @@ struct Region {
     expected: f64,
     /// [`sigma`] of the sums.
     sigma: f64,
+    /// All draws.
+    draws: u64,
 }
 
 enum Place {
@@ -65,12 +68,22 @@ impl Region {
     fn new(counts: &Counts, place: Place, inside: Vec<usize>) -> Self {
         let observed = inside.iter().map(|&i| counts.observed[i]).sum::<u64>();
         let expected = inside.iter().map(|&i| counts.expected[i]).sum::<f64>();
-        Self { place, counts: inside, observed, expected, sigma: sigma(observed, expected) }
+        let draws = counts.observed.iter().sum();
+        Self { place, counts: inside, observed, expected, sigma: sigma(observed, expected), draws }
     }
 
     /// "17 % too few", and where.
     fn in_words(&self, domain: &dyn Domain) -> String {
         let place = self.place.in_words(domain);
+        if let (Place::None, 0.05..) = (&self.place, self.expected) {
+            let [observed, expected] = [self.observed as f64, self.expected].map(|n| n / self.draws as f64);
+            return format!(
+                "the pdf integrates to {:.4}, so that {:.2} % of the draws should return no sample: {:.2} % do",
+                1.0 - expected,
+                100.0 * expected,
+                100.0 * observed
+            );
+        }
         if self.expected < 0.05 {
             return match self.place {
                 Place::None => {
@@ -379,6 +392,12 @@ mod tests {
         let lazy = sampler(2, |u| (u[0] > 0.01).then(|| Sample::new(uniform_hemisphere(u))));
         let text = message(&Directions::hemisphere(Pole::Z), &lazy, &density(|_: [f64; 3]| 1.0 / TAU));
         assert!(text.contains("  no sample "), "{text}");
+        // A pdf that lacks 3 % of its samples
+        let uniform = sampler(2, |u| Some(Sample::new(uniform_hemisphere(u))));
+        let lacking = density(|w: [f64; 3]| if w[0] > 0.0 { 0.94 / TAU } else { 1.0 / TAU }).with_mass(Mass::AtMostOne);
+        let text = message(&Directions::hemisphere(Pole::Z), &uniform, &lacking);
+        let told = "the pdf integrates to 0.9700, so that 3.00 % of the draws should return no sample: 0.00 % do";
+        assert!(text.contains(told), "{text}");
     }
 
     #[test]

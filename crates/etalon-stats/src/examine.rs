@@ -227,6 +227,8 @@ pub fn examine(
     };
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
     let labels = Labels::new(&subdivision, looks.samples());
+    // The first of samples at hand may be sorted.
+    let others = if finite.is_none() { mistakes::of_others(domain, &charts) } else { None };
 
     // Integrate the density over the cells, and count samples in them until a look rejects.
     let test = Test {
@@ -236,6 +238,8 @@ pub fn examine(
         protocol,
         pilot: &pilot,
         pilots,
+        others: others.as_ref(),
+        function: if leaves.is_none() && domain.is_plane() { mistakes::curve::of(&charts) } else { None },
         corners: &corners,
         subdivision: &subdivision,
         labels,
@@ -258,11 +262,12 @@ pub fn examine(
         let Findings { p, violation, is_mass_wrong, counts, samples, beyond, .. } = test.find(counted, false);
         match violation {
             _ if beyond.is_some() => true,
+            Some(_) if !is_mass_wrong => true,
             // A wrong mass ends the test when counts tell what else is wrong.
-            Some(_) => !is_mass_wrong || mistakes::is_clear(&counts),
+            Some(_) if !mistakes::is_clear(&counts) => false,
             None if p.is_none_or(|p| p >= protocol.own_level()) => false,
             // The test goes on where few samples leave it open whether what explains most is the mistake, as they do with an amount.
-            None => {
+            _ => {
                 let clearness = mistakes::clearness(&counts, looks.samples());
                 let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
                 let found = || test.mistake(&counts, kinds).unwrap_or_default();
@@ -288,6 +293,10 @@ struct Test<'a> {
     pilot: &'a [Probe],
     /// Draws of the pilot, "no sample" and atoms included.
     pilots: u64,
+    /// Counts of the pilot by which names of mistakes are confirmed.
+    others: Option<&'a Counts>,
+    /// The coordinate of samples that is a function of the other one.
+    function: Option<usize>,
     /// What was found at the corners of the random numbers.
     corners: &'a Corners,
     subdivision: &'a Subdivision<'a>,
@@ -336,7 +345,13 @@ impl Test<'_> {
         if self.is_in_leaves {
             return Ok(None);
         }
-        mistakes::of_counts(self.domain, self.density, counts, NAMES, kinds)
+        if let Some(i) = self.function {
+            let names = self.domain.coordinates();
+            let (y, x) = (names[i], names[1 - i]);
+            let words = format!("samples have {y} as a function of {x}, as if one random number were used for both");
+            return Ok(Some(Named { what: NamedMistake::from(words), is_fitted: false }));
+        }
+        mistakes::of_counts(self.domain, self.density, counts, self.others, NAMES, kinds)
     }
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.

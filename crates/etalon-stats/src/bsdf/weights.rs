@@ -233,6 +233,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
                 &sphere(),
                 &light(subject, *channel),
                 counts,
+                None,
                 ["weights", subject.properties.kind.integrand()],
                 Kinds::Local,
             )?;

@@ -6,7 +6,7 @@ use super::{BATCH, Follows, MOST_CELLS, Mistake, all, asked, marginals, unless_c
 use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
-use crate::grid::Cell;
+use crate::grid::{Cell, Grid};
 use crate::named_mistake::NamedMistake;
 use crate::outcome::Counts;
 use crate::power::chi_square;
@@ -64,9 +64,30 @@ const WRONG: f64 = 5.0;
 const TOLD_SHARES: usize = 3;
 /// Fewer degrees of freedom are explained by too many densities.
 const FEWEST: usize = 5;
+/// Columns of the rows in which a name is tried again.
+const COLUMNS: usize = 8;
+
+/// Samples that were not counted, by their chart coordinates: half of them make cells in which as many lie, the other half is counted
+/// there; `None` where they are too few. Cells of equal area may be wider than a lobe, and tell little of its shape.
+///
+/// 2 n^(2/5) rows tell the shape along the first axis of n samples. Source: Mann & Wald, "On the Choice of the Number of Class Intervals in
+/// the Application of the Chi Square Test", Annals of Mathematical Statistics 13(3), 1942.
+pub fn of_others(domain: &dyn Domain, charts: &[[f64; 2]]) -> Option<Counts> {
+    let half = |first: usize| charts.iter().skip(first).step_by(2).copied().collect::<Vec<_>>();
+    let (places, counted) = (half(0), half(1));
+    let shape = [(2.0 * (counted.len() as f64).powf(0.4)) as usize, if domain.is_plane() { COLUMNS } else { 1 }];
+    if shape[0] <= FEWEST {
+        return None;
+    }
+    let grid = Grid::adapted(&places, shape, Cell::WHOLE, domain.outcomes());
+    let mut observed = vec![0; grid.len()];
+    counted.iter().for_each(|&at| observed[grid.find(at)] += 1);
+    let unknown = vec![f64::NAN; observed.len()];
+    Some(Counts::new(domain, grid, Vec::new(), observed, unknown))
+}
 
 /// The mistake that explains the counts of the cells, if the density does not and one does: "[samples] follow cos θ/π, not
-/// [the pdf]".
+/// [the pdf]". It must explain the counts of `others`, too: see [`of_others`].
 ///
 /// # Errors
 /// [`Error::Cancelled`]. Where the density fails otherwise, at points that it was not made for, nothing is named.
@@ -74,12 +95,13 @@ pub fn of_counts(
     domain: &dyn Domain,
     density: &dyn Density,
     counts: &Counts,
+    others: Option<&Counts>,
     [samples, of]: [&str; 2],
     kinds: Kinds,
 ) -> Result<Option<Named>> {
     let explained = Table::new(domain, density, counts, POINTS).and_then(|table| {
-        let table = Table { is_early: kinds == Kinds::Early, ..table };
-        table.explained([samples, of], kinds)
+        let is_early = kinds == Kinds::Early;
+        Table { is_early, confirming: others.filter(|_| !is_early), ..table }.explained([samples, of], kinds)
     });
     unless_cancelled(explained)
 }
@@ -248,6 +270,8 @@ struct Table<'a> {
     pdfs: Vec<f64>,
     /// Whether mistakes may leave more, as more samples follow.
     is_early: bool,
+    /// Counts of other samples, which a mistake must explain, too.
+    confirming: Option<&'a Counts>,
 }
 
 impl<'a> Table<'a> {
@@ -280,7 +304,39 @@ impl<'a> Table<'a> {
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs, is_early: false })
+        Ok(Self {
+            domain,
+            density,
+            counts,
+            observed,
+            expected,
+            others,
+            total,
+            points,
+            places,
+            pdfs,
+            is_early: false,
+            confirming: None,
+        })
+    }
+
+    /// Whether a density with the values that are `of` a table's points explains the other samples, by their cells and by their rows, as
+    /// well as chance and the errors of sums over points let them.
+    fn is_confirmed(&self, of: impl Fn(&Table) -> Result<Vec<f64>>) -> Result<bool> {
+        let Some(counts) = self.confirming else { return Ok(true) };
+        let finer = Table::new(self.domain, self.density, counts, POINTS)?;
+        let shares = finer.shares(&of(&finer)?, false);
+        let (rows, columns) = counts.grid.ends();
+        let row = |row: usize| {
+            let first = counts.grid.number(row, 0);
+            let cells = first..first + columns[row].len() - 1;
+            let known: Option<Vec<f64>> = shares[cells.clone()].iter().copied().collect();
+            (finer.observed[cells].iter().sum::<u64>(), known.map(|shares| shares.iter().sum::<f64>()))
+        };
+        let (of_rows, shares_of_rows): (Vec<u64>, Vec<Option<f64>>) = (0..rows.len() - 1).map(row).unzip();
+        let is_left = |[left, spread]: [f64; 2]| left > LEFT_BY_CHANCE * spread + LEFT * finer.total;
+        let left = [excess(finer.observed, &shares, FEWEST), excess(&of_rows, &shares_of_rows, FEWEST)];
+        Ok(!left.into_iter().flatten().any(is_left))
     }
 
     fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
@@ -491,7 +547,20 @@ impl<'a> Table<'a> {
         };
         let Some(text) = text else { return Ok(None) };
         let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
+        let of_amount = |table: &Table| match table.family(mistake)? {
+            Some(family) => (family.values)(amount),
+            None => Ok(vec![f64::NAN; table.points.len()]),
+        };
+        if left.is_some() && !self.is_confirmed(of_amount)? {
+            return Ok(None);
+        }
         Ok(left.map(|[left, _]| (left, mistake.told(of).replace("{}", &(text + &family.own)))))
+    }
+
+    /// The values of the pdf, turned with its axis to another.
+    fn turned_values(&self, from: Axis, to: Direction) -> Result<Vec<f64>> {
+        let place = |&at: &Point| axis::turn_to(to, from.direction, at.into()).into();
+        self.pdf_at(&self.points.iter().map(place).collect::<Vec<_>>())
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
@@ -509,12 +578,14 @@ impl<'a> Table<'a> {
                 self.observed.iter().enumerate().map(mean).filter(|(mean, _)| mean.iter().all(|x| x.is_finite()));
             to = axis::mean(means).map(|(to, _)| to).or(to);
             let Some(to) = to else { return Ok(None) };
-            let place = |&at: &Point| axis::turn_to(to, from.direction, at.into()).into();
-            values = self.pdf_at(&self.points.iter().map(place).collect::<Vec<_>>())?;
+            values = self.turned_values(from, to)?;
         }
         let Some(to) = to else { return Ok(None) };
         let shares = self.shares(&values, false);
         let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, most));
+        if found.is_some() && !self.is_confirmed(|table| table.turned_values(from, to))? {
+            return Ok(None);
+        }
         let angle = axis::dot(to, from.direction).within(-1.0, 1.0).acos().to_degrees();
         let name = || format!("{of} around {} in place of its axis {}, {angle:.2}° away", axis::name(to), from.name());
         Ok(found.map(|_| name()))
@@ -608,6 +679,9 @@ impl<'a> Table<'a> {
             return Ok(if self.total == 0.0 { of_draws() } else { None });
         };
         if of_pdf <= CHANCE * spread {
+            if !self.is_confirmed(|table| Ok(table.pdfs.clone()))? {
+                return Ok(None);
+            }
             // What chance hides of the shape must be little beside what is wrong of the probabilities, too.
             let of_draws = || of_draws().filter(|_| MOST * self.excess_of_draws() > CHANCE * spread);
             // What chance hides of the shape must be little beside the factor, unless probabilities tell that there is one.
@@ -615,7 +689,8 @@ impl<'a> Table<'a> {
             let is_much = MOST_FITTED * self.total * ratio.ln().powi(2) > CHANCE * spread;
             let is_factor = ratio.is_finite() && (is_much || kinds != Kinds::Local && self.is_mass_wrong());
             let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
-            let told = || format!("{samples} follow {of} up to a factor: {of} is {text} times as large");
+            let told =
+                || format!("{samples} follow {of} up to a factor: {of} is {text} times as large as {samples} say");
             let told = of_draws().or_else(|| is_factor.then(told).map(Named::new));
             // Without atoms, the rest of the draws has what the factor lacks.
             let has_atoms = self.others.len() > 1;
@@ -653,7 +728,11 @@ impl<'a> Table<'a> {
                 // Where the density fails at what a mistake asks for, that mistake is left out.
                 let is_tried = mistake.is_known() || unless_cancelled(few.may_explain(mistake, of_pdf))?.is_some();
                 if is_tried {
-                    found.extend(unless_cancelled(self.explanation(mistake, of_pdf, of))?);
+                    let explanation = self.explanation(mistake, of_pdf, of).and_then(|explained| {
+                        let of = |table: &Table| mistake.values(table.density, &table.points, &table.pdfs);
+                        Ok(if explained.is_some() && !self.is_confirmed(of)? { None } else { explained })
+                    });
+                    found.extend(unless_cancelled(explanation)?);
                 }
             }
             if is_last && kinds != Kinds::Local {
