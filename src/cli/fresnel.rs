@@ -206,7 +206,7 @@ impl Fresnel {
         console: &Console,
     ) -> Result<Verdict> {
         let curves = |from, interfaces: &[_]| study::curves(from, interfaces, self.points, self.model);
-        let leaving = self.both.then(|| curves(&interfaces[0], &[self.eta_i.clone()])).transpose()?;
+        let leaving = self.both.then(|| curves(&interfaces[0], std::slice::from_ref(&self.eta_i))).transpose()?;
         let curves = Sides { entering: curves(&self.eta_i, interfaces)?, leaving };
         let sides: Vec<_> = curves.all().cloned().collect();
         let (usual, ending) = if self.both { (&BOTH[..], "-both") } else { (&[Curve::Unpolarized][..], "") };

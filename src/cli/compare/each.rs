@@ -310,7 +310,11 @@ impl Compare {
         let Entry { result: Ok(done), same_as, .. } = entry else { return };
         let Ok(measured) = &done.measured else { return };
         let holds = |reason: &&Reason| match reason {
-            Reason::Mistake => measured.explanation.is_some() || measured.beyond_noise == Some(true),
+            // Integers end at 1
+            Reason::Mistake => match &measured.explanation {
+                Some(explanation) => !(explanation.is_clip_alone && done.is_clipped),
+                None => measured.beyond_noise == Some(true),
+            },
             Reason::Copy => measured.identical || same_as.is_some(),
         };
         done.exceeded.extend(self.reject.iter().filter(holds).map(|reason| Exceeded::Reason(*reason)));

@@ -28,6 +28,9 @@ pub struct Explanation {
     pub leaves_noise: bool,
     /// Whether what is left is more than noise and rounding make.
     pub in_part: bool,
+    /// Whether nothing is wrong except that `a` ends at a value, as integers do at 1.
+    #[serde(skip)]
+    pub is_clip_alone: bool,
     /// Whether the mistake says what undoes it.
     #[serde(skip)]
     is_obvious: bool,
@@ -102,7 +105,8 @@ impl Change<'_> {
 
     fn explains(&self, mse_left: f64, [leaves_noise, in_part]: [bool; 2]) -> Explanation {
         let (mistake, change, is_obvious) = (self.mistake.clone(), self.cure.clone(), self.is_obvious);
-        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_obvious, is_tentative: false }
+        let (is_clip_alone, is_tentative) = (false, false);
+        Explanation { mistake, change, mse_left, leaves_noise, in_part, is_clip_alone, is_obvious, is_tentative }
     }
 }
 
@@ -221,7 +225,9 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
             is_tentative: true,
             ..of
         };
-        let alone = pair.try_one(&clipped, clip);
+        let of_clip = |explanation| Explanation { is_clip_alone: true, ..explanation };
+        let alone =
+            pair.try_one(&clipped, clip).map(|found| Found { explanation: of_clip(found.explanation), ..found });
         let with = alone.or_else(|| {
             let plain = pair.best(&changes(a, b, &grid, clip), clip, too);
             let with = or_clearly_better(plain, pair.best(&powers(&pair, a, clip), clip, too));
