@@ -333,8 +333,9 @@ impl Pair<'_> {
         };
         let [in_part, leaves_noise] = [!is_within(NEARLY_NOTHING), after.iter().all(is_noise)];
         let mse_left = mse(&a, &b) / self.mse;
-        // What is told of it in numbers must be so, too
-        let most = if in_part { LITTLE } else { 1.0 };
+        // What is told of it in numbers must be so, too; a factor multiplies noise
+        let gain = f64::from(((change.value)(Rgb::ONE) - (change.value)(Rgb::ZERO)).max_element()).at_least(1.0);
+        let most = if in_part { LITTLE } else { gain * gain };
         (is_within(LITTLE) && mse_left <= most).then(|| Found {
             left: after.iter().map(|of| of.energy).sum(),
             error: after.iter().map(|of| of.error).sum(),
@@ -1204,7 +1205,7 @@ mod tests {
                 Rgb::splat(factor * (1.0 + 2.0 * (u - 0.5)))
             })
         };
-        let factors = [1.14, 1.17, 1.2, 1.23, 1.26];
+        let factors = [1.06, 1.07, 1.08, 1.09, 1.1, 1.11, 1.12, 1.13];
         let found = factors.map(|factor| explain(&noisy(1, factor), &noisy(2, 1.0), FLOATS));
         assert!(!found.contains(&Reason::Unknown), "{found:?}");
         let hidden = found.iter().zip(factors).filter_map(|(reason, factor)| match reason {

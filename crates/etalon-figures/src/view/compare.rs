@@ -225,7 +225,8 @@ pub fn explained(explanation: &Explanation) -> String {
     let Explanation { mse_left, leaves_noise, in_part, .. } = explanation;
     let noise = if *leaves_noise && *mse_left > 0.0 { "noise, " } else { "" };
     let more = if *in_part { ", more than noise" } else { "" };
-    let left = if mse_left.is_nan() {
+    // A factor multiplies noise, too
+    let left = if mse_left.is_nan() || *mse_left > 1.0 {
         if *leaves_noise { "noise".into() } else { "next to nothing".into() }
     } else {
         format!("{noise}{} % of the mean squared error{more}", rounded(100.0 * mse_left, 2))
