@@ -10,6 +10,7 @@ use etalon_figures::output::{self, Target};
 use etalon_figures::view::checks::{Check, Checks};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub const DEFAULT_SEED: u64 = 1;
 
@@ -160,6 +161,9 @@ impl From<&Checks> for Verdict {
     }
 }
 
+/// Whether the run has written its reports: `compare --each` does before it ends with the error of a bad input.
+pub static IS_REPORTED: AtomicBool = AtomicBool::new(false);
+
 /// The options, of subcommands with checks.
 #[derive(Args, Default)]
 pub struct Reports {
@@ -205,6 +209,7 @@ impl Reports {
 
     /// Writes the reports that were asked for; returns their paths.
     pub fn write(&self, checks: &Checks) -> Result<Vec<PathBuf>> {
+        IS_REPORTED.store(true, Ordering::Relaxed);
         if let Some(path) = &self.junit {
             files::write_bytes(path, checks.junit().as_bytes())?;
         }
@@ -224,6 +229,9 @@ impl Reports {
 /// Writes the reports that a command line asks for, valid or not, where the run ended with an error: a check that is inconclusive, in the
 /// place of a report of an earlier run. All else that the command line names is input, which is not replaced.
 pub fn report_error(args: &[OsString], error: &str) {
+    if IS_REPORTED.load(Ordering::Relaxed) {
+        return;
+    }
     let (mut reports, mut others) = (Reports::default(), Vec::new());
     let mut words = args.iter().skip(1);
     while let Some(word) = words.next() {

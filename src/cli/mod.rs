@@ -32,10 +32,11 @@ use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_core::memory;
 use flags::Flags;
-use global::{Global, Verdict, report_error};
+use global::{Global, IS_REPORTED, Verdict, report_error};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, disable_help_flag = true, after_help = AFTER_HELP)]
@@ -87,6 +88,7 @@ enum Command {
 pub fn main(args: impl IntoIterator<Item = OsString>) -> u8 {
     crate::BUILD.declare();
     files::protect_inputs();
+    IS_REPORTED.store(false, Ordering::Relaxed);
     // Parse the arguments
     let mut command = Cli::command();
     command.build();

@@ -164,7 +164,8 @@ pub fn run(
         longest = longest.at_least(before - all.left());
     }
     let has_verdicts = entries.iter().all(|entry| entry.given_up || entry.runs.len() >= REPLICATES_FOR_VERDICT);
-    if !has_verdicts && longest > 0.0 && !interrupt::requested() {
+    let may_have = replicates as usize >= REPLICATES_FOR_VERDICT;
+    if may_have && !has_verdicts && longest > 0.0 && !interrupt::requested() {
         // The reference may take half of it.
         result.sufficient_budget = Some(2.0 * f64::from(replicates) * longest * (1.0 + RESERVE));
     }
