@@ -112,6 +112,7 @@ fn after_help() -> String {
          Exit codes: 0 good, 1 a renderer is biased against the reference or a run of it failed, 2 usage or bad input, \
          3 the bias of a renderer was \
          not tested, or one of --detect might have gone unnoticed; the budget was too small for any verdict; or interrupted.\n\nExamples:\n  etalon converge sphere-env\n  etalon converge cornell-spheres --budget 60\n  \
+         etalon converge brushed-metal --strategies light,bsdf,mis --max-spp 16\n  \
          etalon converge sphere-env --envmap sun --strategies light,light-cosine,median-cut-64\n  \
          etalon converge scene.pbrt --renderer 'pbrt=pbrt --spp {{spp}} --seed {{seed}} --outfile {{out}} --nthreads {{threads}} {{scene}}'\n  \
          etalon converge --renderer 'old=./old {{spp}} {{seed}} {{out}}' --renderer 'new=./new {{spp}} {{seed}} {{out}}' --reference ref.exr",
