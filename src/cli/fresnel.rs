@@ -262,7 +262,8 @@ impl Fresnel {
 
     fn dielectric(&self, interface: &Interface, name: &str, global: &Global, console: &Console) -> Result<Verdict> {
         let curves = fresnel::curves(self.eta_i.eta, interface.eta, self.points, self.model)?;
-        let written = self.write(name, &view::dielectric(&curves, &interface.name), &curves.csv()?, global)?;
+        let written =
+            self.write(name, &view::dielectric(&curves, [&self.eta_i.name, &interface.name]), &curves.csv()?, global)?;
         console.saved(&curves, &written, || {
             let angle = |a: Option<f64>| a.map_or("none".into(), |a| format!("{a:.6}°"));
             let source = interface.medium.map_or(String::new(), |medium| format!("  ({})", medium.source()));

@@ -13,7 +13,7 @@ use std::fmt::{Debug, Display, Write};
 
 /// What no test of samples against their pdf sees.
 pub const UNSEEN: &str = "this test cannot see an error that pdf and samples share (a wrong parameter in both), nor one \
-                          below the error that it detects: a smaller `detect` takes more samples";
+                          that is smaller than the error that it detects: more samples find smaller errors";
 
 /// Regions in the table.
 const LISTED: usize = 6;

@@ -1,4 +1,4 @@
-//! A function of many numbers, on all threads.
+//! Loops over indices, on all threads.
 
 use crate::error::Result;
 use rayon::prelude::*;
@@ -34,8 +34,8 @@ pub fn each_part<I: Sync, T: Send + Sync>(
     each(parts.len() as u64, |part| of(parts[part as usize]))
 }
 
-/// What `add` makes of `empty` and all numbers of a range, with one sum for each thread: memory does not grow with the range. Sums
-/// have to be the same in any order.
+/// Folds `add` over a range, one sum for each thread, and adds these by `plus`: memory does not grow with the range. The order must not
+/// matter.
 pub fn sum<T: Send + Sync>(
     range: Range<u64>,
     empty: impl Fn() -> T + Sync,

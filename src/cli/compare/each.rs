@@ -252,7 +252,11 @@ impl Compare {
                 };
                 let reasons = REASONS.into_iter().filter(|(.., reason)| self.reject.contains(reason));
                 let of_reason = |(name, _, reason)| plain(name, verdict(reason), remark(entry).unwrap_or_default());
-                self.checks(&group, measured).into_iter().chain(reasons.flat_map(of_reason)).collect()
+                let checks = self.checks(&group, measured).into_iter().chain(reasons.flat_map(of_reason));
+                // A limit says it too
+                let holes = Some(measured.numbers.non_finite).filter(|holes| *holes > 0 && self.at_most.is_empty());
+                let finite = |holes| plain("finite", etalon_stats::Verdict::Reject, view::not_finite(holes));
+                checks.chain(holes.into_iter().flat_map(finite)).collect()
             }
             (Some(_), _) => plain("file", etalon_stats::Verdict::Accept, remark(entry).unwrap_or_default()),
             (None, problem) => {

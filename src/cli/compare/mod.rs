@@ -26,9 +26,9 @@ use std::path::{Path, PathBuf};
                         Two images: writes A-vs-B.{png,svg,pdf}: A, B, and in false colour the difference of the mean of R, G and B.\n\n\
                         With --each: a row for each image, as text and as IMAGES-vs-REF.csv, and IMAGES-vs-REF.{png,svg,pdf}: every image beside its \
                         difference, all on one scale, with a green frame where the difference is unlike that of most places; rejected ones in an orange frame. IMAGES is how their names \
-                        begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be read, or without limits one of another size, does not stop \
+                        begin, or their folder. A PNG beside a given .exr, .pfm or .hdr file of the same name is left out. An image that cannot be read, or without --at-most and --reject one of another size, does not stop \
                         the others; the exit code is 2 then.\n\n\
-                        With --at-most: exit code 1 if a metric of an image is larger, a pixel is not finite, or (with --each) its size is another.\n\nWith --against: Welch's t-tests of the image mean, of \
+                        With --at-most: exit code 1 if a metric of an image is larger, a pixel is not finite, or (with --each) its size is another. With --reject: if it has a usual mistake or differs by more than noise (mistake), or has the values of the reference or of an image before it (copy).\n\nWith --against: Welch's t-tests of the image mean, of \
                         low-frequency modes and of tiles, at one level. The bias is that of the channel that differs most (`etalon converge`: of the mean of all \
                         channels), in percent of the mean of B, that of a tile in percent of the tile's own. Exit code 1: different; 0: no difference found, and a bias of \
                         --detect would have been found with 90 % probability; 3: cannot tell, with the numbers of images that would find it. The book has the formulas and the \

@@ -170,7 +170,9 @@ pub fn detectable(curve: &Curve) -> String {
 
 /// The answer in words: a line on the strategy by default, if it is compared; then the best and the others.
 pub fn sentences(answer: Option<&Answer>) -> String {
-    let Some(answer) = answer else { return "no answer: no method without bias has a known efficiency\n".to_owned() };
+    let Some(answer) = answer else {
+        return "no answer: no method that was tested and has no bias has a known efficiency\n".to_owned();
+    };
     let default = answer.default.as_ref().map(|rival| of_default(&answer.best, rival)).unwrap_or_default();
     default + &of_best(answer)
 }

@@ -23,10 +23,10 @@ fn share_axis() -> Axis {
     Axis::linear("share of the power").range(-0.04, 1.04).every(0.2)
 }
 
-/// Curves of one interface of a medium, and beside them Schlick's error.
-pub fn dielectric(curves: &DielectricCurves, medium: &str) -> Drawing {
+/// Curves of one interface, from one medium to the other, and beside them Schlick's error.
+pub fn dielectric(curves: &DielectricCurves, media: [&str; 2]) -> Drawing {
     let [absolute, relative] = schlick_errors(curves);
-    Plot::new([shares(curves, medium), absolute, relative]).frame_size(380.0, 310.0).draw()
+    Plot::new([shares(curves, media), absolute, relative]).frame_size(380.0, 310.0).draw()
 }
 
 /// The angles that all panels of an interface show: beyond the critical angle only what tells that nothing changes any more.
@@ -63,8 +63,8 @@ fn side(eta: f64, medium: &str) -> String {
 }
 
 /// Curves of one interface with its special angles.
-fn shares(curves: &DielectricCurves, medium: &str) -> Panel {
-    let title = format!("From {} into {}", side(curves.eta_i, medium), side(curves.eta_t, medium));
+fn shares(curves: &DielectricCurves, [from, into]: [&str; 2]) -> Panel {
+    let title = format!("From {} into {}", side(curves.eta_i, from), side(curves.eta_t, into));
     let schlick = match (curves.critical_deg, curves.model) {
         (None, _) => "Schlick",
         (Some(_), "exact") => "Schlick, angle of refraction",

@@ -131,7 +131,7 @@ impl Display {
     fn key(&self, side: usize, most: Option<usize>, zoom: Option<usize>) -> Vec<(f64, Colour, String)> {
         let inset =
             zoom.map(|zoom| (0, format!("inset: the square in orange, {zoom} times as large, a dot for each sample")));
-        let most = most.map(|most| (most, format!("{most} samples, the most at one place")));
+        let most = most.map(|most| (most, format!("{most} samples, the most under one marker")));
         let markers = [(1, "1 sample".to_owned())].into_iter().chain(most);
         let side = |count: usize| side as f64 * (count as f64).sqrt() * self.scale;
         markers.chain(inset).map(|(count, name)| (side(count), theme::MARKER, name)).collect()

@@ -71,7 +71,7 @@ fn content(eta_i: f64, eta_t: f64) -> Result<Content> {
     } else {
         printed("Critical angle (degrees)", "43.60281897270362", curves.critical_deg)
     };
-    Ok(Content::of_csv(view::dielectric(&curves, "glass"), curves.csv()?, checks).with_printed(vec![printed]))
+    Ok(Content::of_csv(view::dielectric(&curves, ["glass"; 2]), curves.csv()?, checks).with_printed(vec![printed]))
 }
 
 const NAMES: [&str; 6] = ["water", "glass", "diamond", "Fe", "Au", "Ag"];
