@@ -20,7 +20,7 @@ use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
 use crate::weights;
-use std::cell::RefCell;
+use std::cell::{LazyCell, RefCell};
 use std::time::Instant;
 
 /// How many samples a test takes.
@@ -227,8 +227,11 @@ pub fn examine(
     };
     let subdivision = if domain.outcomes().is_some() { subdivision.of_finite_set() } else { subdivision };
     let labels = Labels::new(&subdivision, looks.samples());
-    // The first of samples at hand may be sorted.
-    let others = if finite.is_none() { mistakes::of_others(domain, &charts) } else { None };
+    // What only rejections need. The first of samples at hand may be sorted.
+    let others: Lazy<Option<Counts>> =
+        Lazy::new(Box::new(|| if finite.is_none() { mistakes::of_others(domain, &charts) } else { None }));
+    let function: Lazy<Option<usize>> =
+        Lazy::new(Box::new(|| if domain.is_plane() { mistakes::curve::of(&charts) } else { None }));
 
     // Integrate the density over the cells, and count samples in them until a look rejects.
     let test = Test {
@@ -238,8 +241,8 @@ pub fn examine(
         protocol,
         pilot: &pilot,
         pilots,
-        others: others.as_ref(),
-        function: if leaves.is_none() && domain.is_plane() { mistakes::curve::of(&charts) } else { None },
+        others,
+        function,
         corners: &corners,
         subdivision: &subdivision,
         labels,
@@ -283,6 +286,9 @@ pub fn examine(
     Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
+/// What is computed when it is first needed.
+type Lazy<'a, T> = LazyCell<T, Box<dyn FnOnce() -> T + 'a>>;
+
 /// A test, prepared before samples are counted.
 struct Test<'a> {
     domain: &'a dyn Domain,
@@ -294,9 +300,9 @@ struct Test<'a> {
     /// Draws of the pilot, "no sample" and atoms included.
     pilots: u64,
     /// Counts of the pilot by which names of mistakes are confirmed.
-    others: Option<&'a Counts>,
+    others: Lazy<'a, Option<Counts>>,
     /// The coordinate of samples that is a function of the other one.
-    function: Option<usize>,
+    function: Lazy<'a, Option<usize>>,
     /// What was found at the corners of the random numbers.
     corners: &'a Corners,
     subdivision: &'a Subdivision<'a>,
@@ -345,13 +351,13 @@ impl Test<'_> {
         if self.is_in_leaves {
             return Ok(None);
         }
-        if let Some(i) = self.function {
+        if let Some(i) = *self.function {
             let names = self.domain.coordinates();
             let (y, x) = (names[i], names[1 - i]);
             let words = format!("samples have {y} as a function of {x}, as if one random number were used for both");
             return Ok(Some(Named { what: NamedMistake::from(words), is_fitted: false }));
         }
-        mistakes::of_counts(self.domain, self.density, counts, self.others, NAMES, kinds)
+        mistakes::of_counts(self.domain, self.density, counts, self.others.as_ref(), NAMES, kinds)
     }
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.

@@ -666,7 +666,7 @@ const INTERVAL: f64 = 1.96;
 const LARGEST: f64 = 1.0;
 
 impl Grids {
-    /// Of images like `b`, whose noise is that of the images `noisy`.
+    /// For images like `b`, whose noise is that of the images `noisy`.
     fn new(b: &Image, noisy: &[&Image]) -> Self {
         let side = ((b.pixels().len() as f64).sqrt() / BLOCKS).round() as usize;
         let mut sides = vec![SIDES[0], side.clamp(SIDES[0], SIDES[1])];
