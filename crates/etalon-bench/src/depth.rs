@@ -7,10 +7,10 @@ use crate::object_ids::{Kind, ObjectIdBuffer, inside};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::math::{Rgb, mean_rgb};
-use etalon_core::raster::{Image, Metadata};
+use etalon_core::raster::Image;
 use etalon_core::scene::{Object, Projection, Request, Scene, Shape};
-use etalon_render::film::{Film, Part, PathClasses};
-use etalon_render::{Dropped, Job, Sampling, Settings, Silent, render};
+use etalon_render::film::PathClasses;
+use etalon_render::{Dropped, Settings, Silent, render};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -24,8 +24,6 @@ pub const VISIBLE: f64 = 0.02;
 
 /// Scatterings up to which path classes have layers of their own.
 const CLASS_DEPTH: u32 = 5;
-/// Rows that are rendered together: enough for many threads.
-const ROWS: usize = 48;
 
 /// One depth on one kind of object. Field names are the CSV columns; light is the mean of R, G and B.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -78,18 +76,12 @@ pub struct Depths {
     pub images: Vec<Image>,
     /// Each image but the first, minus the one before it.
     pub differences: Vec<Image>,
-    /// Radiance by depth and kind of object.
-    pub rows: Vec<RadianceRow>,
     /// Light by path class and kind of object.
     pub classes: Vec<ClassRow>,
     /// The settings of the render.
     pub request: Request,
     /// The part of each difference, but the last, with at most one diffuse reflection: what has sharp outlines.
     pub sharp: Vec<Image>,
-    /// Standard error of the pixels of the deepest image, and so, at most, of the others.
-    pub standard_error: Image,
-    /// Samples that were dropped.
-    pub dropped: Dropped,
 }
 
 impl Depths {
@@ -113,16 +105,9 @@ impl Depths {
         self.classes.iter().filter(|r| r.seen_on == ALL && of(r)).map(|r| r.share_of_light).sum()
     }
 
-    /// The mean light of the deepest image and, at most, its standard error.
-    pub fn mean_with_error(&self) -> [f64; 2] {
-        let squares = self.standard_error.pixels().iter().map(|error| mean_rgb(*error).powi(2));
-        [self.mean(DEPTHS[DEPTHS.len() - 1]), squares.sum::<f64>().sqrt() / self.standard_error.pixels().len() as f64]
-    }
-
     /// Mean light of an image.
     pub fn mean(&self, depth: u32) -> f64 {
-        let row = self.rows.iter().find(|r| r.depth == depth && r.seen_on == ALL);
-        row.map_or(f64::NAN, |r| (r.mean_r + r.mean_g + r.mean_b) / 3.0)
+        mean(self.image(depth))
     }
 }
 
@@ -132,27 +117,24 @@ pub const ALL: &str = "all";
 /// Renders the scene once, as deep as [`DEPTHS`] go, and decomposes it by path class.
 pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<Depths> {
     let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
-    let by_class = Settings { paths: Some(CLASS_DEPTH), ..*settings };
-    let layers = layers(scene, &request, &by_class)?;
-    // The pixels of the whole image and of each kind of object that it shows.
-    let objects = ObjectIdBuffer::new(scene, &request);
-    let regions: Vec<(&'static str, Vec<bool>)> = std::iter::once((ALL, vec![true; objects.pixels.len()]))
-        .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
-        .filter(|(_, mask)| mask.contains(&true))
-        .collect();
+    let by_class = Settings { paths: Some(PathClasses::up_to(CLASS_DEPTH)), ..*settings };
+    let layers = render(scene, &request, &by_class, &Silent)?.part.film.path_layers();
+    interrupt::check()?;
+    let regions = regions(scene, &request);
+    let pixels = request.width * request.height;
 
     // Each image is the one before it plus the layers that appear at its depth, summed in f64.
     let mut images = Vec::new();
     let mut differences = Vec::new();
     let mut sharp = Vec::new();
-    let mut so_far = vec![DVec3::ZERO; objects.pixels.len()];
+    let mut so_far = vec![DVec3::ZERO; pixels];
     for depth in DEPTHS {
-        let mut added = vec![DVec3::ZERO; objects.pixels.len()];
+        let mut added = vec![DVec3::ZERO; pixels];
         let mut outlined = added.clone();
         for (name, layer) in layers.iter().filter(|(name, _)| appears_at(name) == depth) {
-            add(&mut added, layer);
+            add(&mut added, layer.pixels());
             if name.matches('D').count() <= 1 {
-                add(&mut outlined, layer);
+                add(&mut outlined, layer.pixels());
             }
         }
         so_far.iter_mut().zip(&added).for_each(|(sum, a)| *sum += a);
@@ -170,14 +152,10 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
     }
 
     let all_light = light(images[images.len() - 1].pixels(), &regions[0].1);
-    let rows = DEPTHS.iter().zip(&images).flat_map(|(&depth, image)| {
-        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
-    });
-    let rows = rows.collect();
     // Each layer's share of the light, pixels that are not black, and centroid, by kind of object.
     let mut classes = Vec::new();
-    for (name, layer) in layers.iter() {
-        let depth = appears_at(name);
+    for (name, layer) in &layers {
+        let (depth, layer) = (appears_at(name), layer.pixels());
         let place = DEPTHS.iter().position(|d| *d == depth).unwrap_or(0);
         let added = if place == 0 { &images[0] } else { &differences[place - 1] };
         let difference = light(added.pixels(), &regions[0].1);
@@ -204,57 +182,51 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
             }
         }
     }
-    let Layers { standard_error, dropped, .. } = layers;
-    Ok(Depths { images, differences, rows, classes, request, sharp, standard_error, dropped })
+    Ok(Depths { images, differences, classes, request, sharp })
 }
 
-/// The light of every path class.
-struct Layers {
-    /// Their names.
-    classes: Vec<String>,
-    /// The pixels of all classes, one after the other: many buffers as large as an image would leave gaps between the images that
-    /// are kept.
-    pixels: Vec<Rgb>,
-    standard_error: Image,
-    dropped: Dropped,
+/// The pixels of the whole image and of each kind of object that it shows.
+fn regions(scene: &Scene, request: &Request) -> Vec<(&'static str, Vec<bool>)> {
+    let objects = ObjectIdBuffer::new(scene, request);
+    std::iter::once((ALL, vec![true; objects.pixels.len()]))
+        .chain(Kind::ALL.map(|kind| (kind.name(), objects.mask(kind))))
+        .filter(|(_, mask)| mask.contains(&true))
+        .collect()
 }
 
-impl Layers {
-    fn iter(&self) -> impl Iterator<Item = (&str, &[Rgb])> {
-        let pixels = self.pixels.chunks_exact(self.standard_error.pixels().len());
-        self.classes.iter().map(String::as_str).zip(pixels)
-    }
+/// The images of all depths alone, which takes a fraction of the memory of their path classes.
+pub struct Series {
+    /// In the order of [`DEPTHS`].
+    pub images: Vec<Image>,
+    /// Radiance by depth and kind of object.
+    pub rows: Vec<RadianceRow>,
+    /// Samples that were dropped.
+    pub dropped: Dropped,
 }
 
-/// Renders the light of every path class. A film with path classes is many times larger than its layers, so that it is
-/// rendered some rows at a time, unless light paths contribute to any row.
-fn layers(scene: &Scene, request: &Request, settings: &Settings) -> Result<Layers> {
-    let Request { width, height, spp, .. } = *request;
-    let job = Job::new(scene, request, settings)?;
-    let (mut classes, mut pixels, mut dropped) = (Vec::new(), Vec::new(), Dropped::default());
-    let mut errors = Vec::with_capacity(width * height);
-    let rows = if settings.sampling == Sampling::MisLt { height } else { ROWS.min(height) };
-    for top in (0..height).step_by(rows) {
-        let mut part = if rows == height {
-            job.part(Metadata::default())?
-        } else {
-            let film = Film::strip(width, top..height.min(top + rows), settings.paths.map(PathClasses::up_to))?;
-            Part::new(film, spp, job.fingerprint(), Metadata::default())
-        };
-        job.run(&mut part, 0..spp, &Silent);
-        interrupt::check()?;
-        dropped = dropped.merge(part.film.dropped());
-        errors.extend(part.film.standard_error().pixels());
-        let strips = part.film.path_layers();
-        if top == 0 {
-            pixels = vec![Rgb::ZERO; strips.len() * width * height];
-            classes = strips.iter().map(|(name, _)| name.clone()).collect();
-        }
-        for ((_, strip), layer) in strips.iter().zip(pixels.chunks_exact_mut(width * height)) {
-            layer[top * width..][..strip.pixels().len()].copy_from_slice(strip.pixels());
-        }
-    }
-    Ok(Layers { classes, pixels, standard_error: Image::from_pixels(width, height, errors), dropped })
+/// Renders the scene once, as deep as [`DEPTHS`] go, and sums its light by the number of scatterings.
+pub fn series(scene: &Scene, request: &Request, settings: &Settings) -> Result<Series> {
+    let request = Request { max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
+    let by_length = Settings { paths: Some(PathClasses::by_length(CLASS_DEPTH)), ..*settings };
+    let film = render(scene, &request, &by_length, &Silent)?.part.film;
+    interrupt::check()?;
+    let mut so_far = vec![DVec3::ZERO; request.width * request.height];
+    let image = |(_, layer): (String, Image)| {
+        add(&mut so_far, layer.pixels());
+        Image::from_pixels(request.width, request.height, so_far.iter().map(|p| p.as_vec3()).collect())
+    };
+    let images: Vec<Image> = film.path_layers().into_iter().map(image).collect();
+    let regions = regions(scene, &request);
+    let all_light = light(images[images.len() - 1].pixels(), &regions[0].1);
+    let rows = DEPTHS.iter().zip(&images).flat_map(|(&depth, image)| {
+        regions.iter().map(move |(seen_on, mask)| row(depth, seen_on, mask, image, all_light))
+    });
+    Ok(Series { rows: rows.collect(), images, dropped: film.dropped() })
+}
+
+/// Mean light of an image.
+pub fn mean(image: &Image) -> f64 {
+    image.pixels().iter().map(|p| mean_rgb(*p)).sum::<f64>() / image.pixels().len() as f64
 }
 
 /// The smallest depth with this path class: the number of its scatterings.
@@ -344,7 +316,7 @@ pub struct Truncation {
 
 /// Renders a scene to depth `m` and deeper.
 pub fn truncation(scene: &Scene, request: &Request, settings: &Settings, m: u32) -> Result<Truncation> {
-    let settings = Settings { paths: Some(m + 1), ..*settings };
+    let settings = Settings { paths: Some(PathClasses::up_to(m + 1)), ..*settings };
     let to = |max_depth: u32| {
         let rendered = render(scene, &Request { max_depth, ..*request }, &settings, &Silent)?;
         Ok::<_, Error>((rendered.part.film.path_layers(), rendered.image))

@@ -80,6 +80,8 @@ impl SphereRow {
 pub struct SphereRender {
     pub row: SphereRow,
     pub image: Image,
+    /// The strategy, as it was chosen for the scene.
+    pub strategy: Option<Strategy>,
     /// Samples that were dropped.
     pub dropped: Dropped,
     /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
@@ -127,7 +129,9 @@ pub fn render_sphere(map: &NamedMap, spp: u32, exact: &Exact, settings: &Setting
         rmse_of_ratio: (ratio2 / count).sqrt(),
         rel_bias: sum / truth,
     };
-    Ok(SphereRender { row, image: rendered.image, dropped: rendered.dropped, relative_error, group_errors })
+    let strategy = Strategy::of(&rendered.settings, &scene);
+    let (image, dropped) = (rendered.image, rendered.dropped);
+    Ok(SphereRender { row, image, strategy, dropped, relative_error, group_errors })
 }
 
 /// A strategy by its label, and the column of that name in the table.
@@ -140,6 +144,8 @@ pub struct Label {
 /// The errors of one strategy at several numbers of samples per pixel.
 pub struct Series {
     pub label: Label,
+    /// What the default is on this map.
+    pub chosen: Option<Strategy>,
     /// In the order of the numbers of samples.
     pub rows: Vec<SphereRow>,
     /// p of RMSE ∝ nᵖ over the camera paths n of a pixel, its error from disjoint sets of pixels. Adaptive sampling has more paths in
@@ -157,7 +163,8 @@ pub fn compare(map: &NamedMap, spp: &[u32], exact: &Exact, seed: u64) -> Result<
         let shots = spp.iter().map(|&spp| render_sphere(map, spp, exact, &settings)).collect::<Result<Vec<_>>>()?;
         let errors: Vec<_> = shots.iter().map(|shot| (shot.row.camera_paths(), shot.group_errors)).collect();
         let rows = shots.iter().map(|shot| shot.row).collect();
-        Ok(Series { label: Label { strategy }, rows, slope: slope(&errors) })
+        let chosen = shots.into_iter().next_back().and_then(|shot| shot.strategy).filter(|_| strategy == DEFAULT);
+        Ok(Series { label: Label { strategy }, chosen, rows, slope: slope(&errors) })
     };
     STRATEGIES.into_iter().map(series).collect()
 }

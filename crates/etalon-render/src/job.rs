@@ -101,7 +101,7 @@ impl<'a> Job<'a> {
     /// As [`Film::new`].
     pub fn part(&self, metadata: Metadata) -> Result<Part> {
         let Request { width, height, spp, .. } = self.scene.request;
-        let classes = self.settings.paths.map(PathClasses::up_to);
+        let classes = self.settings.paths;
         let film = Film::new(width, height, classes)?;
         let film = if self.scene.light_tracing.is_some() { film.with_splats()? } else { film };
         // Ask now for the memory of the files, so that the result is not lost: images, and sums of about half the film's size.
@@ -349,6 +349,8 @@ pub struct Rendered {
     pub seconds: f64,
     /// Samples dropped because they were negative, infinite or NaN.
     pub dropped: Dropped,
+    /// The settings, with what was chosen for the scene.
+    pub settings: Settings,
     /// The parts that the scene did not need and that were therefore skipped.
     pub left_out: Vec<&'static str>,
 }
@@ -375,5 +377,6 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
         request: *request,
         seconds: job.seconds(),
         left_out: job.left_out(),
+        settings: job.settings,
     })
 }

@@ -115,7 +115,7 @@ impl<'a> PreparedScene<'a> {
             light_tracing,
             sampling: settings.sampling,
             has_emitters: scene.objects.iter().any(|object| object.emission.is_some()),
-            classes: settings.paths.map(PathClasses::up_to),
+            classes: settings.paths,
         }
     }
 

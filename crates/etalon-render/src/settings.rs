@@ -1,5 +1,6 @@
 //! What can be chosen about a render: sampling, random numbers, models; and what is checked of a request.
 
+use super::film::PathClasses;
 use etalon_core::envmap::samplers::MapSampling;
 use etalon_core::error::{Error, Result};
 use etalon_core::sampling::stream::StreamKind;
@@ -85,8 +86,8 @@ pub struct Settings {
     pub choose: bool,
     /// Average several paths in the samples of pixels with more noise than most.
     pub adaptive: bool,
-    /// Separate the light by path class, up to this many scatterings.
-    pub paths: Option<u32>,
+    /// Separate the light by path class.
+    pub paths: Option<PathClasses>,
     /// Prepare and run everything, also what the scene does not need, for comparison.
     pub general: bool,
     pub kernel: Kernel,

@@ -22,7 +22,7 @@ use etalon_core::sampling::stream::StreamKind;
 use etalon_core::scene::{Request, Scene};
 use etalon_figures::output::Target;
 use etalon_figures::view::text::counted;
-use etalon_render::film::{Film, Part, shard};
+use etalon_render::film::{Film, Part, PathClasses, shard};
 use etalon_render::{Job, Kernel, Sampling, Settings};
 use model::ModelArgs;
 use results::{Images, Look, Summary};
@@ -258,7 +258,8 @@ impl Render {
     /// The settings by default, changed by flags.
     fn settings(&self, usual: Settings) -> Settings {
         let asked = if self.hemisphere { Some(Sampling::Hemisphere) } else { self.sampling };
-        let (stream, paths, general, kernel) = (self.stream, self.paths, self.general, self.kernel);
+        let (stream, general, kernel) = (self.stream, self.general, self.kernel);
+        let paths = self.paths.map(PathClasses::up_to);
         let plain = Settings { stream, paths, general, kernel, adaptive: !self.uniform, ..usual };
         if asked.is_none() && self.light_density.is_none() && self.kernel == Kernel::Lanes {
             return plain;

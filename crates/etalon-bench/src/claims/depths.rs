@@ -18,7 +18,8 @@ pub fn depth_claims(scene: &Scene, depths: &Depths) -> Vec<Claim> {
         sights.iter().map(|sight| *sight == ceiling).collect()
     };
     let ceiling = |text: Text, depth: u32, reflections: u32| {
-        let what = format!("share of paths of {depth} scatterings in the light there");
+        let place = if reflections == 0 { "the ceiling" } else { "the ceiling in the mirror" };
+        let what = format!("share of paths of {depth} scatterings in the light of {place}");
         text.with([gain(what, depths, depth, &on_ceiling(reflections), VISIBLE)])
     };
     let appears = |text: Text, class: &str, on: Kind| text.with([where_bright(depths, class, on)]);
@@ -54,7 +55,8 @@ fn where_bright(depths: &Depths, class: &str, on: Kind) -> Finding {
     let none = ClassRow::default();
     let ClassRow { share_of_light, share_there, error_there, .. } = depths.class(class, on.name()).unwrap_or(&none);
     let of_all = percent(*share_of_light);
-    let what = format!("share of {class}, seen on the {}, in the light there ({of_all} of all light)", on.name());
+    let on = on.name();
+    let what = format!("share of {class} in the light where it is brightest on the {on} ({of_all} of all light)");
     Finding::estimated(what, [*share_there, *error_there], Bound::AtLeast(VISIBLE)).in_percent()
 }
 

@@ -117,24 +117,22 @@ struct Found {
     explanation: Explanation,
 }
 
-/// The values above which nothing is known of the changed A and of B.
+/// The values of A and of B above which nothing is known of them: infinite where they are not clipped.
 #[derive(Clone, Copy)]
-enum Clip {
-    Nowhere,
-    /// A is clipped at this value, B is not.
-    OfA(f32),
-    /// Both are stored as integers.
-    OfBoth,
+struct Clip {
+    a: f32,
+    b: f32,
 }
 
 impl Clip {
     /// The largest values that are known of both, in the changed image.
     fn after(self, value: &dyn Fn(Rgb) -> Rgb) -> Rgb {
-        match self {
-            Self::Nowhere => Rgb::INFINITY,
-            Self::OfA(top) => value(Rgb::splat(top)),
-            Self::OfBoth => value(Rgb::splat(WHITE)).min(Rgb::splat(WHITE)),
-        }
+        let of_a = if self.a.is_finite() { value(Rgb::splat(self.a)) } else { Rgb::INFINITY };
+        of_a.min(Rgb::splat(self.b))
+    }
+
+    fn is_somewhere(self) -> bool {
+        self.a.is_finite() || self.b.is_finite()
     }
 }
 
@@ -196,7 +194,9 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     }
     let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY);
     let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
-    let clip = if stored == [true; 2] { Clip::OfBoth } else { Clip::Nowhere };
+    // A that is clipped where B is not has a mistake, which is named
+    let of_stored = |is_clipped: bool| if is_clipped { WHITE } else { f32::INFINITY };
+    let clip = Clip { a: of_stored(stored == [true; 2]), b: of_stored(stored[1]) };
     let is_open = |found: &Option<Found>| {
         found.as_ref().is_none_or(|Found { explanation, .. }| {
             // A curve that is nearly a power is not one, and a constant light is no clamp
@@ -211,7 +211,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     if !leaves_noise(&found)
         && let Some(top) = clamp_level(a, b)
     {
-        let clip = Clip::OfA(top);
+        let clip = Clip { a: top, ..clip };
         let clipped = Change {
             mistake: format!("A is clipped at {top}"),
             cure: format!("clamp B at {top}: no value of A is larger"),
@@ -711,8 +711,7 @@ impl Grids {
             Some(if together { [fit(&[0, 1, 2])?; 3] } else { [fit(&[0])?, fit(&[1])?, fit(&[2])?] })
         };
         let mut factors = [1.0; 3];
-        let is_clipped = !matches!(clip, Clip::Nowhere);
-        for _ in 0..if is_clipped { FITS } else { 0 } {
+        for _ in 0..if clip.is_somewhere() { FITS } else { 0 } {
             let last = factors;
             factors = fitted(last, true)?;
             if factors.iter().zip(last).all(|(new, old)| f64::from(new / old - 1.0).abs() < SETTLED) {
@@ -1268,6 +1267,12 @@ mod tests {
             assert!(found.starts_with(expected), "{found:?}, not {expected}");
         }
         assert_eq!(mistake(&|v| v), "");
+        // Floats against integers: the factor is that of what is not clipped
+        let floats = |factor: f32| explain(&a.map(|p| factor * p), &b, [false, true]).explanation().unwrap().mistake;
+        for factor in [0.5, 2.0, 3.0] {
+            assert!(floats(factor).starts_with(&format!("A is {factor:.2}")), "{}", floats(factor));
+        }
+        assert_eq!(floats(1.0), "B is clipped at 1");
     }
 
     #[test]

@@ -149,12 +149,20 @@ impl<'a> Axes<'a> {
         room = room.union(Sides { top: above.max(overhang), ..labelled });
         // Title above everything
         if !panel.title.is_empty() {
-            let lines = text::wrapped(&panel.title, theme::TITLE_SIZE, true, self.widest());
+            // What follows the first line of a title stands below it in plain type
+            let (title, plain) = panel.title.split_once('\n').unwrap_or((&panel.title, ""));
+            let wrapped = |text: &str, size: f64, bold: bool| {
+                let lines = text::wrapped(text, size, bold, self.widest()).into_iter();
+                lines.filter(|line| !line.is_empty()).map(move |line| (line, size, bold))
+            };
+            let lines: Vec<_> =
+                wrapped(title, theme::TITLE_SIZE, true).chain(wrapped(plain, theme::NOTE_SIZE, false)).collect();
             let foot = above + 9.0;
             let top = foot + theme::TITLE_SIZE + LINE * (lines.len() - 1) as f64;
-            for (i, line) in lines.iter().rev().enumerate() {
+            for (i, (line, size, bold)) in lines.into_iter().rev().enumerate() {
                 let at = [frame.centre()[0], frame.y - foot - LINE * i as f64];
-                let title = Text::new(at, theme::TITLE_SIZE, line.clone()).bold();
+                let title = Text::new(at, size, line);
+                let title = if bold { title.bold() } else { title };
                 let overhang = (title.width() - frame.width) / 2.0;
                 drawing.text(title.held(Anchor::Middle, Level::Baseline));
                 room = room.union(Sides { left: overhang, right: overhang, top, bottom: 0.0 });

@@ -38,6 +38,7 @@ impl Panel {
         Self { title: String::new(), x, y, marks: Vec::new(), heatmap: None, names_curves: false }
     }
 
+    /// A title in bold type; what follows its first line stands below that in plain type.
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }

@@ -85,7 +85,8 @@ impl Plot {
 
     /// The panels whose title `keep` wants; the title of the y axis stands for that of a panel without one.
     pub(super) fn select(&self, groups: &[&str], keep: &mut Keep) -> Option<Self> {
-        let name = |panel: &Panel| if panel.title.is_empty() { panel.y.label.clone() } else { panel.title.clone() };
+        let name =
+            |panel: &Panel| if panel.title.is_empty() { panel.y.label.clone() } else { panel.title.replace('\n', " ") };
         let rows = self.rows.iter().map(|row| {
             let mut is_kept = |panel: &&Panel| keep(&[groups, &[row.heading.as_str(), name(panel).as_str()]].concat());
             let panels = row.panels.iter().filter(&mut is_kept).cloned().collect();

@@ -38,7 +38,13 @@ impl Page {
         let image = Rgb8::new(w as usize, h as usize, rgb);
         let covers = |item: &Item| matches!(item, Item::Image { rect, .. } if rect.width >= self.width);
         let file = match self.items.first() {
-            _ if self.few_colours => indexed(&image, self.items.iter().any(|item| matches!(item, Item::Image { .. }))),
+            _ if self.few_colours => {
+                let has_shades = self.items.iter().any(|item| matches!(item, Item::Image { .. }));
+                let file = indexed(&image, has_shades);
+                // Shades keep their colours where a palette saves little: in images without noise, or enlarged
+                let exact = if has_shades { image.chart_png() } else { Vec::new() };
+                if (1..=file.len() + file.len() / 2).contains(&exact.len()) { exact } else { file }
+            }
             Some(first) if covers(first) => image.png().to_vec(),
             _ => image.chart_png(),
         };

@@ -47,7 +47,7 @@ pub fn measured(claim: &Claim) -> Vec<String> {
     claim.findings.iter().map(sentence).chain(remark).collect()
 }
 
-/// "share of LDSE … in the light there: 30.6 % ± 0.1 % (≥ 2 %)"; without the error where it is 0.
+/// "share of LDSE in the light … on the mirror: 30.6 % ± 0.1 % (≥ 2 %)"; without the error where it is 0.
 fn sentence(finding: &Finding) -> String {
     let Finding { what, value, error, unit, bound } = finding;
     let bound = match bound {

@@ -31,9 +31,9 @@ pub fn differences(result: &Depths) -> Drawing {
     contact_sheet("What each maximum depth /{m} adds", 3, &images)
 }
 
-/// The same with no pixel brighter than the third brightest of its 3×3 block: paths that meet a caustic by chance leave specks of one
-/// or two pixels.
-fn without_specks(image: &Image) -> Image {
+/// The image with no pixel brighter than the third brightest of its 3×3 block: paths that meet a light or a caustic by chance leave specks
+/// of one or two pixels.
+pub fn without_specks(image: &Image) -> Image {
     let (width, height) = (image.width(), image.height());
     let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
     Image::from_fn(width, height, |x, y| {

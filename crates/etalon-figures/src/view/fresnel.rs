@@ -29,13 +29,18 @@ pub fn dielectric(curves: &DielectricCurves, media: [&str; 2]) -> Drawing {
     Plot::new([shares(curves, media), absolute, relative]).frame_size(380.0, 310.0).draw()
 }
 
-/// The angles that all panels of an interface show: beyond the critical angle only what tells that nothing changes any more.
-fn shown_angles(curves: &DielectricCurves) -> (Axis, f64) {
-    match curves.critical_deg.map(|critical| ((critical + 18.0) / 10.0).ceil() * 10.0) {
-        Some(end) if end < 90.0 => (Axis::linear(ANGLE).range(0.0, end).every(10.0), end),
+/// The angles that a panel of an interface shows, up to some beyond the critical angle, where nothing changes any more.
+fn shown_angles(curves: &DielectricCurves, beyond: f64) -> (Axis, f64) {
+    match curves.critical_deg.map(|critical| ((critical + beyond) / 5.0).ceil() * 5.0) {
+        Some(end) if end < 90.0 => {
+            (Axis::linear(ANGLE).range(0.0, end).every(if end > 60.0 { 10.0 } else { 5.0 }), end)
+        }
         _ => (angle_axis(), 90.0),
     }
 }
+
+/// Degrees beyond the critical angle that show total reflection.
+const TOTAL: f64 = 12.0;
 
 /// Lines at Brewster's angle and at the critical angle, if there are these, by their symbols or in words.
 fn with_special_angles(panel: Panel, curves: &DielectricCurves, in_words: bool) -> Panel {
@@ -70,7 +75,7 @@ fn shares(curves: &DielectricCurves, [from, into]: [&str; 2]) -> Panel {
         (Some(_), "exact") => "Schlick, angle of refraction",
         (Some(_), _) => "Schlick, angle of incidence",
     };
-    let (angle, end) = shown_angles(curves);
+    let (angle, end) = shown_angles(curves, TOTAL);
     let main = exact_curves(Panel::new(angle, share_axis()).title(title), &curves.rows);
     let main = Curve::Transmittance.line(main, Curve::Transmittance.label(), &curves.rows);
     let main = Curve::Schlick.line(main, schlick, &curves.rows).with_names_on_curves();
@@ -91,14 +96,14 @@ fn shares(curves: &DielectricCurves, [from, into]: [&str; 2]) -> Panel {
 /// Schlick's error of one interface: the difference, and over the exact reflectance.
 fn schlick_errors(curves: &DielectricCurves) -> [Panel; 2] {
     let panel = |title: &str, label: &str, points: Vec<Point>| {
-        let panel = Panel::new(shown_angles(curves).0, Axis::linear(label)).title(title).horizontal(0.0, "");
+        let panel = Panel::new(shown_angles(curves, 0.0).0, Axis::linear(label)).title(title).horizontal(0.0, "");
         with_special_angles(panel.line("", stroke(theme::SCHLICK, theme::DASHED), points), curves, false)
     };
     let relative = |row: &Row| 100.0 * row.error() / row.exact.unpolarized();
     let whose = match curves.critical_deg {
         None => "",
-        Some(_) if curves.model == "exact" => " with the angle of refraction",
-        Some(_) => " with the angle of incidence",
+        Some(_) if curves.model == "exact" => "\nwith the angle of refraction",
+        Some(_) => "\nwith the angle of incidence",
     };
     [
         panel(&format!("Error of Schlick's approximation{whose}"), "Schlick − exact", points(&curves.rows, Row::error)),

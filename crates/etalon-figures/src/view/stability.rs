@@ -16,9 +16,9 @@ const BEYOND: &str = "off the scale, drawn at its end";
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 /// The name of what rounding an input explains.
 const INPUT_ALONE: &str = "rounding of the input alone";
-/// Panels in a row, and the size of a frame.
-const COLUMNS: usize = 3;
+/// The size of a frame, and most panels in a row.
 const FRAME: [f64; 2] = [250.0, 150.0];
+const MOST_COLUMNS: usize = 5;
 /// Families whose rendered formula is worse somewhere than rounding of the input and another formula, and why.
 const REMARKS: [(&str, &str); 3] = [
     (
@@ -48,21 +48,28 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     let plot = match panels.len() {
         1 | 2 => Plot::new(panels.into_iter().map(Panel::with_names_on_curves).collect::<Vec<_>>()),
         _ => {
-            let rows = panels.chunks(COLUMNS).map(|row| (String::new(), row.to_vec()));
+            let rows = panels.chunks(columns(panels.len())).map(|row| (String::new(), row.to_vec()));
             Plot::grid(rows).frame_size(FRAME[0], FRAME[1])
         }
     };
     let is_remarked = |name: &str| shown.iter().any(|(sweep, _)| sweep.family.name == name);
     let remarks = REMARKS.into_iter().filter(|(name, _)| is_remarked(name)).map(|(_, remark)| remark.to_owned());
     let pale = "Errors below the pale line are smaller than what rounding of the input may cause.".to_owned();
-    let lines = std::iter::once(pale).chain(remarks).collect();
-    let plot = plot.draw().headed("Largest relative error in single precision (f32)", lines);
-    if others.is_empty() {
-        return plot;
-    }
-    let names: Vec<String> = others.iter().map(|(sweep, number)| heading(sweep, *number)).collect();
-    let small = format!("Every variant has errors below {} here:", power_of_ten(VISIBLE).replace("≈ ", ""));
-    Drawing::stacked(vec![plot, Drawing::stacked(Vec::new(), 0.0).headed(small, names)], 0.5)
+    let of_family = |others: &[(&Sweep, usize)]| {
+        let grids: Vec<&str> = others.iter().map(|(sweep, number)| sweep.family.sections[*number].title).collect();
+        format!("{} ({})", in_words(others[0].0.family.name), grids.join(", "))
+    };
+    let not_shown: Vec<String> =
+        others.chunk_by(|(a, _), (b, _)| a.family.name == b.family.name).map(of_family).collect();
+    let below = power_of_ten(VISIBLE).replace("≈ ", "");
+    let not_shown = format!("Not shown, as every variant has errors below {below}: {}.", not_shown.join("; "));
+    let lines = std::iter::once(pale).chain(remarks).chain((!others.is_empty()).then_some(not_shown)).collect();
+    plot.draw().headed("Largest relative error in single precision (f32)", lines)
+}
+
+/// The number of panels in a row that leaves the fewest places empty: three if that is one of them.
+fn columns(panels: usize) -> usize {
+    (3..=MOST_COLUMNS).min_by_key(|columns| panels.next_multiple_of(*columns) - panels).unwrap_or(MOST_COLUMNS)
 }
 
 /// The least relative error that counts as one.
@@ -85,7 +92,7 @@ fn errs(sweep: &Sweep, number: usize) -> bool {
 
 fn heading(sweep: &Sweep, number: usize) -> String {
     let title = sweep.family.sections[number].title.replace(" = ", "\u{a0}=\u{a0}");
-    capitalized(&format!("{} ({title})", in_words(sweep.family.name)))
+    capitalized(&format!("{}\n{title}", in_words(sweep.family.name)))
 }
 
 /// The largest errors of one grid along one of its axes.
@@ -181,7 +188,7 @@ fn formula(variant: &str) -> String {
     match variant {
         STABLE => "formula that renders".into(),
         TEXTBOOK => "textbook formula".into(),
-        REPORT => "formula of a report".into(),
+        REPORT => "formula of a course report".into(),
         other => other.into(),
     }
 }
@@ -242,12 +249,17 @@ pub fn worst_cases(rows: &[ErrorRow]) -> Drawing {
         true => "Largest relative error at special directions, indices and widths",
         false => "Largest relative error over all inputs",
     };
-    let lines = [
+    let explained = [
         "pale bar: how far rounding of the input alone may move the result of the formula that renders",
         "no mark: not computed in that precision; grey: off the scale, drawn at its end",
     ];
+    let far_out = [
+        "Beckmann, sampled: a random number of 0 has an infinite slope, which the code bounds",
+        "rough glass: opposite directions along the surface have no half vector, and the code returns a pdf of 0",
+    ];
+    let lines: Vec<&str> = explained.into_iter().chain(far_out.into_iter().filter(|_| only_special)).collect();
     let plot = Plot::new(ERRORS.map(panel)).frame_size(380.0, LINE * families.len() as f64).draw();
-    plot.headed(title, lines.map(str::to_owned).into())
+    plot.headed(title, lines.into_iter().map(str::to_owned).collect())
 }
 
 /// A family's name as people read it: "ggx-pdf" is "GGX, pdf of normals".

@@ -10,16 +10,13 @@ use etalon_core::math::Rgb;
 use etalon_core::memory;
 use etalon_core::raster::Image;
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::Mutex;
 
-/// All samples of a rectangle of pixels: an image, or some rows of one.
+/// All samples of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     width: usize,
     height: usize,
-    /// The number of the first row.
-    top: usize,
     /// Row by row from the top.
     pub(super) pixels: Vec<Pixel>,
     pub(super) dropped: Dropped,
@@ -57,23 +54,6 @@ impl Film {
     /// # Errors
     /// [`Error::Parameter`] for no pixel and for more than 2^28, [`Error::Memory`] when they do not fit.
     pub fn new(width: usize, height: usize, classes: Option<PathClasses>) -> Result<Self> {
-        Self::strip(width, 0..height, classes)
-    }
-
-    /// Refuses sizes of which there is no film.
-    pub fn check(width: usize, height: usize) -> Result<()> {
-        let wrong = || Error::parameter("width", format!("no film for {width}x{height} pixels"));
-        let is_possible = (1..=MAX_PIXELS).contains(&width.saturating_mul(height));
-        is_possible.then_some(()).ok_or_else(|| wrong().with_hint("at least 1x1 and at most 2^28 pixels"))
-    }
-
-    /// [`Film::new`] for some rows of an image, in memory for these only. A file does not say which rows it holds, so such a film
-    /// cannot be written as a part.
-    ///
-    /// # Errors
-    /// Those of [`Film::new`].
-    pub fn strip(width: usize, rows: Range<usize>, classes: Option<PathClasses>) -> Result<Self> {
-        let (top, height) = (rows.start, rows.len());
         Self::check(width, height)?;
         let sums = (width * height).saturating_mul(classes.map_or(0, PathClasses::count));
         let what = || {
@@ -85,7 +65,14 @@ impl Film {
             None => None,
         };
         let pixels = memory::filled(width * height, Pixel::default(), what)?;
-        Ok(Self { width, height, top, pixels, dropped: Dropped::default(), paths, splats: None })
+        Ok(Self { width, height, pixels, dropped: Dropped::default(), paths, splats: None })
+    }
+
+    /// Refuses sizes of which there is no film.
+    pub fn check(width: usize, height: usize) -> Result<()> {
+        let wrong = || Error::parameter("width", format!("no film for {width}x{height} pixels"));
+        let is_possible = (1..=MAX_PIXELS).contains(&width.saturating_mul(height));
+        is_possible.then_some(()).ok_or_else(|| wrong().with_hint("at least 1x1 and at most 2^28 pixels"))
     }
 
     /// The same film with sums for [`Row::splat`], which only a film of the whole image can have: any row may splat to any
@@ -138,7 +125,7 @@ impl Film {
         for (y, pixels) in self.pixels.chunks_exact_mut(self.width).enumerate() {
             let (paths, rest) = std::mem::take(&mut sums).split_at_mut(self.width * classes);
             sums = rest;
-            rows.push(Row::new(self.top + y, pixels, paths).with_splats(splats.as_ref()));
+            rows.push(Row::new(y, pixels, paths).with_splats(splats.as_ref()));
         }
         let dropped = rows.into_par_iter().with_max_len(1).map(|mut row| {
             fill(&mut row);
@@ -208,7 +195,7 @@ impl Film {
     /// # Errors
     /// [`Error::Parameter`] when the sizes or the path classes differ.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
-        let shape = |film: &Self| (film.width, film.height, film.top, film.classes());
+        let shape = |film: &Self| (film.width, film.height, film.classes());
         if shape(self) != shape(other) {
             return Err(Error::parameter("films", "their sizes or their path classes differ"));
         }
@@ -327,24 +314,6 @@ mod tests {
     fn threads_change_no_bit() {
         let on = |threads| on_threads(threads, || film(|_, _, _| true));
         assert!(on(1) == on(3));
-    }
-
-    #[test]
-    fn strips_are_the_rows_of_the_whole() {
-        let mut whole = without_splats();
-        accumulate(&mut whole, |_, _, _| true);
-        let mut dropped = Dropped::default();
-        for rows in [0..2, 2..3, 3..5] {
-            let mut strip = Film::strip(SIZE.0, rows.clone(), whole.classes()).unwrap();
-            accumulate(&mut strip, |_, _, _| true);
-            assert_eq!(strip.pixels(), &whole.pixels()[SIZE.0 * rows.start..SIZE.0 * rows.end]);
-            for ((name, part), (_, all)) in strip.path_layers().iter().zip(&whole.path_layers()) {
-                rows.clone().for_each(|y| assert_eq!(part.row(y - rows.start), all.row(y), "{name}"));
-            }
-            dropped = dropped.merge(strip.dropped());
-        }
-        assert_eq!(dropped, whole.dropped());
-        assert!(Film::strip(2, 0..1, None).unwrap().merge(&Film::strip(2, 1..2, None).unwrap()).is_err());
     }
 
     #[test]

@@ -57,10 +57,12 @@ impl PathClass {
     }
 }
 
-/// Which words get a layer of their own: all up to a number of scatterings. The others share one, the rest.
+/// Which words get a layer of their own: all up to a number of scatterings, or one layer for all of a length. The others share one,
+/// the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PathClasses {
     scatterings: u32,
+    by_length: bool,
 }
 
 impl PathClasses {
@@ -71,34 +73,43 @@ impl PathClasses {
     /// for the rest.
     #[must_use]
     pub fn up_to(scatterings: u32) -> Self {
-        Self { scatterings: scatterings.min(Self::LONGEST) }
+        Self { scatterings: scatterings.min(Self::LONGEST), by_length: false }
+    }
+
+    /// A class for each number of scatterings, at most `scatterings` (at most [`PathClasses::LONGEST`]), and one for the rest.
+    #[must_use]
+    pub fn by_length(scatterings: u32) -> Self {
+        Self { by_length: true, ..Self::up_to(scatterings) }
     }
 
     /// How many classes there are, the rest included.
     #[must_use]
     pub fn count(self) -> usize {
-        2 << self.scatterings
+        if self.by_length { self.scatterings as usize + 2 } else { 2 << self.scatterings }
     }
 
     /// The number of a word's class: by length, then by alphabet, the rest last.
     #[inline]
     #[must_use]
     pub fn index(self, word: PathClass) -> usize {
-        word.0.min(2 << self.scatterings) as usize - 1
+        let index = if self.by_length { word.scatterings() } else { word.0 - 1 };
+        (index as usize).min(self.count() - 1)
     }
 
-    /// The names of all classes in their order: `LE`, `LDE`, `LSE`, `LDDE`, … `rest`.
+    /// The names of all classes in their order: `LE`, `LDE`, `LSE`, `LDDE`, … `rest`, or `L0E`, `L1E`, … `rest`.
     pub fn names(self) -> impl Iterator<Item = String> {
-        let name = |code: u32| {
+        let word = |code: u32| -> String {
             let letters = (0..code.ilog2()).rev().map(|bit| if code >> bit & 1 == 0 { 'D' } else { 'S' });
             ['L'].into_iter().chain(letters).chain(['E']).collect()
         };
-        (1..2 << self.scatterings).map(name).chain(["rest".to_owned()])
+        let name = move |i: u32| if self.by_length { format!("L{i}E") } else { word(i + 1) };
+        (0..self.count() as u32 - 1).map(name).chain(["rest".to_owned()])
     }
 
     /// The classes with these names, joined by blanks.
     pub(super) fn parse(text: &str) -> Option<Self> {
-        (0..=Self::LONGEST).map(Self::up_to).find(|c| c.names().eq(text.split(' ')))
+        let all = (0..=Self::LONGEST).flat_map(|n| [Self::up_to(n), Self::by_length(n)]);
+        all.into_iter().find(|c| c.names().eq(text.split(' ')))
     }
 }
 
@@ -135,6 +146,11 @@ mod tests {
         for long in ["DDDD", "SDSD", &"S".repeat(30), &"D".repeat(99), &"SD".repeat(99)] {
             assert_eq!(names[classes.index(word(long))], "rest");
         }
+        let classes = PathClasses::by_length(2);
+        let names: Vec<String> = classes.names().collect();
+        for (letters, name) in [("", "L0E"), ("D", "L1E"), ("SD", "L2E"), ("SS", "L2E"), ("SDD", "rest")] {
+            assert_eq!(names[classes.index(word(letters))], name);
+        }
     }
 
     #[test]
@@ -147,7 +163,7 @@ mod tests {
 
     #[test]
     fn names_can_be_read_back() {
-        for classes in (0..=PathClasses::LONGEST).map(PathClasses::up_to) {
+        for classes in (0..=PathClasses::LONGEST).flat_map(|n| [PathClasses::up_to(n), PathClasses::by_length(n)]) {
             let text = classes.names().collect::<Vec<_>>().join(" ");
             assert_eq!(PathClasses::parse(&text), Some(classes));
         }

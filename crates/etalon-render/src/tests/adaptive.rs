@@ -1,5 +1,6 @@
 //! Adaptive sampling renders the same however the work is cut, and leaves the first samples as they are.
 
+use crate::film::PathClasses;
 use crate::{Job, Sampling, Settings, Silent, render};
 use etalon_core::raster::Metadata;
 use etalon_core::scene::{Request, builtin};
@@ -10,7 +11,7 @@ fn threads_parts_and_specialised_kernels_change_no_bit() {
     let request = Request { width: 24, height: 18, spp: 20, ..request };
     for (sampling, filter) in [(Sampling::Mis, "box"), (Sampling::MisLt, "box"), (Sampling::MisLt, "gaussian")] {
         scene.camera.filter = filter.parse().unwrap();
-        let settings = Settings { sampling, adaptive: true, paths: Some(3), ..Settings::default() };
+        let settings = Settings { sampling, adaptive: true, paths: Some(PathClasses::up_to(3)), ..Settings::default() };
         let film = |threads: usize, settings: Settings, ends: &[u32]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

@@ -23,8 +23,8 @@ pub fn figures() -> Vec<Maker> {
 fn content(inputs: &Inputs) -> Result<Content> {
     let environment = Environment::upright(inputs.map.map.clone(), &inputs.map.name, builtin::BRUSHED_METAL_SCALE);
     let (scene, request) = builtin::brushed_metal(environment);
-    let request = Request { spp: 8, ..request };
-    let (scene, request) = scene.resized(request, inputs.effort.of([320, 160], [80, 40]));
+    let request = Request { spp: 32, ..request };
+    let (scene, request) = scene.resized(request, inputs.effort.of([240, 120], [80, 40]));
     let mut renders = Vec::new();
     for alpha_y in ALPHAS {
         for alpha_x in ALPHAS {
@@ -44,7 +44,8 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let caption = |PairRow { alpha_x, alpha_y, .. }: &PairRow| {
         format!("/{{α}} = {alpha_x} along the grooves, {alpha_y} across").replace(" = ", "\u{a0}=\u{a0}")
     };
-    let cells: Vec<_> = renders.iter().map(|render| (caption(&render.row), &render.image)).collect();
+    let images: Vec<Image> = renders.iter().map(|render| view::without_specks(&render.image)).collect();
+    let cells: Vec<_> = rows.iter().map(caption).zip(&images).collect();
     Content::new(
         view::grid("Highlights on brushed copper stretch along the larger /{α}", 3, 0.0, &cells),
         &rows,
@@ -95,7 +96,7 @@ struct PairRender {
 }
 
 /// Renders `builtin::brushed_metal` or a scene like it, with one disc (a mesh) and one sphere of metal, for a pair of widths;
-/// and to compare it with an eighth of the samples by the reference path tracer, and as many with other tangents.
+/// and to compare it with a sixteenth of the samples by the reference path tracer, and as many with other tangents.
 ///
 /// # Errors
 /// Those of the renders.
@@ -108,7 +109,7 @@ fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha: [f3
     let disc = pixels(&scene, request, |shape| matches!(shape, Shape::Mesh(_)));
     let mean = PixelMean::of(rendered.part.film.estimates(), &disc);
     // Other random numbers: independent means.
-    let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
+    let fewer = Request { spp: (request.spp / 16).max(2), ..*request };
     let other = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     let z = |scene: &Scene, settings: &Settings| {
         Result::Ok(mean.z(&PixelMean::of(render(scene, &fewer, settings, &Silent)?.part.film.estimates(), &disc)))

@@ -31,7 +31,7 @@ fn first_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
 
 /// A table of the second report's claims, each group on a scene of its own, which the table names.
 fn second_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
-    let ((spheres, _), depths) = (inputs.spheres(), depth::series(inputs, studies)?);
+    let ((spheres, _), depths) = (inputs.spheres(), depth::by_class(inputs, studies)?);
     let statues: Vec<_> = roughness::ALPHAS
         .iter()
         .map(|&alpha| roughness::statue(inputs, studies, "Au", alpha))

@@ -41,7 +41,7 @@ fn drawing(metals: &MetalTable) -> Drawing {
         panel(metal, y, "", |_, row| row.exact.unpolarized()).title(capitalized(&metal.metal))
     });
     let errors = curves.iter().enumerate().map(|(i, metal)| {
-        let y = Axis::linear(of_first(i, "error for ∣/{n}∣² ≫ 1")).range(0.0, 0.008).every(0.002);
+        let y = Axis::linear(of_first(i, "for ∣/{n}∣² ≫ 1, minus exact")).range(0.0, 0.008).every(0.002);
         let error = |channel: &Channel, row: &Row| channel.approximate(row).unpolarized() - row.exact.unpolarized();
         panel(metal, y, "/{θ} (degrees)", error)
     });

@@ -27,8 +27,8 @@ fn content(inputs: &Inputs) -> Result<Content> {
     let (scene, _) = inputs.spheres();
     let mut scene = with_area_lights(scene);
     scene.camera = close_up(&scene.camera)?;
-    let side = inputs.effort.of(200, 50);
-    let request = Request { width: side, height: side, spp: 32, light_samples: 1, max_depth: 7 };
+    let side = inputs.effort.of(150, 50);
+    let request = Request { width: side, height: side, spp: 96, light_samples: 1, max_depth: 7 };
     let settings = Settings { adaptive: true, ..inputs.settings() };
     let renders = ALPHAS.map(|alpha| render_glass(&scene, &request, &settings, alpha));
     let renders = renders.into_iter().collect::<Result<Vec<_>>>()?;
@@ -45,9 +45,12 @@ fn content(inputs: &Inputs) -> Result<Content> {
         );
         checks.push(Check::at_most(name, row.brightest_percent, before.brightest_percent));
     }
-    let caption = |row: &GlassRow| if row.alpha == 0.0 { "smooth".to_owned() } else { format!("α = {}", row.alpha) };
+    let caption = |row: &GlassRow| {
+        if row.alpha == 0.0 { "smooth".to_owned() } else { format!("/{{α}}\u{a0}=\u{a0}{}", row.alpha) }
+    };
     let shown = renders.iter().filter(|render| render.row.alpha != ALPHAS[1]);
-    let cells: Vec<_> = shown.map(|render| (caption(&render.row), &render.image)).collect();
+    let shown: Vec<_> = shown.map(|render| (caption(&render.row), view::without_specks(&render.image))).collect();
+    let cells: Vec<_> = shown.iter().map(|(caption, image)| (caption.clone(), image)).collect();
     Content::new(view::grid("The rougher the glass, the less is seen through it", 3, 0.0, &cells), &rows, checks)
 }
 
@@ -129,7 +132,7 @@ fn with_alpha(scene: &Scene, alpha: f32) -> Scene {
     scene
 }
 
-/// Renders the scene with glass of roughness `alpha`, and with an eighth of the samples by the reference path tracer.
+/// Renders the scene with glass of roughness `alpha`, and with a sixteenth of the samples by the reference path tracer.
 ///
 /// # Errors
 /// Those of the renders.
@@ -139,7 +142,7 @@ fn render_glass(scene: &Scene, request: &Request, settings: &Settings, alpha: f3
     let objects = ObjectIdBuffer::new(&scene, request);
     let mask = objects.mask(Kind::Glass);
     let glass = PixelMean::of(rendered.part.film.estimates(), &mask);
-    let fewer = Request { spp: (request.spp / 8).max(2), ..*request };
+    let fewer = Request { spp: (request.spp / 16).max(2), ..*request };
     let seed = settings.seed.wrapping_add(1);
     let by_reference = Settings { kernel: Kernel::Reference, sampling: Sampling::Mis, seed, ..*settings };
     let reference = PixelMean::of(render(&scene, &fewer, &by_reference, &Silent)?.part.film.estimates(), &mask);

@@ -128,7 +128,11 @@ fn curves(series: &[Series], with_pbrt: bool) -> Drawing {
     let names: Vec<&str> = series.iter().map(|s| s.label.strategy).collect();
     let colours = theme::strategies(&names);
     for (i, s) in series.iter().enumerate() {
-        let (stroke, label) = (Stroke { colour: colours[i], ..theme::series(i) }, label(s.label.strategy));
+        let stroke = Stroke { colour: colours[i], ..theme::series(i) };
+        let label = match &s.chosen {
+            Some(chosen) => format!("{} (default)", label(&chosen.name)),
+            None => label(s.label.strategy),
+        };
         let points = |x: fn(&SphereRow) -> f64| -> Vec<Point> { s.rows.iter().map(|r| [x(r), r.rel_rmse]).collect() };
         let (paths, time) = (points(SphereRow::camera_paths), points(|r| r.seconds));
         by_paths = by_paths.dotted_line(label.clone(), stroke, paths);
