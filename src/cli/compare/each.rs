@@ -37,25 +37,24 @@ struct Done {
     notes: Vec<String>,
     is_clipped: bool,
     /// The limits that it exceeds, and what else rejects it.
-    exceeded: Vec<Exceeded>,
+    rejections: Vec<Rejection>,
 }
 
 /// Why an image is rejected.
 #[derive(Clone, Copy)]
-enum Exceeded {
+enum Rejection {
     Limit(Limit),
     Reason(Reason),
     NotFinite,
     Size,
 }
 
-impl Exceeded {
+impl Rejection {
     /// In files.
     fn name(self) -> &'static str {
         match self {
             Self::Limit(limit) => limit.metric.name,
-            Self::Reason(Reason::Mistake) => "mistake",
-            Self::Reason(Reason::Copy) => "copy",
+            Self::Reason(reason) => REASONS.iter().find(|(.., known)| *known == reason).map_or("", |(name, ..)| *name),
             Self::NotFinite => "finite",
             Self::Size => "size",
         }
@@ -78,12 +77,12 @@ impl Entry {
         self.result.as_ref().ok()?.measured.as_ref().ok()
     }
 
-    fn exceeded(&self) -> &[Exceeded] {
-        self.result.as_ref().map_or(&[], |done| &done.exceeded)
+    fn rejections(&self) -> &[Rejection] {
+        self.result.as_ref().map_or(&[], |done| &done.rejections)
     }
 
     fn is_rejected(&self) -> bool {
-        !self.exceeded().is_empty()
+        !self.rejections().is_empty()
     }
 
     /// Why it has no metrics.
@@ -210,7 +209,7 @@ impl Compare {
         // What could not be compared is told after the results of all others
         let failed = |entry: Entry| match entry.result {
             Err(error) => Some(error),
-            Ok(Done { measured: Err(other), exceeded, .. }) if exceeded.is_empty() => {
+            Ok(Done { measured: Err(other), rejections, .. }) if rejections.is_empty() => {
                 Some(other.error(entry.file.as_ref(), reference))
             }
             Ok(_) => None,
@@ -225,12 +224,12 @@ impl Compare {
     fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
             let measured = measure(path, &a, reference, b)?;
-            let (exceeded, thumbnail) = match &measured {
-                Ok(measured) => (self.exceeded(measured), Thumbnail::new(&a.image, &b.image)),
+            let (rejections, thumbnail) = match &measured {
+                Ok(measured) => (self.rejections(measured), Thumbnail::new(&a.image, &b.image)),
                 Err(_) if !self.judges() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
-                Err(_) => (vec![Exceeded::Size], Thumbnail::of_another_size(&a.image, &b.image)),
+                Err(_) => (vec![Rejection::Size], Thumbnail::of_another_size(&a.image, &b.image)),
             };
-            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped: a.is_clipped, exceeded })
+            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped: a.is_clipped, rejections })
         });
         bar.inc(1);
         Entry { file: path.display().to_string(), result, same_as: None }
@@ -245,7 +244,7 @@ impl Compare {
         match (entry.measured(), entry.problem()) {
             (Some(measured), _) if self.judges() => {
                 let rejected =
-                    |reason| entry.exceeded().iter().any(|e| matches!(e, Exceeded::Reason(r) if *r == reason));
+                    |reason| entry.rejections().iter().any(|e| matches!(e, Rejection::Reason(r) if *r == reason));
                 let verdict = |reason| match rejected(reason) {
                     true => etalon_stats::Verdict::Reject,
                     false => etalon_stats::Verdict::Accept,
@@ -284,7 +283,7 @@ impl Compare {
             table = table.numbers(&heading, |entry| number(entry, metric));
         }
         let about = |entry: &Entry| -> Vec<String> {
-            let texts: Vec<String> = entry.exceeded().iter().map(|exceeded| exceeded.text()).collect();
+            let texts: Vec<String> = entry.rejections().iter().map(|rejection| rejection.text()).collect();
             let rejected = entry.is_rejected().then(|| format!("rejected: {}", texts.join(", ")));
             rejected.into_iter().chain(remark(entry)).collect()
         };
@@ -321,15 +320,15 @@ impl Compare {
             },
             Reason::Copy => measured.identical || same_as.is_some(),
         };
-        done.exceeded.extend(self.reject.iter().filter(holds).map(|reason| Exceeded::Reason(*reason)));
+        done.rejections.extend(self.reject.iter().filter(holds).map(|reason| Rejection::Reason(*reason)));
     }
 
     /// The limits that an image exceeds.
-    fn exceeded(&self, measured: &Measured) -> Vec<Exceeded> {
+    fn rejections(&self, measured: &Measured) -> Vec<Rejection> {
         let above =
-            self.at_most.iter().filter(|limit| !limit.holds_of_rest(measured)).map(|limit| Exceeded::Limit(*limit));
+            self.at_most.iter().filter(|limit| !limit.holds_of_rest(measured)).map(|limit| Rejection::Limit(*limit));
         let has_holes = measured.numbers.non_finite > 0 && self.judges();
-        above.chain(has_holes.then_some(Exceeded::NotFinite)).collect()
+        above.chain(has_holes.then_some(Rejection::NotFinite)).collect()
     }
 }
 
@@ -420,8 +419,8 @@ fn shown<'a>(entry: &'a Entry, entries: &[Entry], compare: &Compare) -> Shown<'a
         }
         _ => entry.file.clone(),
     };
-    let above = entry.exceeded().iter().filter(|exceeded| matches!(exceeded, Exceeded::Limit(_)));
-    let above: Vec<String> = above.map(|exceeded| exceeded.text()).collect();
+    let above = entry.rejections().iter().filter(|rejection| matches!(rejection, Rejection::Limit(_)));
+    let above: Vec<String> = above.map(|rejection| rejection.text()).collect();
     let rejected = match above.join(", ") {
         _ if !entry.is_rejected() => String::new(),
         above if above.is_empty() => ", rejected".into(),
@@ -460,7 +459,7 @@ fn record(entry: &Entry) -> Record<'_> {
             .is_ok()
             .then(|| entry.is_rejected())
             .filter(|_| measured.is_some() || entry.is_rejected()),
-        limits: entry.exceeded().iter().map(|exceeded| exceeded.name()).collect(),
+        limits: entry.rejections().iter().map(|rejection| rejection.name()).collect(),
         error: entry.problem(),
     }
 }

@@ -1268,11 +1268,16 @@ mod tests {
         }
         assert_eq!(mistake(&|v| v), "");
         // Floats against integers: the factor is that of what is not clipped
-        let floats = |factor: f32| explain(&a.map(|p| factor * p), &b, [false, true]).explanation().unwrap().mistake;
+        let floats = |factor: f32| {
+            let found = explain(&a.map(|p| factor * p), &b, [false, true]);
+            found.explanation().map(|found| found.mistake).unwrap_or_default()
+        };
         for factor in [0.5, 2.0, 3.0] {
-            assert!(floats(factor).starts_with(&format!("A is {factor:.2}")), "{}", floats(factor));
+            assert!(floats(factor).starts_with(&format!("A is {factor:.2}")), "{factor}: {}", floats(factor));
         }
-        assert_eq!(floats(1.0), "B is clipped at 1");
+        let bright = [1, 2].map(|seed| textured(seed).map(|p| 4.0 * p));
+        let found = explain(&bright[0], &stored(&bright[1], &|v| v), [false, true]).explanation().unwrap();
+        assert_eq!(found.mistake, "B is clipped at 1");
     }
 
     #[test]

@@ -314,15 +314,20 @@ pub fn write_pages(pages: &[Page], stem: &Path, formats: &[&str]) -> Result<Vec<
 /// Space at the page's edge, beside a title and lines of text.
 const EDGE: f64 = 12.0;
 
+/// The least width, in drawing units, at which texts above a drawing are broken.
+const NARROWEST: f64 = 700.0;
+
 fn headed(title: &str, lines: &[String], below: &Drawing, room: Room) -> Page {
-    let limit = room.width - 2.0 * EDGE;
+    // Texts are as wide as what is below them, or as a column of text
+    let natural = room.width.is_infinite().then(|| below.laid(room));
+    let limit = natural.as_ref().map_or(room.width, |body| body.width.max(NARROWEST)) - 2.0 * EDGE;
     let broken = |text: &str, size: f64, bold: bool| text::wrapped(text, size, bold, limit);
     let (first, pitch) = (EDGE + theme::TITLE_SIZE, 1.5 * theme::NOTE_SIZE);
     let titles = broken(title, theme::TITLE_SIZE, true);
     let lines: Vec<String> = lines.iter().flat_map(|line| broken(line, theme::NOTE_SIZE, false)).collect();
     let count = titles.len().max(1) + lines.len();
     let top = first + pitch * (count - 1).max(1) as f64;
-    let body = below.laid(Room { height: room.height - top, ..room });
+    let body = natural.unwrap_or_else(|| below.laid(Room { height: room.height - top, ..room }));
     let texts = titles.into_iter().map(|line| (line, theme::TITLE_SIZE, true));
     let texts: Vec<_> = texts.chain(lines.into_iter().map(|line| (line, theme::NOTE_SIZE, false))).collect();
     let widest = texts.iter().map(|(line, size, bold)| text::width(line, *size, *bold)).fold(0.0, f64::max);

@@ -43,7 +43,7 @@ impl Page {
                 let file = indexed(&image, has_shades);
                 // Shades keep their colours where a palette saves little: in images without noise, or enlarged
                 let exact = if has_shades { image.chart_png() } else { Vec::new() };
-                if (1..=file.len() + file.len() / 2).contains(&exact.len()) { exact } else { file }
+                if (1..=file.len() + file.len() / 4).contains(&exact.len()) { exact } else { file }
             }
             Some(first) if covers(first) => image.png().to_vec(),
             _ => image.chart_png(),

@@ -16,7 +16,7 @@ pub fn image(image: &Image) -> Drawing {
 }
 
 /// The share of the pixels of a difference that its exposure leaves below white.
-const BELOW_WHITE: f64 = 0.98;
+const BELOW_WHITE: f64 = 0.99;
 
 /// The differences of consecutive depths, each at an exposure of its own, with the path classes that make it.
 pub fn differences(result: &Depths) -> Drawing {
@@ -31,16 +31,16 @@ pub fn differences(result: &Depths) -> Drawing {
     contact_sheet("What each maximum depth /{m} adds", 3, &images)
 }
 
-/// The image with no pixel brighter than the third brightest of its 3×3 block: paths that meet a light or a caustic by chance leave specks
-/// of one or two pixels.
+/// The image with no pixel brighter than the fifth brightest of its 5×5 block: paths that meet a light or a caustic by chance leave specks
+/// of up to four pixels.
 pub fn without_specks(image: &Image) -> Image {
     let (width, height) = (image.width(), image.height());
-    let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
+    let around = |i: usize, end: usize| i.saturating_sub(2)..(i + 3).min(end);
     Image::from_fn(width, height, |x, y| {
         let block = around(y, height).flat_map(|y| around(x, width).map(move |x| y * width + x));
         let mut block: Vec<f32> = block.map(|i| image.pixels()[i].max_element()).collect();
         block.sort_unstable_by(|a, b| b.total_cmp(a));
-        let (pixel, limit) = (image.pixels()[y * width + x], block.get(2).copied().unwrap_or(f32::INFINITY));
+        let (pixel, limit) = (image.pixels()[y * width + x], block.get(4).copied().unwrap_or(f32::INFINITY));
         let largest = pixel.max_element();
         if largest > limit { pixel * (limit / largest) } else { pixel }
     })

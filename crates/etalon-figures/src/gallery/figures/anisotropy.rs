@@ -23,7 +23,7 @@ pub fn figures() -> Vec<Maker> {
 fn content(inputs: &Inputs) -> Result<Content> {
     let environment = Environment::upright(inputs.map.map.clone(), &inputs.map.name, builtin::BRUSHED_METAL_SCALE);
     let (scene, request) = builtin::brushed_metal(environment);
-    let request = Request { spp: 32, ..request };
+    let request = Request { spp: 64, ..request };
     let (scene, request) = scene.resized(request, inputs.effort.of([240, 120], [80, 40]));
     let mut renders = Vec::new();
     for alpha_y in ALPHAS {
@@ -96,7 +96,7 @@ struct PairRender {
 }
 
 /// Renders `builtin::brushed_metal` or a scene like it, with one disc (a mesh) and one sphere of metal, for a pair of widths;
-/// and to compare it with a sixteenth of the samples by the reference path tracer, and as many with other tangents.
+/// and to compare it with a thirty-second of the samples by the reference path tracer, and as many with other tangents.
 ///
 /// # Errors
 /// Those of the renders.
@@ -109,7 +109,7 @@ fn render_pair(scene: &Scene, request: &Request, settings: &Settings, alpha: [f3
     let disc = pixels(&scene, request, |shape| matches!(shape, Shape::Mesh(_)));
     let mean = PixelMean::of(rendered.part.film.estimates(), &disc);
     // Other random numbers: independent means.
-    let fewer = Request { spp: (request.spp / 16).max(2), ..*request };
+    let fewer = Request { spp: (request.spp / 32).max(2), ..*request };
     let other = Settings { seed: settings.seed.wrapping_add(1), ..*settings };
     let z = |scene: &Scene, settings: &Settings| {
         Result::Ok(mean.z(&PixelMean::of(render(scene, &fewer, settings, &Silent)?.part.film.estimates(), &disc)))
@@ -185,7 +185,7 @@ mod tests {
     fn turned_tangents_need_other_widths() {
         let map = Arc::new(EnvMap::new(Image::from_fn(4, 2, |x, _| etalon_core::math::Rgb::splat(x as f32))));
         let (scene, request) = builtin::brushed_metal(Environment::upright(map, "test", 1.0));
-        let (scene, request) = scene.resized(Request { spp: 32, ..request }, [80, 40]);
+        let (scene, request) = scene.resized(Request { spp: 64, ..request }, [80, 40]);
         let alpha = [0.05, 0.4];
         let right = render_pair(&scene, &request, &Settings::default(), alpha).unwrap().row;
         assert!(right.z_turned.abs() < 4.0 && right.z_reference.abs() < 4.0, "{right:?}");

@@ -62,7 +62,7 @@ fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Conte
     }
     let image = &result.images[place];
     let rows: Vec<RadianceRow> = result.rows.iter().filter(|r| r.depth == m).cloned().collect();
-    Ok(Content::new(view::image(image), &rows, checks)?.with_image(image, ToneMap::SecondReport))
+    Ok(Content::new(view::image(&view::without_specks(image)), &rows, checks)?.with_image(image, ToneMap::SecondReport))
 }
 
 fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {

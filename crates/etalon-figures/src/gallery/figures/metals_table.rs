@@ -41,12 +41,13 @@ fn drawing(metals: &MetalTable) -> Drawing {
         panel(metal, y, "", |_, row| row.exact.unpolarized()).title(capitalized(&metal.metal))
     });
     let errors = curves.iter().enumerate().map(|(i, metal)| {
-        let y = Axis::linear(of_first(i, "for ∣/{n}∣² ≫ 1, minus exact")).range(0.0, 0.008).every(0.002);
+        let y = Axis::linear(of_first(i, "approximate − exact")).range(0.0, 0.008).every(0.002);
         let error = |channel: &Channel, row: &Row| channel.approximate(row).unpolarized() - row.exact.unpolarized();
         panel(metal, y, "/{θ} (degrees)", error)
     });
     let rows = [exact.collect(), errors.collect()];
-    Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw()
+    let plot = Plot::grid(rows.map(|panels| (String::new(), panels))).frame_size(150.0, 150.0).draw();
+    plot.headed("Reflectance of metals, and what the approximation for ∣/{n}∣² ≫ 1 adds to it", Vec::new())
 }
 
 /// The first column names the axes.
