@@ -14,7 +14,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// What is tabulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The parameters that vary together; by default the first one, and for `NAME_x` also `NAME_y`.
@@ -27,7 +26,6 @@ pub struct Request {
     pub error: f64,
     /// The most samples that all albedos take together, or 4,096 for each if that is more; `None`: as many as the error needs, up to 2²² for each.
     pub samples: Option<u64>,
-    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -247,7 +245,6 @@ pub struct Row {
     pub weak_furnace: Option<f64>,
 }
 
-/// The albedos of one family.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
     pub family: String,
@@ -255,7 +252,6 @@ pub struct Table {
     pub over: Vec<String>,
     /// Whether their values are in equal factors.
     pub is_logarithmic: bool,
-    /// The other parameters.
     pub fixed: Vec<(String, f64)>,
     pub thetas_deg: Vec<f64>,
     /// The values of the parameters that vary.
@@ -276,7 +272,6 @@ impl Table {
         Some([self.rows.iter().min_by(by)?, self.rows.iter().max_by(by)?])
     }
 
-    /// The row with the largest error.
     #[must_use]
     pub fn with_largest_error(&self) -> Option<&Row> {
         self.rows.iter().max_by(|a, b| a.error.total_cmp(&b.error))
@@ -296,7 +291,6 @@ impl Table {
         bases
     }
 
-    /// The number of albedos with a violation.
     #[must_use]
     pub fn violations(&self) -> usize {
         self.rows.iter().filter(|row| row.is_violation).count()

@@ -49,11 +49,9 @@ pub struct ClassRow {
     pub depth: u32,
     /// The path class, for example LDE.
     pub class: String,
-    /// Kind of object, or "all".
     pub seen_on: &'static str,
     /// Share of all that this depth adds to the image.
     pub share_of_difference: f64,
-    /// Share of all light of the deepest image.
     pub share_of_light: f64,
     /// Share of the pixels that show this kind of object in which the class has light.
     pub lit_pixels: f64,
@@ -88,7 +86,6 @@ pub struct Depths {
     pub sharp: Vec<Image>,
     /// Standard error of the pixels of the deepest image, and so, at most, of the others.
     pub standard_error: Image,
-    /// Samples that were dropped.
     pub dropped: Dropped,
 }
 
@@ -210,7 +207,6 @@ pub fn depths(scene: &Scene, request: &Request, settings: &Settings) -> Result<D
 
 /// The light of every path class.
 struct Layers {
-    /// Their names.
     classes: Vec<String>,
     /// The pixels of all classes, one after the other: many buffers as large as an image would leave gaps between the images that
     /// are kept.

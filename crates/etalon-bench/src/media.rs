@@ -21,7 +21,6 @@ pub struct Interface {
     pub eta: f64,
     /// Extinction coefficient; 0 for a dielectric.
     pub k: f64,
-    /// The medium of the registry, if it is one.
     pub medium: Option<Medium>,
 }
 
@@ -81,7 +80,6 @@ pub struct MediumCurves {
     /// Largest |Schlick − exact| over 0–90°.
     pub schlick_max_abs_error: f64,
     pub schlick_max_abs_error_deg: f64,
-    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -99,7 +97,6 @@ pub struct MediaCurves {
     pub media: Vec<MediumCurves>,
 }
 
-/// The rows of all media as CSV.
 pub fn csv(sides: &[MediaCurves]) -> Result<Vec<u8>> {
     let media = sides.iter().flat_map(|side| side.media.iter().map(move |medium| (&side.from, medium)));
     let rows = media.flat_map(|(from, medium)| medium.rows.iter().map(move |row| ([from, &medium.name], row)));

@@ -76,11 +76,9 @@ impl SphereRow {
     }
 }
 
-/// A render with its errors.
 pub struct SphereRender {
     pub row: SphereRow,
     pub image: Image,
-    /// Samples that were dropped.
     pub dropped: Dropped,
     /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
     pub relative_error: Vec<f64>,
@@ -177,7 +175,6 @@ pub const PBRT_RMSE: [(u32, f64); 4] = [(8, 0.107), (16, 0.066), (32, 0.047), (6
 /// Radiance of the sphere at one normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtNormal {
-    /// Normal of the sphere.
     pub normal: [f64; 3],
     /// As PBRT renders it under the Grace map, R, G, B.
     pub pbrt: [f64; 3],

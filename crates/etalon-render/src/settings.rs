@@ -22,7 +22,6 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// All of them.
     pub const ALL: [Self; 5] = [Self::Light, Self::Bsdf, Self::Mis, Self::MisLt, Self::Hemisphere];
 
     /// Its name at the command line, in tables and in metadata.

@@ -92,7 +92,6 @@ struct Change<'a> {
     is_obvious: bool,
     /// A pixel of the changed image: images may be large, and most changes are told to be wrong by a part of it.
     pixel: Box<dyn Fn(usize, usize) -> Rgb + 'a>,
-    /// What becomes of a value.
     value: Value,
 }
 
@@ -168,7 +167,6 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// The mistake.
     #[must_use]
     pub fn explanation(self) -> Option<Explanation> {
         if let Self::Mistake(explanation) = self { Some(explanation) } else { None }
@@ -380,7 +378,6 @@ fn decimals(value: f64) -> usize {
     (2.0 - value.abs().log10().floor()).within(0.0, 6.0) as usize
 }
 
-/// A number with three digits that count.
 fn three_digits(value: f64) -> String {
     format!("{value:.0$}", decimals(value))
 }

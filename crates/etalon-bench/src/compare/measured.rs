@@ -53,7 +53,6 @@ pub struct Metric {
     pub name: &'static str,
     /// What it is called in texts.
     pub title: &'static str,
-    /// Its unit, if it has one.
     pub unit: &'static str,
     /// Whether it grows as images become alike.
     pub is_similarity: bool,
@@ -84,7 +83,6 @@ impl Metric {
     }
 }
 
-/// All of them.
 pub const METRICS: [Metric; 9] = [
     Metric::error("mse", "MSE", |m| m.numbers.mse),
     Metric::error("rel_mse", "relative MSE", |m| m.numbers.rel_mse),

@@ -47,7 +47,6 @@ pub struct Plan {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
-    /// The expectations differ.
     Different,
     /// No difference found, though a uniform bias as small as asked for would have been found.
     NoDifferenceFound,
@@ -62,11 +61,9 @@ pub enum Answer {
 /// One functional in one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tested {
-    /// What is measured.
     pub functional: Functional,
     /// 0 to 2: R, G, B, or X, Y, Z.
     pub channel: usize,
-    /// Means of both sides.
     pub means: [f64; 2],
     /// That of B with its error.
     of_b: Mean,
@@ -91,12 +88,9 @@ pub struct FamilyResult {
     pub untested: Option<&'static str>,
 }
 
-/// The comparison of two sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// What was asked.
     pub plan: Plan,
-    /// What the tests say.
     pub answer: Answer,
     pub families: Vec<FamilyResult>,
     /// Smallest relative bias of the whole image that would have been found with 90 % probability; none where the mean is dominated.
@@ -129,7 +123,6 @@ pub struct Compared {
     pub non_finite: usize,
     /// The first image with such a pixel, which rejects it as `converge` rejects a run: a program that writes NaN is wrong.
     pub not_finite: Option<NotFinite>,
-    /// Mean images of both sides.
     pub means: [Image; 2],
     /// What would explain their difference, if the sides are different.
     pub explanation: Option<Explanation>,
@@ -313,7 +306,6 @@ impl FamilyResult {
         self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
     }
 
-    /// The level of each of its tests.
     #[must_use]
     pub fn level(&self, plan: Plan) -> f64 {
         plan.level / FAMILIES / self.tests.len().max(1) as f64

@@ -32,7 +32,6 @@ pub enum Noise {
 pub struct Side {
     /// The replicates; one image where the noise is known otherwise.
     pub images: Vec<Image>,
-    /// How the noise is known.
     pub noise: Noise,
     /// What users should know of the files.
     pub notes: Vec<String>,
@@ -163,7 +162,6 @@ impl Side {
         self.images.first().map_or([0, 0], |image| [image.width(), image.height()])
     }
 
-    /// Whether it has seeds in common with `other`.
     #[must_use]
     pub fn shares_seeds(&self, other: &Self) -> bool {
         self.seeds.iter().any(|seed| other.seeds.contains(seed))
@@ -301,7 +299,6 @@ fn bits(image: &Image) -> impl Iterator<Item = u32> + '_ {
     image.pixels().iter().flat_map(|p| p.to_array().map(f32::to_bits))
 }
 
-/// The mean of a side's images.
 pub(super) fn mean_image(side: &Side) -> Image {
     let [width, height] = side.size();
     let mut sums = vec![glam::DVec3::ZERO; width * height];

@@ -37,13 +37,11 @@ pub struct Convergence {
     pub seconds: f64,
     /// The part of these that the exact image takes, which is no part of the budget; 0 without one.
     pub exact_seconds: f64,
-    /// The reference of the errors.
     #[serde(skip)]
     pub truth: Option<Reference>,
 }
 
 impl Convergence {
-    /// A contender's curve.
     pub fn curve(&self, name: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.strategy == name)
     }
@@ -64,7 +62,6 @@ impl Convergence {
         unbiased.map(known).reduce(f64::at_least).unwrap_or(f64::NAN)
     }
 
-    /// Whether any contender has a verdict.
     pub fn has_verdict(&self) -> bool {
         self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }
@@ -90,7 +87,6 @@ pub struct Ratio {
     pub ratio: f64,
     /// Lower end of its interval.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
 }
 
@@ -103,7 +99,6 @@ pub struct Rival {
     pub ratio: f64,
     /// Lower end of its interval: above 1 if the rival is better beyond chance.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
 }
 

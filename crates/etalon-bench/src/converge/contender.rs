@@ -56,7 +56,6 @@ pub struct Fault {
     pub strategy: String,
     /// From 1.
     pub replicate: u32,
-    /// Seed of the run.
     pub seed: u64,
     /// Samples per pixel.
     pub spp: u32,
@@ -64,12 +63,10 @@ pub struct Fault {
 }
 
 impl Contender {
-    /// Strategies as contenders.
     pub fn of(strategies: &[Strategy]) -> Vec<Self> {
         strategies.iter().cloned().map(Self::from).collect()
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         match self {
             Self::Strategy(strategy) => &strategy.name,
@@ -93,7 +90,6 @@ impl Contender {
         matches!(self, Self::Strategy(strategy) if strategy.is_independent())
     }
 
-    /// Whether fixed lights stand for the environment.
     pub fn has_fixed_lights(&self) -> bool {
         matches!(self, Self::Strategy(strategy) if strategy.has_fixed_lights())
     }
@@ -133,13 +129,11 @@ const FIRST_IMAGE: f64 = 1.0 / 3.0;
 /// A replicate while it is rendered.
 pub struct Replicate<'a> {
     source: Source<'a>,
-    /// Seed of its random numbers.
     pub seed: u64,
     /// Samples per pixel of the last image, 0 before the first.
     pub spp: u32,
     /// Wall-clock seconds before the first sample, as far as they are known.
     pub preparation: f64,
-    /// The strategy that ours chose for the scene.
     pub chosen: Option<Strategy>,
     /// Wall-clock seconds of all images so far, with the preparation.
     spent: f64,
@@ -155,7 +149,6 @@ impl<'a> Replicate<'a> {
         Self { source, seed, spp: 0, preparation: 0.0, chosen: None, spent: 0.0, last: Default::default() }
     }
 
-    /// A replicate by our renderer with these settings.
     pub fn ours(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         let render = Doubling::new(scene, request, settings)?;
         let (preparation, chosen) = (render.preparation.wall, Strategy::of(render.settings(), scene));

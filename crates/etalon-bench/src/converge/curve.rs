@@ -18,7 +18,6 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Measured {
     /// Samples per pixel.
     pub spp: u32,
-    /// Time to render them.
     pub times: Times,
     /// Against the reference.
     pub errors: Comparison,
@@ -55,13 +54,11 @@ impl Level {
         self.mse.value.sqrt()
     }
 
-    /// The interval of [`Level::rmse`].
     pub fn rmse_band(&self) -> [f64; 2] {
         self.mse.positive().map(f64::sqrt)
     }
 }
 
-/// The conclusion from a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveVerdict {
@@ -122,7 +119,6 @@ fn is_separated(slope: Estimate) -> bool {
 pub struct Curve {
     /// Whose errors they are.
     pub strategy: String,
-    /// What was measured.
     #[serde(skip)]
     pub contender: Contender,
     /// Renders with seeds of their own.
@@ -171,7 +167,6 @@ pub const BIAS_LEVEL: f64 = 5e-3;
 /// The result of one replicate.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Seed of its random numbers.
     pub seed: u64,
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,

@@ -91,7 +91,6 @@ impl Renderer {
         Ok(Self { name: name.to_owned(), words, scene, threads, limit })
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }

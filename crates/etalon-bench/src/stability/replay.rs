@@ -2,9 +2,9 @@
 //! are uniform over the floating-point numbers of each range, so that every power of two counts as much as any other. Inputs are
 //! text: `fresnel:eta=0.999..1.001,cos=0x1p-3`, each a number or a range.
 
+use super::REGISTRY;
 use super::family::Family;
 use super::number::Precision;
-use super::registry::REGISTRY;
 use super::special;
 use super::sweep::{Exact, Flaw, Sweep, case};
 use etalon_core::error::{Error, Result};
@@ -16,7 +16,6 @@ use serde::Serialize;
 /// One variant at the input.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Replayed {
-    /// The variant's name.
     pub variant: &'static str,
     pub precision: Precision,
     /// Empty where there is no value, as for a ray that misses; one number, or the three of a vector.
@@ -27,7 +26,6 @@ pub struct Replayed {
     pub ulp: f64,
     /// Error relative to the exact value.
     pub relative: f64,
-    /// The condition number at the input.
     pub condition: f64,
     /// `not finite`, `negative`, `out of range`, or nothing.
     pub flaw: &'static str,
@@ -37,7 +35,6 @@ pub struct Replayed {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
     pub family: &'static str,
-    /// Names and values of the inputs.
     pub inputs: Vec<(&'static str, f64)>,
     /// One for each variant and precision.
     pub lines: Vec<Replayed>,

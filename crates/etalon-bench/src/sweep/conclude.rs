@@ -37,7 +37,6 @@ pub struct Failure {
     pub family: String,
     pub check: String,
     pub configurations: u64,
-    /// One of them.
     pub example: String,
     /// Whether simpler configurations were tried; otherwise the p-value is not below
     /// [`CONFIRM_LEVEL`](etalon_stats::sweep::CONFIRM_LEVEL), so that the check might accept simpler ones by chance.
@@ -63,7 +62,6 @@ pub struct SurvivorRow {
     message: String,
 }
 
-/// What a sweep found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Conclusion {
     pub families: usize,
@@ -80,11 +78,9 @@ pub struct Conclusion {
     pub left_out: u64,
     /// How many survivors are expected of right BSDFs.
     pub expected_survivors: f64,
-    /// The smallest fresh p-value.
     pub min_fresh_p: Option<f64>,
     /// For each check of each family.
     pub groups: Vec<Group>,
-    /// What fails.
     pub failures: Vec<Failure>,
     /// Tests that were run again.
     #[serde(skip)]

@@ -16,7 +16,6 @@ use std::time::{Duration, Instant};
 /// The first line of a file, after `# `.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Header {
-    /// The version of the format.
     sweep: u32,
     shard: Shard,
     #[serde(flatten)]
@@ -24,7 +23,6 @@ struct Header {
 }
 
 const FORMAT: u32 = 1;
-/// Most configurations of a part.
 pub const MOST: u64 = 2_000_000;
 /// Most bytes of a part: twice those of all its configurations.
 const LARGEST: u64 = 600 << 20;
@@ -45,7 +43,6 @@ pub struct Part {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     pub check: usize,
-    /// What it says.
     pub state: State,
     /// The p-value of a statistical check.
     pub p: Option<f64>,
@@ -53,7 +50,6 @@ pub struct Cell {
     pub detectable: Option<f64>,
 }
 
-/// States as words.
 const STATES: [(&str, State); 4] = [
     ("ok", State::Holds),
     ("inconclusive", State::Inconclusive),
@@ -68,31 +64,26 @@ impl Part {
         Self { shard, description: plan.description.clone(), rows: BTreeMap::new() }
     }
 
-    /// The sweep that it belongs to.
     #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// Which share of the sweep it is.
     #[must_use]
     pub fn shard(&self) -> Shard {
         self.shard
     }
 
-    /// Whether a configuration is there.
     #[must_use]
     pub fn has(&self, number: u64) -> bool {
         self.rows.contains_key(&number)
     }
 
-    /// The number of configurations.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()

@@ -15,12 +15,10 @@ pub type Families = Vec<Box<dyn Family>>;
 pub struct Shard {
     /// From 1.
     pub index: u32,
-    /// How many there are.
     pub count: u32,
 }
 
 impl Shard {
-    /// All configurations.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
     /// Its configurations among `len`: every N-th, so that each share has as many of each family.
@@ -40,11 +38,9 @@ struct Described {
 /// A sweep without its families: what the parts of one sweep have in common.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// The build of the program.
     version: String,
     families: Vec<Described>,
     strategy: String,
-    /// Most configurations of each family.
     configurations: u64,
     seed: u64,
     detect: f64,
@@ -53,9 +49,7 @@ pub struct Description {
     checks: Vec<String>,
 }
 
-/// Most configurations of a sweep.
 const MOST: u64 = 100_000_000;
-/// Strategies by their names.
 const STRATEGIES: [(&str, Strategy); 3] =
     [("grid", Strategy::Grid), ("random", Strategy::Random), ("edges", Strategy::Edges)];
 
@@ -114,7 +108,6 @@ impl Description {
         }
     }
 
-    /// The names of its families.
     pub fn families(&self) -> impl Iterator<Item = &str> {
         self.families.iter().map(|family| family.name.as_str())
     }
@@ -137,7 +130,6 @@ impl Description {
         self.level
     }
 
-    /// The seed.
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
@@ -193,7 +185,6 @@ impl Plan {
         self.spaces.iter().map(Space::len).sum()
     }
 
-    /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -211,7 +202,6 @@ impl Plan {
         self.spaces.iter().map(Space::len).max().unwrap_or(0)
     }
 
-    /// The family of that index.
     #[must_use]
     pub fn family(&self, index: usize) -> &dyn Family {
         &*self.families[index]
@@ -240,7 +230,6 @@ impl Plan {
     }
 }
 
-/// The strategy of that name.
 fn strategy(name: &str) -> Strategy {
     STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, strategy)| *strategy).unwrap_or_default()
 }

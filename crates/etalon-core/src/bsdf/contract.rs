@@ -36,7 +36,6 @@ impl Lobe {
     }
 }
 
-/// A direction sampled from a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
     /// Unit direction in the local frame.
@@ -106,13 +105,11 @@ pub trait Vectorizable {
 
 /// A loop over a BSDF, compiled anew for each that is [`Vectorizable`].
 pub trait VectorizedLoop {
-    /// Runs the loop.
     fn over(self, bsdf: impl Vectorizable);
 }
 
 /// How a surface scatters light. Default methods that do not follow from others are those of a BSDF with one delta lobe.
 pub trait Scatter {
-    /// The lobes that it has.
     fn lobes(&self) -> &[Lobe];
 
     /// Whether all lobes are delta distributions, so that light sampling contributes nothing.

@@ -35,7 +35,6 @@ pub struct MissingEnergy {
 }
 
 impl MissingEnergy {
-    /// The table of a distribution.
     #[must_use]
     pub fn new(distribution: impl SampleNormals<f64>) -> Self {
         let alpha = distribution.widths().both().map(|alpha| alpha as f32);

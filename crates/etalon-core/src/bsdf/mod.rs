@@ -60,7 +60,6 @@ macro_rules! bsdfs {
         }
 
         impl Bsdf {
-            /// Its name in the registry.
             #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {

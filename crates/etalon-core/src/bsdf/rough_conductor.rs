@@ -32,7 +32,6 @@ pub enum NormalSampling {
 }
 
 impl NormalSampling {
-    /// All of them.
     pub const ALL: [Self; 4] = [Self::Vndf, Self::Bounded, Self::Ndf, Self::Hemisphere];
 
     /// Its name at the command line.
@@ -52,7 +51,6 @@ impl NormalSampling {
 pub struct RoughConductor<D> {
     pub distribution: D,
     pub fresnel: ConductorFresnel,
-    /// How directions are sampled.
     pub normals: NormalSampling,
 }
 

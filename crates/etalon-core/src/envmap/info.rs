@@ -15,7 +15,6 @@ pub struct Info {
     pub min: Option<f32>,
     /// Largest finite channel value, as stored.
     pub max: Option<f32>,
-    /// Mean over texels.
     pub mean_rgb: [f64; 3],
     /// Mean over the sphere.
     pub solid_angle_mean_rgb: [f64; 3],

@@ -49,14 +49,12 @@ impl LatLong {
         Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
 
-    /// Texels in a row.
     #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of texels.
     #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
@@ -195,9 +193,7 @@ impl LatLong {
 /// A block of texels, \[x0, x1) × \[y0, y1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Block {
-    /// First column.
     pub x0: usize,
-    /// First row.
     pub y0: usize,
     /// Column after the last.
     pub x1: usize,

@@ -64,7 +64,6 @@ impl Synthetic {
         }
     }
 
-    /// The map of that name, if there is one.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|map| map.name() == name)

@@ -44,7 +44,6 @@ fn further_warnings(path: &Path) -> String {
     format!("{}: further warnings are left out", path.display())
 }
 
-/// Options of [`read_scene`].
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {
     /// Width and height of the image; without it, what the file asks for.

@@ -153,7 +153,6 @@ impl Dielectric {
     }
 }
 
-/// A medium of the registry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Medium {
     /// A transparent one.

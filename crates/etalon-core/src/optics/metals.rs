@@ -24,13 +24,11 @@ pub struct Metal {
 }
 
 impl Metal {
-    /// [`Metal::eta`] as a colour.
     #[must_use]
     pub fn eta_rgb(&self) -> Rgb {
         Rgb::from_array(self.eta.map(|x| x as f32))
     }
 
-    /// [`Metal::k`] as a colour.
     #[must_use]
     pub fn k_rgb(&self) -> Rgb {
         Rgb::from_array(self.k.map(|x| x as f32))

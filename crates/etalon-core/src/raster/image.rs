@@ -48,7 +48,6 @@ impl Image {
         self.width
     }
 
-    /// Number of rows.
     #[inline]
     #[must_use]
     pub fn height(&self) -> usize {
@@ -68,12 +67,10 @@ impl Image {
         hash_words(0, size.into_iter().chain(self.pixels.iter().flat_map(|p| p.to_array().map(f32::to_bits))))
     }
 
-    /// All pixels, mutable.
     pub fn pixels_mut(&mut self) -> &mut [Rgb] {
         &mut self.pixels
     }
 
-    /// The pixels of row `y`.
     #[inline]
     #[must_use]
     pub fn row(&self, y: usize) -> &[Rgb] {

@@ -150,7 +150,6 @@ const INTERVALS: f64 = 64.0;
 const FARTHEST: f64 = 8.0;
 
 impl FilterAxis {
-    /// The table of a filter of that shape and radius.
     #[must_use]
     pub fn new(shape: FilterShape, radius: f64) -> Self {
         let (radius, intervals) = match shape {

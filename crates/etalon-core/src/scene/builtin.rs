@@ -193,7 +193,6 @@ enum Maker {
     Statue(&'static Metal),
 }
 
-/// A scene that is built in.
 #[derive(Debug, Clone)]
 pub struct BuiltIn {
     /// How the command line calls it.
@@ -253,7 +252,6 @@ fn statue_alpha(metal: &Metal) -> f32 {
     }
 }
 
-/// The built-in scene of that name.
 #[must_use]
 pub fn find(name: &str) -> Option<BuiltIn> {
     scenes().into_iter().find(|scene| scene.name == name)

@@ -116,7 +116,6 @@ impl Shape {
         }
     }
 
-    /// A sphere around it.
     #[must_use]
     pub fn bounding_sphere(&self) -> Sphere {
         match self {

@@ -190,7 +190,6 @@ pub struct Textured {
 }
 
 impl Textured {
-    /// The material at a point.
     #[must_use]
     pub fn at(&self, uv: Vec2) -> Material {
         let mut material = self.base.clone();

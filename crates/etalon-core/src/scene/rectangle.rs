@@ -51,7 +51,6 @@ impl Rectangle {
         Self { centre, plane: Plane::through(centre, self.plane.normal), ..self }
     }
 
-    /// The middle.
     #[must_use]
     pub fn centre(&self) -> Vec3 {
         self.centre
@@ -76,7 +75,6 @@ impl Rectangle {
         self.plane.normal
     }
 
-    /// Its plane.
     #[inline(always)]
     #[must_use]
     pub fn plane(&self) -> Plane {

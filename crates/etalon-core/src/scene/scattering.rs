@@ -25,7 +25,6 @@ impl ScatterModel {
     pub const EXACT: Self =
         Self { normals: NormalSampling::Vndf, dielectric: DielectricFresnel::Exact, metal: MetalErrors::NONE };
 
-    /// The formulas of the second report.
     pub const SECOND_REPORT: Self =
         Self { dielectric: DielectricFresnel::SingleCosineSchlick, metal: MetalErrors::ALL, ..Self::EXACT };
 }
@@ -127,7 +126,6 @@ pub enum VaryingBsdf {
 }
 
 impl VaryingBsdf {
-    /// The BSDFs of a material.
     #[must_use]
     pub fn new(material: &Material, model: ScatterModel) -> Self {
         match material {
@@ -139,7 +137,6 @@ impl VaryingBsdf {
         }
     }
 
-    /// The BSDF at a point.
     #[must_use]
     pub fn at(&self, uv: Vec2) -> Bsdf {
         match self {

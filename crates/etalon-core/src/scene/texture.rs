@@ -94,7 +94,6 @@ pub struct ImageTexture {
     pub invert: bool,
 }
 
-/// The texels of an image texture.
 #[derive(Clone, PartialEq)]
 pub struct Texels {
     image: Image,

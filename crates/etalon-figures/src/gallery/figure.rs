@@ -189,7 +189,6 @@ impl Numbers {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Printed {
     pub quantity: String,
-    /// As the report prints it.
     pub report: String,
     /// To the digits of the report.
     pub ours: String,
@@ -198,7 +197,6 @@ pub struct Printed {
 /// An error of a report with the evidence for it: a row of "errors in the reports".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Erratum {
-    /// What the report prints.
     pub printed: String,
     pub right: String,
     /// The test that detects the error.

@@ -7,8 +7,8 @@ use super::job::Job;
 use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
-use super::needs::lone_convex_from_outside;
 use super::prepared::PreparedScene;
+use super::prepared::lone_convex_from_outside;
 use super::radiance::{Radiance, Work};
 use super::ray_samples::Streams;
 use super::settings::{Sampling, Settings};
@@ -43,7 +43,6 @@ impl Settings {
         (candidates.first().map_or(fixed, |&first| fixed.with(first)), candidates)
     }
 
-    /// The settings with a candidate.
     fn with(self, (sampling, density): (Sampling, MapSampling)) -> Self {
         Self { sampling, density: Some(density), ..self }
     }

@@ -98,13 +98,11 @@ impl Film {
         Ok(Self { splats: Some(splats), ..self })
     }
 
-    /// Columns of pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
@@ -116,7 +114,6 @@ impl Film {
         &self.pixels
     }
 
-    /// The samples that were dropped.
     #[must_use]
     pub fn dropped(&self) -> Dropped {
         self.dropped

@@ -87,14 +87,12 @@ impl std::ops::AddAssign for Fixed {
 pub struct FixedRgb(pub [Fixed; 3]);
 
 impl FixedRgb {
-    /// [`Fixed::of`] each channel.
     #[inline]
     #[must_use]
     pub fn of(value: Rgb) -> Self {
         Self(value.to_array().map(Fixed::of))
     }
 
-    /// [`Fixed::product_of`] each channel.
     #[inline]
     #[must_use]
     pub fn product_of(a: Rgb, b: Rgb) -> Self {

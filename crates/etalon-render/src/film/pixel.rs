@@ -46,7 +46,6 @@ impl Pixel {
         self.camera_paths += 1;
     }
 
-    /// Adds the samples of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.n = self.n.saturating_add(other.n);
         self.camera_paths = self.camera_paths.saturating_add(other.camera_paths);
@@ -82,7 +81,6 @@ impl Pixel {
 pub struct Dropped {
     /// Infinite, not a number, or from 2^63 on.
     pub nonfinite: u64,
-    /// Samples with a negative channel.
     pub negative: u64,
     /// Samples with light, but in every channel less than 2^-64, which is 0 on the film.
     pub faint: u64,

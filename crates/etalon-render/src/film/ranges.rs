@@ -51,7 +51,6 @@ impl Ranges {
         self.done.iter().map(|r| r.end - r.start).sum()
     }
 
-    /// Whether nothing is missing.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.samples() == self.spp

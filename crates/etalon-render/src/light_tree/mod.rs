@@ -21,7 +21,6 @@ use build::{Built, build};
 use glam::Vec3;
 use node::{Importances, Node, WIDTH};
 
-/// A hierarchy of lights.
 #[derive(Debug, Clone)]
 pub struct LightTree {
     /// Parents first. Without lights, the root has no groups.

@@ -39,7 +39,6 @@ pub fn ask<T>(
     if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
 }
 
-/// An error of the program called `name`.
 pub fn protocol_error(name: &str, message: impl Into<String>) -> Error {
     Error::input(Path::new(name), message)
 }
@@ -73,7 +72,6 @@ impl Answer {
         self.bytes.is_empty()
     }
 
-    /// The number of lines that have arrived.
     #[must_use]
     pub fn lines(&self) -> usize {
         self.lines

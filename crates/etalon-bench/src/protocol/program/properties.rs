@@ -18,7 +18,6 @@ pub struct Greeting {
     first: String,
     /// Its keys and their values.
     pub keys: Vec<(String, String)>,
-    /// The lines below.
     pub lines: Vec<String>,
 }
 
@@ -61,7 +60,6 @@ impl Greeting {
         Some(self.keys.remove(at).1)
     }
 
-    /// An error about the line.
     pub fn wrong(&self, message: &str) -> Error {
         protocol_error(&self.program, format!("its greeting {} {message}", quote(&self.first)))
     }

@@ -329,7 +329,6 @@ impl Client {
         Ok(Self { connection, description, parameters, atoms, space })
     }
 
-    /// Its parameters.
     #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
@@ -355,7 +354,6 @@ impl Client {
         &self.description.name
     }
 
-    /// The domain.
     #[must_use]
     pub fn space(&self) -> Space {
         self.space.clone()

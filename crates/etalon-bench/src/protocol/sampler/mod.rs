@@ -29,7 +29,6 @@ impl Space {
         known()
     }
 
-    /// The domain itself.
     #[must_use]
     pub fn domain(&self) -> &dyn Domain {
         &*self.domain

@@ -6,7 +6,6 @@ use crate::math::Rgb;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// An entry of the registry.
 pub struct Entry {
     /// Name at the command line; the number of regions follows that of fixed lights: `median-cut-64`.
     pub name: &'static str,
@@ -20,7 +19,6 @@ pub struct Entry {
     pub invertible: bool,
     /// Memory of its tables.
     pub bytes_per_texel: usize,
-    /// How it is made.
     pub method: Method,
 }
 
@@ -38,7 +36,6 @@ impl Entry {
     }
 }
 
-/// Makes a sampler of a map.
 type Build = fn(Arc<EnvMap>) -> Box<dyn SurfaceSampler>;
 
 /// The kinds of samplers, each with what makes it.
@@ -90,7 +87,6 @@ pub trait SurfaceSampler: Send + Sync {
         }
     }
 
-    /// The map that is sampled.
     fn map(&self) -> &EnvMap;
 
     /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.

@@ -17,7 +17,6 @@ pub struct ErrataSampler {
 }
 
 impl ErrataSampler {
-    /// The tables of a map.
     #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());

@@ -22,7 +22,6 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Every sampler.
 pub const ALL: &[&Entry] =
     &[texels::ENTRY, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
 
@@ -54,7 +53,6 @@ impl MapSampling {
         Self { entry, regions: if entry.has_fixed_lights() { regions } else { 0 } }
     }
 
-    /// Its entry in the registry.
     #[must_use]
     pub const fn entry(self) -> &'static Entry {
         self.entry
@@ -72,7 +70,6 @@ impl MapSampling {
         matches!(self.entry.method, Method::ForNormal(_))
     }
 
-    /// Whether fixed lights stand for the map.
     #[must_use]
     pub fn has_fixed_lights(self) -> bool {
         self.entry.has_fixed_lights()

@@ -254,7 +254,6 @@ struct Property {
 struct Element {
     /// For example `vertex`.
     name: String,
-    /// How many there are.
     count: usize,
     /// In the order of the file.
     properties: Vec<Property>,

@@ -163,7 +163,6 @@ impl Params {
         }
     }
 
-    /// A list of strings.
     pub fn texts(&self, name: &'static str) -> Result<Option<&[String]>> {
         Ok(self.find(name, &["string"])?.map(|param| param.texts.as_slice()))
     }

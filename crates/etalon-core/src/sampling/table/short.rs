@@ -68,7 +68,6 @@ impl ShortTables {
         CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start }
     }
 
-    /// Probability of a cell of a table.
     #[inline]
     #[must_use]
     pub fn probability(&self, table: usize, cell: usize) -> f64 {

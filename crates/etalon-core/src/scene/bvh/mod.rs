@@ -203,7 +203,6 @@ fn trace_each<L: Lanes, const ANY: bool, const N: usize, T>(
     }
 }
 
-/// One ray as a batch.
 fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
     let components = |v: &'a Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
     Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }

@@ -15,7 +15,6 @@ mod fresnel;
 mod metals_table;
 mod mistakes;
 mod multiple_scattering;
-mod proposal;
 mod rough_glass;
 mod roughness;
 mod sampling;
@@ -41,7 +40,6 @@ pub struct Maker {
     make: Box<Make>,
 }
 
-/// The maker of the figure of that id.
 pub fn maker(id: impl Into<String>, make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + 'static) -> Maker {
     Maker { id: id.into(), make: Box::new(make) }
 }
@@ -60,7 +58,6 @@ fn makers() -> Vec<Maker> {
         metals_table::figures(),
         mistakes::figures(),
         multiple_scattering::figures(),
-        proposal::figures(),
         rough_glass::figures(),
         roughness::figures(),
         sampling::figures(),
