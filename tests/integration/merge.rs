@@ -1,4 +1,4 @@
-//! Parts of a render and of a sweep: their files, `etalon merge`, and what may not be merged; replays of one configuration of a sweep.
+//! Parts of a render: their files, `etalon merge`, and what may not be merged; states of a sweep, and replays of one configuration.
 
 use crate::program::{etalon, json};
 use etalon::Error;
@@ -269,34 +269,19 @@ fn the_command_merges_and_says_what_is_missing() {
 }
 
 #[test]
-fn parts_of_a_sweep_merge_to_what_one_machine_finds() {
+fn sweeps_go_on_where_they_were_and_bad_ones_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     let sweep = ["sweep", "mirror", "--configurations", "9"];
-    let whole = json(dir.path(), &[&sweep[..], &["-o", "whole.csv"]].concat());
+    let whole = json(dir.path(), &[&sweep[..], &["-t", "1", "-o", "whole.csv"]].concat());
     assert_eq!((&whole["configurations"], &whole["rejected"]), (&9.into(), &0.into()));
-    for (shard, threads) in [("1/2", "1"), ("2/2", "2")] {
-        let out = format!("part-{}.csv", &shard[..1]);
-        let part = json(dir.path(), &[&sweep[..], &["--shard", shard, "-t", threads, "-o", &out]].concat());
-        assert_eq!(part["interrupted"], false);
-    }
-    let merged = json(dir.path(), &["merge", "part-2.csv", "part-1.csv", "-o", "all.csv"]);
-    assert_eq!(merged["groups"], whole["groups"]);
-    let rows = |name: &str| -> Vec<String> {
-        let text = std::fs::read_to_string(dir.path().join(name)).unwrap();
-        text.lines().skip(2).map(str::to_owned).collect()
-    };
-    let mut both = [rows("part-1.csv"), rows("part-2.csv")].concat();
-    both.sort();
-    assert_eq!(both, rows("whole.csv"));
-    let damaged = std::fs::read_to_string(dir.path().join("part-1.csv")).unwrap().replace("\"mirror\"", "\"mirr1r\"");
-    std::fs::write(dir.path().join("damaged.csv"), damaged).unwrap();
+    let text = std::fs::read_to_string(dir.path().join("whole.csv")).unwrap();
+    let some: Vec<&str> = text.lines().take(6).collect();
+    std::fs::write(dir.path().join("state.csv"), some.join("\n")).unwrap();
+    let resumed = json(dir.path(), &[&sweep[..], &["-t", "2", "--resume", "state.csv", "-o", "again.csv"]].concat());
+    assert_eq!(resumed["groups"], whole["groups"]);
+    assert_eq!(std::fs::read_to_string(dir.path().join("again.csv")).unwrap(), text);
     for (args, expected) in [
-        (&["merge", "part-1.csv"][..], "the parts 2/2 are missing"),
-        (&["merge", "part-1.csv", "part-1.csv"], "part 1 of 2, as part-1.csv"),
-        (&["merge", "part-1.csv", "whole.csv"], "part 1 of 1, but part-1.csv is one of 2"),
-        (&["merge", "damaged.csv", "part-2.csv"], "damaged.csv: there is no family \"mirr1r\""),
-        (&["sweep", "mirror", "--configurations", "3", "--shard", "4/4"], "--shard"),
-        (&["sweep", "mirror", "--resume", "part-1.csv"], "another sweep (configurations: 100 here, 9 there)"),
+        (&["sweep", "mirror", "--resume", "whole.csv"][..], "another sweep (configurations: 100 here, 9 there)"),
         (&["sweep", "miror"], "there is no family \"miror\""),
         (&["sweep", "mirror", "--configurations", "0"], "--configurations"),
         (&["sweep", "mirror", "--detect", "2"], "--detect"),

@@ -1,4 +1,4 @@
-//! What a sweep visits, by number, so that any machine can compute any share of it.
+//! What a sweep visits, by number.
 
 use etalon_core::build::Build;
 use etalon_core::error::{Error, Result};
@@ -10,24 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Families of BSDFs, of this program or of another.
 pub type Families = Vec<Box<dyn Family>>;
 
-/// The I-th of N shares of the configurations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shard {
-    /// From 1.
-    pub index: u32,
-    pub count: u32,
-}
-
-impl Shard {
-    pub const WHOLE: Self = Self { index: 1, count: 1 };
-
-    /// Its configurations among `len`: every N-th, so that each share has as many of each family.
-    pub fn numbers(self, len: u64) -> impl Iterator<Item = u64> {
-        (u64::from(self.index) - 1..len).step_by(self.count as usize)
-    }
-}
-
-/// A family as parts of a sweep name it.
+/// A family as files of a sweep name it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Described {
     name: String,
@@ -35,7 +18,7 @@ struct Described {
     parameters: Vec<(String, f64, [f64; 2])>,
 }
 
-/// A sweep without its families: what the parts of one sweep have in common.
+/// A sweep without its families, as its file tells of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     version: String,
@@ -94,20 +77,6 @@ impl Description {
         })
     }
 
-    /// The sweep that a part tells of.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] if `families` are not those of the part, in their parameters or ranges.
-    pub fn plan(&self, families: Families) -> Result<Plan> {
-        let strategy = strategy(&self.strategy);
-        let again = Self::new(&families, strategy, self.configurations, self.seed, [self.detect, self.level])?;
-        match again.difference(self) {
-            None => Plan::new(again, families),
-            Some(difference) => Err(Error::parameter("parts", format!("made by another program ({difference})"))
-                .with_hint("merge with the build that made the parts")),
-        }
-    }
-
     pub fn families(&self) -> impl Iterator<Item = &str> {
         self.families.iter().map(|family| family.name.as_str())
     }
@@ -161,7 +130,6 @@ impl Description {
 
 /// A sweep, ready to be computed.
 pub struct Plan {
-    /// What its parts have in common.
     pub description: Description,
     families: Families,
     spaces: Vec<Space>,
