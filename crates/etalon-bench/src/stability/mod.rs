@@ -127,17 +127,6 @@ pub fn run<S: AsRef<str>>(only: &[S], side: usize, before: &mut dyn FnMut(&'stat
     Ok(Stability { bounds, rows, sweeps, interrupted })
 }
 
-/// Runs a family on random inputs such as `fresnel:eta=0.999..1.001,cos=0.1..1`: numbers or ranges for all of its inputs.
-///
-/// # Errors
-/// [`Error::Parameter`] for anything else.
-pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
-    let sweep = replay::at_random(inputs, seed)?;
-    let (rows, mut bounds) = (sweep.rows(), BoundCheck::of_sweep(&sweep));
-    bounds.insert(0, BoundCheck::finite(&rows));
-    Ok(Stability { rows, bounds, sweeps: Vec::new(), interrupted: false })
-}
-
 /// A bound, and the largest error that was found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct BoundCheck {
