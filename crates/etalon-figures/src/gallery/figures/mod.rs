@@ -18,7 +18,6 @@ mod multiple_scattering;
 mod rough_glass;
 mod roughness;
 mod sampling;
-mod scaling;
 mod sphere;
 mod stability;
 mod validation;
@@ -61,7 +60,6 @@ fn makers() -> Vec<Maker> {
         rough_glass::figures(),
         roughness::figures(),
         sampling::figures(),
-        scaling::figures(),
         sphere::figures(),
         stability::figures(),
         validation::figures(),
