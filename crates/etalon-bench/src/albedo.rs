@@ -258,7 +258,6 @@ pub struct Table {
     pub parameters: Vec<f64>,
     /// By value of the parameters, angle, and channel.
     pub rows: Vec<Row>,
-    /// The error that each albedo should have at most.
     pub wanted_error: f64,
     /// Wall-clock time.
     pub seconds: f64,

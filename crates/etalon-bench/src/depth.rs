@@ -59,7 +59,6 @@ pub struct ClassRow {
     pub centroid_x: f64,
     /// The same, row.
     pub centroid_y: f64,
-    /// The standard error of `share_of_light`.
     #[serde(skip)]
     pub error: f64,
     /// Share of the light of the image of that depth where the class has the middle half of its light, by row and by column.

@@ -10,7 +10,6 @@ use serde::Serialize;
 /// Reflectance at one angle of incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Angle of incidence in degrees.
     pub theta_deg: f64,
     pub exact: Reflectance<f64>,
     /// Schlick's approximation of unpolarized light.

@@ -60,7 +60,6 @@ impl Interface {
     }
 }
 
-/// The curves of one medium, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MediumCurves {
     pub name: String,

@@ -15,18 +15,13 @@ use serde::Serialize;
 pub struct StatueRow {
     /// Roughness α.
     pub alpha: f32,
-    /// Samples per pixel.
     pub spp: u32,
     /// Light samples per camera sample.
     pub light_samples: u32,
-    /// Scatterings of the longest path.
     pub max_depth: u32,
     pub statue_pixels: usize,
-    /// Mean radiance, red.
     pub statue_r: f64,
-    /// Mean radiance, green.
     pub statue_g: f64,
-    /// Mean radiance, blue.
     pub statue_b: f64,
     /// Standard error, red.
     pub statue_error_r: f64,

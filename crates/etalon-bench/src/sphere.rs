@@ -53,7 +53,6 @@ pub(super) fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 /// the ring of the disc described in the module.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SphereRow {
-    /// Samples per pixel.
     pub spp: u32,
     /// Light samples at the hit of a camera path.
     pub light_samples: u32,

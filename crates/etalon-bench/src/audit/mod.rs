@@ -63,7 +63,6 @@ pub struct Erratum {
     /// What it is about, in a few words.
     pub title: &'static str,
     pub report: &'static str,
-    /// An error, an approximation or a misprint.
     pub nature: Nature,
     pub printed: &'static str,
     pub right: &'static str,

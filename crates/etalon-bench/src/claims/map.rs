@@ -16,7 +16,6 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 pub struct MapInputs<'a> {
     pub map: &'a EnvMap,
-    /// The exact image of the sphere under it.
     pub exact: &'a Exact,
     /// Renders of the sphere by light samples of the map alone, as the report's.
     pub renders: &'a Series,

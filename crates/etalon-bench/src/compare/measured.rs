@@ -18,7 +18,6 @@ pub struct Measured {
     pub beyond_noise: Option<bool>,
     /// The mean of A over that of B with the half width of its interval of 95 %, where noise hides which mistake explains the difference.
     pub ratio_of_means: Option<[f64; 2]>,
-    /// Whether A and B have the same values.
     pub identical: bool,
 }
 

@@ -8,7 +8,6 @@ use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 
-/// The curves of all contenders on one scene.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Convergence {
     pub scene: String,
@@ -27,7 +26,6 @@ pub struct Convergence {
     /// Whether images are shown at equal samples, not after equal time.
     #[serde(skip)]
     pub equal_samples: bool,
-    /// Runs of renderers that failed.
     pub faults: Vec<Fault>,
     /// What else must be known of the result, in words.
     pub notes: Vec<String>,

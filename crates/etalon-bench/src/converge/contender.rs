@@ -57,7 +57,6 @@ pub struct Fault {
     /// From 1.
     pub replicate: u32,
     pub seed: u64,
-    /// Samples per pixel.
     pub spp: u32,
     pub message: String,
 }

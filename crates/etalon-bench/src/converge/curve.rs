@@ -16,7 +16,6 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// One replicate at one number of samples.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// Samples per pixel.
     pub spp: u32,
     pub times: Times,
     /// Against the reference.
@@ -28,13 +27,11 @@ pub struct Measured {
 /// All replicates at one number of samples. Errors carry 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Level {
-    /// Samples per pixel.
     pub spp: u32,
     /// Mean times of a render, without its preparation.
     pub cpu_seconds: f64,
     /// See `cpu_seconds`.
     pub wall_seconds: f64,
-    /// Mean squared error.
     pub mse: Estimate,
     /// Mean squared error over the squared reference.
     pub rel_mse: Estimate,
@@ -81,9 +78,7 @@ pub struct TimeFit {
     pub startup_wall_seconds: Estimate,
     /// Processor seconds before the first sample.
     pub startup_cpu_seconds: Estimate,
-    /// Wall-clock seconds for each sample per pixel.
     pub wall_seconds_per_spp: Estimate,
-    /// Processor seconds for each sample per pixel.
     pub cpu_seconds_per_spp: Estimate,
 }
 
@@ -114,7 +109,6 @@ fn is_separated(slope: Estimate) -> bool {
     slope.value > 2.0 * slope.standard_error
 }
 
-/// One contender's errors.
 #[derive(Debug, Clone, Serialize)]
 pub struct Curve {
     /// Whose errors they are.

@@ -214,7 +214,6 @@ pub struct ErrorRow {
     /// Largest error in units of the last place over the condition number (or 1 if that is less).
     #[serde(serialize_with = "finite_or_word")]
     pub max_ulp_per_condition: f64,
-    /// Results that are infinite or not a number.
     pub non_finite: u64,
     /// Results below 0 of quantities that cannot be.
     pub negative: u64,
@@ -277,7 +276,6 @@ impl ErrorRow {
 pub struct Bound {
     /// Which error, in which unit.
     pub name: &'static str,
-    /// The largest error for which it holds.
     pub limit: f64,
     /// Where the limit comes from: counted roundings, or the accuracy that the code states.
     pub reason: &'static str,

@@ -133,9 +133,7 @@ pub struct BoundCheck {
     /// The family or `special-directions`, and which error.
     pub name: String,
     pub got: f64,
-    /// The largest error that is allowed.
     pub limit: f64,
-    /// Whether the error is within the limit.
     pub holds: bool,
     /// The input of the largest error, as `--replay` takes it.
     pub worst: String,

@@ -20,7 +20,6 @@ pub struct Replayed {
     pub reference: Vec<f64>,
     /// Error in units of the last place.
     pub ulp: f64,
-    /// Error relative to the exact value.
     pub relative: f64,
     pub condition: f64,
     /// `not finite`, `negative`, `out of range`, or nothing.

@@ -25,7 +25,6 @@ pub struct Group {
     pub inconclusive: u64,
     /// Tests with p < 10⁻³, which were run again.
     pub survivors: u64,
-    /// The smallest p-value of the screen.
     pub min_p: Option<f64>,
     /// Tests of the screen that would have found the asked error with 90 % probability.
     pub powered: u64,
@@ -76,7 +75,6 @@ pub struct Conclusion {
     pub survivors: usize,
     /// Tests that survived the screen and were too many to be run again.
     pub left_out: u64,
-    /// How many survivors are expected of right BSDFs.
     pub expected_survivors: f64,
     pub min_fresh_p: Option<f64>,
     /// For each check of each family.

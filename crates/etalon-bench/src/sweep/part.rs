@@ -41,7 +41,6 @@ pub struct Part {
 pub struct Cell {
     pub check: usize,
     pub state: State,
-    /// The p-value of a statistical check.
     pub p: Option<f64>,
     /// The error that it would have found.
     pub detectable: Option<f64>,

@@ -128,7 +128,6 @@ impl Description {
     }
 }
 
-/// A sweep, ready to be computed.
 pub struct Plan {
     pub description: Description,
     families: Families,

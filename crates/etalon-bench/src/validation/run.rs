@@ -31,7 +31,6 @@ impl Tested {
 pub struct Validation {
     /// Probability that a run of right samplers rejects any.
     pub level: f64,
-    /// Seed of the random numbers of all tests.
     pub seed: u64,
     pub tests: Vec<Tested>,
     pub accepted: usize,

@@ -60,7 +60,6 @@ pub struct SceneOptions<'a> {
 /// The content of a scene file.
 #[derive(Debug, Clone)]
 pub struct Imported {
-    /// What the file describes.
     pub scene: Scene,
     /// Image size and sampling that it asks for, defaults filled in.
     pub request: Request,

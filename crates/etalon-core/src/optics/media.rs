@@ -6,7 +6,6 @@
 use super::D_LINE_NM;
 use super::metals::{self, METALS, Metal};
 
-/// A transparent medium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dielectric {
     /// English name, lower case, or the name in the catalogue of glasses.
@@ -179,7 +178,6 @@ impl Medium {
         }
     }
 
-    /// Where its numbers were published.
     #[must_use]
     pub fn source(&self) -> &'static str {
         match self {

@@ -41,7 +41,6 @@ impl Image {
         Self::from_pixels(width, height, pixels)
     }
 
-    /// Pixels in a row.
     #[inline]
     #[must_use]
     pub fn width(&self) -> usize {
@@ -170,7 +169,6 @@ impl Metadata {
         &self.entries
     }
 
-    /// The value of an entry.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())

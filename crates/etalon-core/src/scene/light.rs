@@ -68,7 +68,6 @@ pub enum Falloff {
     None,
 }
 
-/// An environment map in a scene.
 #[derive(Debug, Clone)]
 pub struct Environment {
     /// Radiance by direction, in the map's own frame.

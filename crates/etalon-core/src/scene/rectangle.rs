@@ -91,7 +91,6 @@ impl Rectangle {
         if t > 0.0 && within { t } else { f32::INFINITY }
     }
 
-    /// Product of its sides.
     #[must_use]
     pub fn area(&self) -> f32 {
         4.0 * self.half[0].length() * self.half[1].length()

@@ -23,7 +23,6 @@ const TUBE: f32 = 0.365;
 /// Width of the tube over its height.
 const FLAT: f32 = 0.74;
 
-/// Ribs per turn.
 const RIBS: f32 = 30.0;
 
 /// How far the shell is turned to show its mouth.

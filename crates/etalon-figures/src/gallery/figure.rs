@@ -126,7 +126,6 @@ pub struct Content {
     pub errata: Vec<Erratum>,
     /// Claims of the reports that it answers.
     pub claims: Vec<Claim>,
-    /// Numbers that a report prints.
     pub printed: Vec<Printed>,
     /// Numbers that the page shows beside the drawing.
     pub numbers: Numbers,

@@ -85,7 +85,6 @@ impl By {
     }
 }
 
-/// The result of one planted fault.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
     pub name: &'static str,

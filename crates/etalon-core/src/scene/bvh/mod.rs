@@ -259,7 +259,6 @@ pub struct FirstHit<'a> {
 }
 
 impl<'a> FirstHit<'a> {
-    /// Builds the tree.
     #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
         let shapes: Vec<&Shape> = scene.objects.iter().map(|object| &object.shape).collect();
