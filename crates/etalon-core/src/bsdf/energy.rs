@@ -224,6 +224,19 @@ mod tests {
         // By hand for GGX at α = 1 from above: ∫ G₂/G₁ is 1 − ln 2.
         let energy = MissingEnergy::new(Ggx::new(1.0));
         assert!((energy.missing::<true>(Vec3::Z) - std::f32::consts::LN_2).abs() < 3e-4);
+        // Albedos at an angle in degrees by an independent integration over facets.
+        let reflected = |energy: MissingEnergy, degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            1.0 - energy.missing::<true>(Vec3::new(sin, 0.0, cos))
+        };
+        for (energy, degrees, known) in [
+            (MissingEnergy::new(Ggx::new(0.5)), 85.0, 0.872_024),
+            (MissingEnergy::new(Beckmann::new(0.5)), 0.0, 0.942_998),
+            (MissingEnergy::new(Beckmann::new(1.0)), 60.0, 0.766_568),
+        ] {
+            let albedo = reflected(energy, degrees);
+            assert!((albedo - known).abs() < 1e-3, "{degrees}°: {albedo} {known}");
+        }
     }
 
     #[test]

@@ -14,7 +14,6 @@ mod error_time_roughness;
 mod fresnel;
 mod metals_table;
 mod mistakes;
-mod multiple_scattering;
 mod rough_glass;
 mod roughness;
 mod sampling;
@@ -56,7 +55,6 @@ fn makers() -> Vec<Maker> {
         fresnel::figures(),
         metals_table::figures(),
         mistakes::figures(),
-        multiple_scattering::figures(),
         rough_glass::figures(),
         roughness::figures(),
         sampling::figures(),
