@@ -44,13 +44,8 @@ pub struct Stability {
 struct Output<'a> {
     rows: &'a [ErrorRow],
     bounds: &'a [BoundCheck],
-    effort: Effort,
+    effort: BTreeMap<&'static str, usize>,
     interrupted: bool,
-}
-
-#[derive(Serialize)]
-struct Effort {
-    side: usize,
 }
 
 #[derive(Serialize)]
@@ -101,7 +96,7 @@ impl Stability {
         let (files, saved) = saving.end();
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let output = Output { rows, bounds, effort: Effort { side: stability::SIDE }, interrupted };
+        let output = Output { rows, bounds, effort: BTreeMap::from([("side", stability::SIDE)]), interrupted };
         let all = global.verbose || !self.families.is_empty();
         console.saved(&output, &written, || human(&output, all));
         saved?;

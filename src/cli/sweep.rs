@@ -83,13 +83,6 @@ fn replay_by(external: &ExternalBsdf, detect: f64) -> String {
     format!("etalon sweep{exec}{detect} --replay")
 }
 
-/// A sweep that was interrupted.
-#[derive(Serialize)]
-struct Interrupted {
-    configurations: usize,
-    interrupted: bool,
-}
-
 /// What checks say of one configuration.
 #[derive(Serialize)]
 struct Replayed {
@@ -150,7 +143,7 @@ impl Sweep {
         run(&plan, &mut part, &|count| bar.inc(count), &save)?;
         bar.finish_and_clear();
         if (0..plan.len()).any(|number| !part.has(number)) {
-            let found = Interrupted { configurations: part.len(), interrupted: true };
+            let found = serde_json::json!({ "configurations": part.len(), "interrupted": true });
             console.saved(&found, &target.written(vec![path.clone()]), || format!("{} configurations\n", part.len()));
             let mut checks = Checks { title: TITLE.into(), list: Vec::new(), seconds: start.elapsed().as_secs_f64() };
             checks.interrupted("nothing is decided yet");

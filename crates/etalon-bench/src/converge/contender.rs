@@ -5,7 +5,7 @@
 use super::doubling::{Deadline, Doubling, Times};
 use super::recorded::Recorded;
 use super::strategy::Strategy;
-use crate::protocol::renderer::Renderer;
+use crate::protocol::renderer::{Renderer, RunFailure};
 use etalon_core::error::Result;
 use etalon_core::raster::Image;
 use etalon_core::scene::{Request, Scene};
@@ -39,15 +39,7 @@ pub enum Step {
     Stopped,
     /// There are no more images.
     End,
-    Failed(Failure),
-}
-
-/// Why there is no image.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure {
-    pub message: String,
-    /// Whether another try would only waste time.
-    pub is_final: bool,
+    Failed(RunFailure),
 }
 
 /// A run of a renderer that gave no image which can be used.
@@ -193,7 +185,7 @@ impl<'a> Replicate<'a> {
                 }
                 let dropped = render.dropped();
                 if dropped.total() > 0 {
-                    return Step::Failed(Failure { message: dropped.to_string(), is_final: true });
+                    return Step::Failed(RunFailure { message: dropped.to_string(), is_final: true });
                 }
                 self.spent = self.preparation + render.times.wall;
                 self.spp = spp;
@@ -208,15 +200,14 @@ impl<'a> Replicate<'a> {
                 let most = if self.spp == 0 { left * FIRST_IMAGE } else { left };
                 let run = renderer.run(spp, self.seed, *size, Duration::from_secs_f64(most));
                 // What the end of the budget stops is no fault of the program.
-                match run {
-                    Err(_) if deadline.is_over() => return Step::Stopped,
-                    Err(failure) => Err(Failure { message: failure.message, is_final: failure.is_final }),
-                    Ok(run) => Ok((run.image, Times { wall: run.wall, cpu: run.cpu })),
+                if run.is_err() && deadline.is_over() {
+                    return Step::Stopped;
                 }
+                run.map(|run| (run.image, Times { wall: run.wall, cpu: run.cpu }))
             }
             Source::Recorded { recorded, size } => {
                 let read = recorded.image(self.seed, spp, *size);
-                read.map_err(|message| Failure { message, is_final: true })
+                read.map_err(|message| RunFailure { message, is_final: true })
             }
         };
         match made {

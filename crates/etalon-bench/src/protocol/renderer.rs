@@ -50,7 +50,7 @@ pub struct Rendered {
     pub cpu: f64,
 }
 
-/// Why a run has no image.
+/// Why there is no image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunFailure {
     /// In words, with the last line of the program's standard error.
