@@ -26,14 +26,12 @@ pub struct Interface {
 
 impl Interface {
     /// A dielectric without a name, except air.
-    #[must_use]
     pub fn dielectric(eta: f64) -> Self {
         let name = if eta == 1.0 { "air".to_owned() } else { format!("η = {eta}") };
         Self { name, short: eta.to_string(), eta, k: 0.0, medium: None }
     }
 
     /// A medium of the registry at the d line.
-    #[must_use]
     pub fn of(medium: Medium) -> Self {
         let short = match medium {
             Medium::Dielectric(dielectric) => dielectric.name,

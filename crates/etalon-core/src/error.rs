@@ -153,7 +153,6 @@ impl Error {
     }
 
     /// The hint: what the user can do about it.
-    #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {
             Error::Input(fault) | Error::Parameter(fault) | Error::Unsupported(fault) | Error::Limit(fault) => {

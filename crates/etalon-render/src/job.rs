@@ -90,7 +90,6 @@ impl<'a> Job<'a> {
     }
 
     /// The settings of the render, with what was chosen for this scene.
-    #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -116,13 +115,11 @@ impl<'a> Job<'a> {
     }
 
     /// Equal for renders whose samples are the same; the number of samples is no part of it.
-    #[must_use]
     pub fn fingerprint(&self) -> String {
         fingerprint(self.scene.scene, &self.scene.request, &self.settings)
     }
 
     /// Wall-clock time since the preparation began.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }

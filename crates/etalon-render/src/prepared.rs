@@ -154,7 +154,6 @@ pub struct Needs {
 
 impl Needs {
     /// What a scene needs under these settings; if they are general, everything that it has, whether needed or not.
-    #[must_use]
     pub fn of(scene: &Scene, request: &Request, settings: &Settings) -> Self {
         let general = settings.general;
         let samples_map =

@@ -92,13 +92,11 @@ pub const AROUND: usize = 2;
 
 impl Difference {
     /// Whether the mean difference is more than noise.
-    #[must_use]
     pub fn is_seen_in_mean(&self) -> bool {
         self.p < LEVEL
     }
 
     /// Whether it is more than noise, in the mean or in the pixels.
-    #[must_use]
     pub fn is_seen(&self) -> bool {
         const OVER_NOISE: f64 = 1.5;
         self.is_seen_in_mean() || self.pixel_difference_percent > OVER_NOISE * self.pixel_noise_percent

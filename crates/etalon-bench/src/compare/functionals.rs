@@ -21,7 +21,6 @@ pub enum Family {
 impl Family {
     pub const ALL: [Self; 3] = [Self::Mean, Self::LowFrequency, Self::Tiles];
 
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",

@@ -64,19 +64,16 @@ impl Metric {
     }
 
     /// By its name; `hdr_flip` is `flip`, too.
-    #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         METRICS.iter().find(|metric| metric.name == name || name == "hdr_flip" && metric.name == "flip")
     }
 
     /// What it is called above a column: "PSNR (dB)".
-    #[must_use]
     pub fn heading(&self) -> String {
         if self.unit.is_empty() { self.title.into() } else { format!("{} ({})", self.title, self.unit) }
     }
 
     /// Its value; NaN where it is not defined.
-    #[must_use]
     pub fn of(&self, measured: &Measured) -> f64 {
         (self.of)(measured)
     }
@@ -103,13 +100,11 @@ pub struct Limit {
 
 impl Limit {
     /// Whether an image keeps it. It does not where the metric is not defined, or has left out pixels that are not finite.
-    #[must_use]
     pub fn holds(&self, measured: &Measured) -> bool {
         measured.numbers.non_finite == 0 && self.holds_of_rest(measured)
     }
 
     /// Whether the pixels that are finite keep it, where the metric is defined.
-    #[must_use]
     pub fn holds_of_rest(&self, measured: &Measured) -> bool {
         self.metric.of(measured) <= self.most
     }

@@ -281,7 +281,6 @@ fn families(
 impl Compared {
     /// The difference of a test of `family`, in parts of the mean of B: of the image's, or of a tile's own; nothing where that is not told
     /// from 0.
-    #[must_use]
     pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
         let of_b = if family.family == Family::Tiles { test.of_b } else { self.mean_of_b[test.channel] };
         Bias::of(test.difference, of_b, family.level(self.plan))
@@ -290,7 +289,6 @@ impl Compared {
 
 impl Tested {
     /// The order of tests, the least likely first: by t where p is too small for a double.
-    #[must_use]
     pub fn by_p(&self, other: &Self) -> Ordering {
         let [a, b] = [self, other].map(|test| test.difference);
         a.p().total_cmp(&b.p()).then(b.t().abs().total_cmp(&a.t().abs()))
@@ -306,13 +304,11 @@ impl FamilyResult {
         self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
     }
 
-    #[must_use]
     pub fn level(&self, plan: Plan) -> f64 {
         plan.level / FAMILIES / self.tests.len().max(1) as f64
     }
 
     /// The p-value of a test, corrected for the number of tests and of families.
-    #[must_use]
     pub fn adjusted(&self, test: &Tested) -> f64 {
         (test.difference.p() * self.tests.len() as f64 * FAMILIES).at_most(1.0)
     }

@@ -56,7 +56,6 @@ fn read_linear(path: &Path) -> Result<(Image, Vec<String>)> {
 
 impl Side {
     /// Independent images, at least two.
-    #[must_use]
     pub fn replicates(images: Vec<Image>) -> Self {
         Self {
             images,
@@ -70,13 +69,11 @@ impl Side {
     }
 
     /// An image whose independent pixels have these standard errors.
-    #[must_use]
     pub fn with_error(image: Image, error: Image) -> Self {
         Self { noise: Noise::PerPixel, error: Some(error), ..Self::replicates(vec![image]) }
     }
 
     /// An image without noise.
-    #[must_use]
     pub fn exact(image: Image) -> Self {
         Self { noise: Noise::None, ..Self::replicates(vec![image]) }
     }
@@ -157,12 +154,10 @@ impl Side {
     }
 
     /// Columns and rows.
-    #[must_use]
     pub fn size(&self) -> [usize; 2] {
         self.images.first().map_or([0, 0], |image| [image.width(), image.height()])
     }
 
-    #[must_use]
     pub fn shares_seeds(&self, other: &Self) -> bool {
         self.seeds.iter().any(|seed| other.seeds.contains(seed))
     }

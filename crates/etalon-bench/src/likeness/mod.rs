@@ -82,12 +82,10 @@ impl Claim {
         Ok(Self { family, chosen, f0 })
     }
 
-    #[must_use]
     pub fn name(&self) -> &str {
         self.family.name()
     }
 
-    #[must_use]
     pub fn has(&self, name: &str) -> bool {
         !meant(&self.family, name).is_empty() || name == F0 && is_metal(&self.family)
     }

@@ -55,27 +55,22 @@ const STATES: [(&str, State); 4] = [
 
 impl Part {
     /// A part without configurations yet.
-    #[must_use]
     pub fn new(plan: &Plan) -> Self {
         Self { description: plan.description.clone(), rows: BTreeMap::new() }
     }
 
-    #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    #[must_use]
     pub fn has(&self, number: u64) -> bool {
         self.rows.contains_key(&number)
     }
 
-    #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

@@ -82,24 +82,20 @@ impl Description {
     }
 
     /// How configurations are chosen, in words.
-    #[must_use]
     pub fn strategy(&self) -> &str {
         &self.strategy
     }
 
     /// The error that the screen finds.
-    #[must_use]
     pub fn detect(&self) -> f64 {
         self.detect
     }
 
     /// The probability that a sweep of right BSDFs rejects any.
-    #[must_use]
     pub fn level(&self) -> f64 {
         self.level
     }
 
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -147,35 +143,29 @@ impl Plan {
     }
 
     /// The number of configurations of all families together.
-    #[must_use]
     pub fn len(&self) -> u64 {
         self.spaces.iter().map(Space::len).sum()
     }
 
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Whether configurations should be computed one after the other: see [`Family::is_sequential`].
-    #[must_use]
     pub fn is_sequential(&self) -> bool {
         self.families.iter().any(|family| family.is_sequential())
     }
 
     /// The largest number of configurations of a family.
-    #[must_use]
     pub fn largest(&self) -> u64 {
         self.spaces.iter().map(Space::len).max().unwrap_or(0)
     }
 
-    #[must_use]
     pub fn family(&self, index: usize) -> &dyn Family {
         &*self.families[index]
     }
 
     /// The index of the family and the configuration of that number, from 0.
-    #[must_use]
     pub fn get(&self, number: u64) -> (usize, Configuration) {
         let mut rest = number;
         for (index, space) in self.spaces.iter().enumerate() {

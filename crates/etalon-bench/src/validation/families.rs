@@ -175,13 +175,11 @@ pub struct Facets {
 }
 
 impl Family {
-    #[must_use]
     pub fn bsdf(&self, values: &[f64]) -> Bsdf {
         self.0.with(values)
     }
 
     /// The microfacets of the BSDF with these parameters, if it is a rough metal or dielectric.
-    #[must_use]
     pub fn facets(&self, values: &[f64]) -> Option<Facets> {
         let bsdf = self.bsdf(values);
         let (distribution, alpha) = microfacets(&bsdf)?;

@@ -23,14 +23,12 @@ pub enum Lobe {
 impl Lobe {
     /// Whether it is a delta distribution: one direction, which no other strategy can sample.
     #[inline]
-    #[must_use]
     pub const fn is_delta(self) -> bool {
         matches!(self, Self::SpecularReflection | Self::SpecularTransmission)
     }
 
     /// Whether light passes to the other side.
     #[inline]
-    #[must_use]
     pub const fn is_transmission(self) -> bool {
         matches!(self, Self::DiffuseTransmission | Self::GlossyTransmission | Self::SpecularTransmission)
     }
@@ -74,7 +72,6 @@ impl BsdfSample {
 
     /// Whether the lobe is a delta distribution, which no other strategy can sample.
     #[inline]
-    #[must_use]
     pub fn is_delta(&self) -> bool {
         self.lobe.is_delta()
     }
@@ -88,7 +85,6 @@ impl BsdfSample {
 
     /// The sample of a BSDF without delta lobes, `None` where its pdf is 0.
     #[inline(always)]
-    #[must_use]
     pub fn if_possible(self) -> Option<Self> {
         (self.pdf > 0.0).then_some(self)
     }
@@ -165,7 +161,6 @@ pub trait Scatter {
     }
 
     /// The BSDF with this albedo of its diffuse reflection, as a texture sets it; itself if it has none.
-    #[must_use]
     fn with_albedo(&self, _albedo: Rgb) -> Self
     where
         Self: Clone,

@@ -32,18 +32,15 @@ pub struct Example {
 }
 
 impl Family {
-    #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         families().find(|family| family.name == name)
     }
 
-    #[must_use]
     pub fn with(&self, values: &[f64]) -> Bsdf {
         (self.bsdf)(&values.iter().map(|&value| value as f32).collect::<Vec<f32>>())
     }
 
     /// The default values of the parameters.
-    #[must_use]
     pub fn defaults(&self) -> Vec<f64> {
         self.parameters.iter().map(|&(_, value, _)| value).collect()
     }
@@ -60,7 +57,6 @@ impl Example {
     }
 }
 
-#[must_use]
 pub fn examples() -> Vec<Example> {
     families().flat_map(|family| (family.examples)(family)).collect()
 }

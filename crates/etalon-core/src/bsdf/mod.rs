@@ -60,7 +60,6 @@ macro_rules! bsdfs {
         }
 
         impl Bsdf {
-            #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $families[0].name,)*

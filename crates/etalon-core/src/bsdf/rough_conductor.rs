@@ -35,7 +35,6 @@ impl NormalSampling {
     pub const ALL: [Self; 4] = [Self::Vndf, Self::Bounded, Self::Ndf, Self::Hemisphere];
 
     /// Its name at the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Vndf => "visible",

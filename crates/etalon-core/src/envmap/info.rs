@@ -41,7 +41,6 @@ pub struct Info {
 
 impl Info {
     /// The statistics of a map, in one pass over its texels.
-    #[must_use]
     pub fn of(map: &EnvMap) -> Self {
         let g = map.geometry();
         let (width, height) = (g.width(), g.height());
@@ -94,7 +93,6 @@ impl Info {
     ///
     /// Two cases are suspected: an altered copy of the Grace Cathedral probe, by its size, flux and brightest texel, and an
     /// outdoor map whose sun (more than a tenth of all light within 2°) is below the horizon.
-    #[must_use]
     pub fn upside_down(&self) -> Option<String> {
         if self.seems_grace_upside_down() {
             return Some(

@@ -37,7 +37,6 @@ impl Default for ScatterModel {
 
 impl Material {
     /// The scattering functions of the material; with textures, those of its base: see [`super::VaryingBsdf`].
-    #[must_use]
     pub fn bsdf(&self, model: ScatterModel) -> Bsdf {
         match self {
             &Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
@@ -56,7 +55,6 @@ impl Material {
 
 impl Dielectric {
     /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`is_resolved`].
-    #[must_use]
     pub fn is_smooth(&self) -> bool {
         let alpha = self.alpha[0].min(self.alpha[1]);
         alpha < SMOOTH_ALPHA || !is_resolved(self.alpha, self.eta)
@@ -126,7 +124,6 @@ pub enum VaryingBsdf {
 }
 
 impl VaryingBsdf {
-    #[must_use]
     pub fn new(material: &Material, model: ScatterModel) -> Self {
         match material {
             Material::Textured(textured) => Self::Textured(Arc::clone(textured), model),
@@ -137,7 +134,6 @@ impl VaryingBsdf {
         }
     }
 
-    #[must_use]
     pub fn at(&self, uv: Vec2) -> Bsdf {
         match self {
             Self::Constant(bsdf) => bsdf.clone(),

@@ -42,7 +42,6 @@ const FOOT_ALONG: usize = 56;
 
 /// The statue: some 100 000 triangles, closed and smooth, standing on y = 0 around the y axis, 1 high and less than
 /// 1.1 wide and deep; its front faces +z. Nothing in it is random.
-#[must_use]
 pub fn statue() -> Mesh {
     let mut mesh = Mesh::default();
     shell(&mut mesh);

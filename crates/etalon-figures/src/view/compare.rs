@@ -73,7 +73,6 @@ pub struct Thumbnail {
 }
 
 impl Thumbnail {
-    #[must_use]
     pub fn new(a: &Image, b: &Image) -> Self {
         let factor = reduction(a, THUMBNAIL);
         let (image, b) = (a.reduced(factor), b.reduced(factor));
@@ -85,7 +84,6 @@ impl Thumbnail {
     }
 
     /// The thumbnail of an image whose size differs from that of the reference: as large as fits in the place of one of equal size.
-    #[must_use]
     pub fn of_another_size(a: &Image, b: &Image) -> Self {
         let room = reduction(b, THUMBNAIL);
         let [width, height] = [b.width(), b.height()].map(|side| (side / room).max(1));

@@ -51,7 +51,6 @@ impl PathClass {
 
     /// The number of letters between L and E.
     #[inline]
-    #[must_use]
     pub fn scatterings(self) -> u32 {
         self.0.ilog2()
     }
@@ -69,20 +68,17 @@ impl PathClasses {
 
     /// A class for each word of at most `scatterings` letters between L and E (at most [`PathClasses::LONGEST`]), and one
     /// for the rest.
-    #[must_use]
     pub fn up_to(scatterings: u32) -> Self {
         Self { scatterings: scatterings.min(Self::LONGEST) }
     }
 
     /// How many classes there are, the rest included.
-    #[must_use]
     pub fn count(self) -> usize {
         2 << self.scatterings
     }
 
     /// The number of a word's class: by length, then by alphabet, the rest last.
     #[inline]
-    #[must_use]
     pub fn index(self, word: PathClass) -> usize {
         word.0.min(2 << self.scatterings) as usize - 1
     }

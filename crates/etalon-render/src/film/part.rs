@@ -52,12 +52,10 @@ pub struct Task {
 impl Task {
     /// The samples that a pixel still needs that has had `samples` in all (see [`Row::samples`](super::Row::samples)).
     #[inline]
-    #[must_use]
     pub fn left(&self, samples: u32) -> Range<u32> {
         self.range.start + samples.saturating_sub(self.before)..self.range.end
     }
 
-    #[must_use]
     pub fn range(&self) -> Range<u32> {
         self.range.clone()
     }
@@ -65,7 +63,6 @@ impl Task {
 
 impl Part {
     /// A part without samples, of an image that is to have `spp` for each pixel.
-    #[must_use]
     pub fn new(film: Film, spp: u32, fingerprint: impl Into<String>, metadata: Metadata) -> Self {
         Self { film, ranges: Ranges::none(spp), fingerprint: fingerprint.into(), metadata }
     }
@@ -92,7 +89,6 @@ impl Part {
         Ok(())
     }
 
-    #[must_use]
     pub fn ranges(&self) -> Ranges {
         let mut ranges = self.ranges.clone();
         let target = ranges.target();
@@ -103,13 +99,11 @@ impl Part {
     }
 
     /// How many samples the film holds, all pixels together.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.film.pixels.iter().map(|pixel| u64::from(pixel.samples())).sum()
     }
 
     /// The mean number of camera paths of a sample; above 1 by adaptive sampling, `None` without a sample.
-    #[must_use]
     pub fn camera_paths_per_sample(&self) -> Option<f64> {
         let paths: u64 = self.film.pixels.iter().map(|pixel| u64::from(pixel.camera_paths())).sum();
         let samples = self.count();
@@ -117,7 +111,6 @@ impl Part {
     }
 
     /// Whether the image has all its samples.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.ranges().is_complete()
     }

@@ -61,24 +61,20 @@ pub struct Answer {
 
 impl Answer {
     /// An empty response of at most `most` lines, and then `end`.
-    #[must_use]
     pub fn new(most: usize) -> Self {
         Self { most, bytes: Vec::new(), start: 0, lines: 0 }
     }
 
     /// Whether nothing has arrived.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
-    #[must_use]
     pub fn lines(&self) -> usize {
         self.lines
     }
 
     /// What has arrived, for a message: how many lines, and the last one.
-    #[must_use]
     pub fn progress(&self) -> String {
         let lines = match self.lines {
             1 => "1 line".to_owned(),

@@ -75,7 +75,6 @@ impl Greeting {
 }
 
 /// What is known of a kind of subject by its name; `None` if it has no meaning.
-#[must_use]
 pub fn of_kind(kind: &str) -> Option<Properties> {
     match kind {
         "bsdf" => Some(Properties { map: None, ..Properties::default() }),
@@ -99,14 +98,12 @@ pub fn declared(known: Properties, greeting: &Greeting) -> Result<Properties> {
 }
 
 /// Whether the map, if there is one, is of two different random numbers of a sample.
-#[must_use]
 pub fn has_sound_map(properties: &Properties) -> bool {
     let in_range = |axis: usize| axis < properties.dimension;
     properties.map.is_none_or(|[a, b]| a != b && in_range(a) && in_range(b))
 }
 
 /// Declares a property by its key; `None` where key or value has no meaning.
-#[must_use]
 pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()> {
     let yes = || match value {
         "yes" => Some(true),

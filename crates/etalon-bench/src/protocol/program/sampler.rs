@@ -329,7 +329,6 @@ impl Client {
         Ok(Self { connection, description, parameters, atoms, space })
     }
 
-    #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
@@ -349,12 +348,10 @@ impl Client {
     }
 
     /// The name that the program gives its sampler.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.description.name
     }
 
-    #[must_use]
     pub fn space(&self) -> Space {
         self.space.clone()
     }

@@ -24,13 +24,11 @@ pub struct Entry {
 
 impl Entry {
     /// Whether fixed lights stand for the map, one for each region of a cut.
-    #[must_use]
     pub const fn has_fixed_lights(&self) -> bool {
         matches!(self.method, Method::FixedLights(_))
     }
 
     /// The name, with `K` for the number of regions.
-    #[must_use]
     pub fn name_with_k(&self) -> String {
         format!("{}{}", self.name, if self.has_fixed_lights() { "-K" } else { "" })
     }

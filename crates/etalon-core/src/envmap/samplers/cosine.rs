@@ -185,14 +185,12 @@ impl Grids {
 
 impl CosineSampler {
     /// By radiance × cosine.
-    #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         Self::above(map, 0.0)
     }
 
     /// By the radiance above the map's mean, × cosine: MIS compensation. A map that is nowhere brighter has no samples: those of
     /// the BSDF are all that it needs.
-    #[must_use]
     pub fn compensated(map: Arc<EnvMap>) -> Self {
         // In a constant map rounding leaves texels slightly above the mean; they do not count.
         let threshold = map.mean() * (1.0 + 1e-6);

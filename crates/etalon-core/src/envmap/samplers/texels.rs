@@ -26,7 +26,6 @@ pub struct TexelSampler {
 }
 
 impl TexelSampler {
-    #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
         let table = Table2::new(g.width(), g.height(), |x, y| map.energy(x, y));
