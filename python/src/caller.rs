@@ -3,7 +3,7 @@
 //! So callbacks need not be thread-safe, what belongs to their thread (a variant of Mitsuba, `torch.no_grad`, a debugger) holds in
 //! them, and their exceptions arrive where they were caused. A callback may itself run another test: each has threads of its own.
 
-use crate::errors;
+use crate::exception;
 use etalon::interrupt;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
@@ -155,7 +155,7 @@ pub fn run<T: Send>(py: Python<'_>, what: &str, work: impl FnOnce(Caller) -> eta
     if is_interrupted {
         interrupt::flag().store(false, Ordering::Relaxed);
     }
-    failure.map_or_else(|| result.map_err(errors::of), Err)
+    failure.map_or_else(|| result.map_err(exception), Err)
 }
 
 /// The next job; `Some(None)` if there is none for a while, `None` when there will be none.

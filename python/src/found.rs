@@ -1,6 +1,6 @@
 //! What a test found, as Python sees it.
 
-use crate::errors;
+use crate::exception;
 use etalon::study::albedo::Table;
 use etalon::study::compare::{Answer, Compared};
 use etalon::study::validation::{Tested, Validation};
@@ -64,14 +64,14 @@ impl Found {
         width: Option<f64>,
     ) -> PyResult<Vec<PathBuf>> {
         let medium = named("style", style, Medium::ALL)?;
-        let mut style = Style::new(medium, width).map_err(errors::of)?;
+        let mut style = Style::new(medium, width).map_err(exception)?;
         (style.title, style.theme) = (title, named("theme", theme, Theme::ALL)?);
-        py.detach(|| self.summary.drawing().save(&path, &style)).map_err(errors::of)
+        py.detach(|| self.summary.drawing().save(&path, &style)).map_err(exception)
     }
 
     /// The table as a CSV document, if there is one.
     fn csv(&self) -> PyResult<Option<String>> {
-        let csv = self.summary.csv().map_err(errors::of)?;
+        let csv = self.summary.csv().map_err(exception)?;
         Ok(csv.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
     }
 }

@@ -178,15 +178,6 @@ pub struct Reports {
 }
 
 impl Reports {
-    /// Refuses reports where there is nothing to report.
-    pub fn refuse(&self, why: &str) -> Result<()> {
-        let given = [("junit", &self.junit), ("markdown", &self.markdown)];
-        match given.into_iter().find(|(_, path)| path.is_some()) {
-            Some((name, _)) => Err(Error::parameter(name, why)),
-            None => Ok(()),
-        }
-    }
-
     /// Refuses files that cannot be written: before the work, not after it.
     pub fn check(&self) -> Result<()> {
         let given = [("junit", &self.junit), ("markdown", &self.markdown)];

@@ -1,15 +1,11 @@
 //! `etalon merge`: parts of a render as one image.
 
 use super::console::Console;
-use super::families::{ExternalBsdf, families};
 use super::flags::command_line;
-use super::global::{Global, Reports, Verdict, out, threads, verbose};
+use super::global::{Global, Verdict, out, threads};
 use super::render::warn_of_lost_light;
-use super::sweep::{checks, concluded, decided};
 use clap::Args;
-use etalon_bench::sweep::{Description, Part, merge};
 use etalon_core::error::{Error, Result};
-use etalon_core::files;
 use etalon_core::raster::{self, Metadata};
 use etalon_figures::output;
 use etalon_figures::view::text::counted;
@@ -17,27 +13,20 @@ use etalon_render::film::{Dropped, list, merge_files};
 use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
-use std::time::Instant;
 
-/// Merge parts of a render or of a sweep
+/// Merge parts of a render
 #[derive(Args)]
 #[command(
-    after_long_help = "Of a render it writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
+    after_long_help = "Writes the image as EXR and PNG. Sums are exact: the merged image is, bit for bit, that of \
                         an undivided render, for any order of the parts. While samples are missing, the EXR file \
-                        has the sums and can itself be merged.\n\nOf a sweep, whose parts must all be there, it runs \
-                        suspicious tests again, decides on all at one level, and writes merged-survivors.csv. Exit \
-                        codes are those of `etalon sweep`.\n\nExamples:\n  etalon render furnace -s 2 --shard 1/2 -o a.exr && etalon render furnace -s 2 --shard 2/2 -o b.exr \
-                        && etalon merge a.exr b.exr -o image.exr\n  etalon merge parts/*.csv"
+                        has the sums and can itself be merged.\n\nExample:\n  etalon render furnace -s 2 --shard 1/2 -o a.exr && etalon render furnace -s 2 --shard 2/2 -o b.exr \
+                        && etalon merge a.exr b.exr -o image.exr"
 )]
-#[command(next_help_heading = "Parts", args = [out(), threads(), verbose()])]
+#[command(next_help_heading = "Parts", args = [out(), threads()])]
 pub struct Merge {
-    /// Files with different samples of the same image, or all parts of a sweep
+    /// Files with different samples of the same image
     #[arg(required = true, help_heading = None::<&str>)]
     parts: Vec<PathBuf>,
-    #[command(flatten)]
-    external: ExternalBsdf,
-    #[command(flatten)]
-    reports: Reports,
 }
 
 #[derive(Serialize)]
@@ -56,10 +45,6 @@ struct Output {
 
 impl Merge {
     pub fn run(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        if self.parts.iter().any(|path| Part::is_at(path)) {
-            return self.merge_sweep(global, console);
-        }
-        self.reports.refuse("an image has no checks")?;
         if output::image_format(global.out.as_deref())?.is_some_and(|format| format != "exr") {
             return Err(Error::parameter("out", "parts are merged into an OpenEXR file")
                 .with_hint("name a file with the extension .exr, or a folder"));
@@ -101,24 +86,6 @@ impl Merge {
             )
         });
         Ok(Verdict::Good)
-    }
-
-    fn merge_sweep(&self, global: &Global, console: &Console) -> Result<Verdict> {
-        let start = Instant::now();
-        self.reports.check()?;
-        let target = global.target();
-        let path = output::with_extension(&target.stem("merged", "-survivors", &["csv"])?, "csv");
-        files::check_writable(&path)?;
-        let (found, plan) = decided(console, |each| {
-            let plan = |sweep: &Description| {
-                sweep.plan(families(&self.external, &sweep.families().map(str::to_owned).collect::<Vec<_>>())?)
-            };
-            merge(&self.parts, plan, each)
-        })?;
-        files::write_bytes(&path, &output::csv(&found.rows)?)?;
-        let checks = checks(&found, start);
-        let written = target.written([vec![path], self.reports.write(&checks)?].concat());
-        Ok(concluded(&self.external, &found, &plan.description, &written, &checks, (console, global.verbose)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! `etalon stability`: numerical errors of the renderer's functions over stiff and extreme inputs.
 
 use super::console::Console;
-use super::global::{Global, Reports, Verdict, out, seed, threads, verbose};
+use super::global::{Global, Reports, Verdict, out, threads, verbose};
 use super::style::StyleArgs;
 use clap::Args;
 use etalon_bench::stability::{self, BoundCheck, ErrorRow, REGISTRY, Replay};
@@ -22,9 +22,8 @@ use std::time::Instant;
                   input. The condition number is the relative change of the value per relative change \
                   of the input. Exit code 1 if a bound does not hold, 3 if interrupted. Writes stability.{csv,svg,png,pdf}, or stability-FAMILY… \
                   with their errors over the inputs if families are named.\n\nExamples:\n  etalon stability\n  etalon stability \
-                  fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3\n  etalon stability --range \
-                  fresnel:eta=0.999..1.001,cos=0.1..1")]
-#[command(next_help_heading = "Families", args = [out(), seed().requires("range").help("Seed of the random inputs of a search"), threads(), verbose()])]
+                  fresnel sphere\n  etalon stability --replay fresnel:eta=1.0003,cos=0x1p-3")]
+#[command(next_help_heading = "Families", args = [out(), threads(), verbose()])]
 pub struct Stability {
     /// Families to run [default: all; see --list]
     #[arg(value_name = "FAMILY", help_heading = None::<&str>)]
@@ -32,11 +31,8 @@ pub struct Stability {
     /// Run one input in every variant and precision
     #[arg(long, value_name = "CASE", conflicts_with_all = ["families", "junit", "markdown"])]
     replay: Option<String>,
-    /// Search ranges of a family's inputs for the worst ones
-    #[arg(long, value_name = "CASES", conflicts_with_all = ["families", "replay"])]
-    range: Option<String>,
     /// List the families and stop
-    #[arg(long, conflicts_with_all = ["replay", "range", "junit", "markdown"])]
+    #[arg(long, conflicts_with_all = ["replay", "junit", "markdown"])]
     list: bool,
     #[command(flatten)]
     reports: Reports,
@@ -48,15 +44,8 @@ pub struct Stability {
 struct Output<'a> {
     rows: &'a [ErrorRow],
     bounds: &'a [BoundCheck],
-    /// None for a search, which has no grids.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    effort: Option<Effort>,
+    effort: BTreeMap<&'static str, usize>,
     interrupted: bool,
-}
-
-#[derive(Serialize)]
-struct Effort {
-    side: usize,
 }
 
 #[derive(Serialize)]
@@ -85,13 +74,10 @@ impl Stability {
         let errors_stem = target.stem(&name, "-errors", &output::STUDY)?;
         let count = if self.families.is_empty() { stability::names().count() } else { self.families.len() };
         let bar = console.progress(count as u64, "stability", "families");
-        let result = match &self.range {
-            Some(range) => stability::search(range, global.seed),
-            None => stability::run(&self.families, stability::SIDE, &mut |name| {
-                bar.set_message(name);
-                bar.inc(1);
-            }),
-        }?;
+        let result = stability::run(&self.families, stability::SIDE, &mut |name| {
+            bar.set_message(name);
+            bar.inc(1);
+        })?;
         bar.finish_and_clear();
         if result.interrupted && result.rows.is_empty() {
             return Err(Error::Interrupted);
@@ -110,10 +96,9 @@ impl Stability {
         let (files, saved) = saving.end();
         let (rows, bounds, interrupted) = (&result.rows, &result.bounds, result.interrupted);
         let written = target.written(files);
-        let effort = self.range.is_none().then_some(Effort { side: stability::SIDE });
-        let output = Output { rows, bounds, effort, interrupted };
-        let all = global.verbose || !self.families.is_empty() || self.range.is_some();
-        console.saved(&output, &written, || human(&output, all, self.range.is_some()));
+        let output = Output { rows, bounds, effort: BTreeMap::from([("side", stability::SIDE)]), interrupted };
+        let all = global.verbose || !self.families.is_empty();
+        console.saved(&output, &written, || human(&output, all));
         saved?;
         let all_hold = result.bounds.iter().all(|bound| bound.holds);
         Ok(Verdict::of(all_hold, interrupted))
@@ -188,8 +173,8 @@ fn replayed(replay: &Replay) -> String {
     text
 }
 
-/// The bounds; if `all`, the table of errors; if `names_inputs`, the worst inputs.
-fn human(output: &Output<'_>, all: bool, names_inputs: bool) -> String {
+/// The bounds; if `all`, the table of errors.
+fn human(output: &Output<'_>, all: bool) -> String {
     let mut text = String::new();
     for bound in output.bounds {
         let verdict = if bound.holds { "ok    " } else { "FAILED" };
@@ -212,10 +197,6 @@ fn human(output: &Output<'_>, all: bool, names_inputs: bool) -> String {
         .numbers("< 0", |r| r.negative)
         .numbers("outside", |r| r.out_of_range)
         .text();
-    if names_inputs {
-        let worst = Table::of(output.rows).words("", |r| r.variant).words("", |r| r.precision.name());
-        text += &worst.words("", |r| format!("worst at {}", r.worst)).text();
-    }
     text + &wrapped(
         "condition: of the problem, at the input of the largest relative error (in the CSV file, for --replay). Rounding that input \
          alone costs condition x 6e-8 in f32, x 1.1e-16 in f64. The bounds say what more `stable` may lose.",

@@ -3,13 +3,13 @@
 use super::console::Console;
 use super::families::{ExternalBsdf, families, list};
 use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads, verbose};
-use super::values::{Shard, choice, share};
+use super::values::{choice, share};
 use clap::Args;
 use etalon_bench::protocol::program;
-use etalon_bench::sweep::{self, Conclusion, Description, Part, Plan, conclude, replay, run};
+use etalon_bench::sweep::{Description, Part, Plan, conclude, replay, run};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
-use etalon_figures::output::{self, Written};
+use etalon_figures::output;
 use etalon_figures::view::checks::Checks;
 use etalon_figures::view::sweep as view;
 use etalon_figures::view::text::p_is;
@@ -19,14 +19,15 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// The title of reports.
+const TITLE: &str = "etalon sweep";
 /// The default error that a sweep looks for.
 const DETECT: f64 = 0.05;
 
 /// Test whole BSDFs over their parameters and directions
 #[derive(Args)]
 #[command(after_long_help = "\
-Writes sweep-NAME.csv with a row for each configuration, and sweep-NAME-survivors.csv with the tests that were run again. With --shard it writes \
-a part, for `etalon merge`, which decides on all parts together.
+Writes sweep-NAME.csv with a row for each configuration, and sweep-NAME-survivors.csv with the tests that were run again.
 
 Ctrl-C keeps what is finished: the same command with --resume FILE continues.
 
@@ -35,8 +36,6 @@ Exit codes: 0 good, 1 a BSDF was rejected, 2 usage or bad input, 3 inconclusive 
 Examples:
   etalon sweep ggx
   etalon sweep ggx-dielectric --strategy edges --configurations 2000
-  etalon sweep ggx --configurations 1000000 --shard 17/1000 -o part-17.csv
-  etalon merge part-*.csv
   etalon sweep --exec 'python3 examples/bsdf.py'
   etalon sweep --replay 'ggx alpha_x=0.001 eta=1.5 wo=75,0 seed=7 check=sampling'")]
 #[command(next_help_heading = "BSDFs and tests", args = [out(), seed(), threads(), verbose()])]
@@ -63,16 +62,13 @@ pub struct Sweep {
     /// Probability that a sweep of correct BSDFs rejects any of them
     #[arg(long, value_name = "A", value_parser = share, default_value_t = 0.01, allow_negative_numbers = true)]
     level: f64,
-    /// Compute the I-th of N equal shares of the configurations, for `etalon merge`
-    #[arg(long, help_heading = OUTPUT, value_name = "I/N", conflicts_with_all = ["junit", "markdown"])]
-    shard: Option<Shard>,
     /// Continue from FILE if it exists, and save the state in it
     #[arg(long, help_heading = OUTPUT, value_name = "FILE")]
     resume: Option<PathBuf>,
     /// Run one configuration again
     ///
     /// TEXT: a family, then parameters, wo=THETA,PHI in degrees, seed, check.
-    #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "shard", "resume", "junit", "markdown"])]
+    #[arg(long, value_name = "TEXT", conflicts_with_all = ["names", "list", "strategy", "configurations", "resume", "junit", "markdown"])]
     replay: Option<String>,
     #[command(flatten)]
     external: ExternalBsdf,
@@ -85,31 +81,6 @@ fn replay_by(external: &ExternalBsdf, detect: f64) -> String {
     let exec = external.command().map_or(String::new(), |command| format!(" --exec \"{command}\""));
     let detect = if detect == DETECT { String::new() } else { format!(" --detect {detect}") };
     format!("etalon sweep{exec}{detect} --replay")
-}
-
-/// Prints what a sweep found.
-pub fn concluded(
-    external: &ExternalBsdf,
-    found: &Conclusion,
-    sweep: &Description,
-    written: &Written,
-    checks: &Checks,
-    (console, verbose): (&Console, bool),
-) -> Verdict {
-    console.saved(found, written, || view::text(found, sweep, &replay_by(external, sweep.detect()), verbose));
-    Verdict::from(checks)
-}
-
-/// The checks of a sweep, as reports have them.
-pub fn checks(found: &Conclusion, start: Instant) -> Checks {
-    Checks { title: "etalon sweep".into(), list: view::checks(found), seconds: start.elapsed().as_secs_f64() }
-}
-
-/// A part that waits for the others.
-#[derive(Serialize)]
-struct Computed {
-    configurations: usize,
-    interrupted: bool,
 }
 
 /// What checks say of one configuration.
@@ -153,61 +124,46 @@ impl Sweep {
         let numbers = [self.detect, self.level];
         let description = Description::new(&families, self.strategy, self.configurations, global.seed, numbers)?;
         let plan = Plan::new(description, families)?;
-        let shard = self.shard.map_or(sweep::Shard::WHOLE, |Shard { index, count }| sweep::Shard { index, count });
-        if u64::from(shard.count) > plan.len() {
-            return Err(Error::parameter(
-                "shard",
-                format!("{} configurations cannot be cut into {}", plan.len(), shard.count),
-            )
-            .with_hint("at most one shard for each configuration"));
-        }
         // Where the part goes, checked before it is computed.
         let target = global.target();
-        let suffix = self.shard.filter(|_| !target.is_named()).map_or_else(String::new, Shard::suffix);
         let name = output::name_of_run("sweep", &subjects);
-        let path = output::with_extension(&target.stem(&name, &suffix, &["csv"])?, "csv");
+        let path = output::with_extension(&target.stem(&name, "", &["csv"])?, "csv");
         files::check_writable(&path)?;
-        let mut part = Part::new(&plan, shard);
+        let mut part = Part::new(&plan);
         if let Some(state) = self.resume.as_deref().filter(|state| state.exists()) {
-            part = continued(Part::read(state)?, &plan, shard, state)?;
+            part = continued(Part::read(state)?, &plan, state)?;
             files::release_input(state);
         }
         let save = |part: &Part| {
             part.write(self.resume.as_deref().unwrap_or(&path))?;
             if self.resume.is_some() { part.write(&path) } else { Ok(()) }
         };
-        let missing = shard.numbers(plan.len()).filter(|&number| !part.has(number)).count();
+        let missing = (0..plan.len()).filter(|&number| !part.has(number)).count();
         let bar = console.progress(missing as u64, "sweep", "configurations");
         run(&plan, &mut part, &|count| bar.inc(count), &save)?;
         bar.finish_and_clear();
-        let interrupted = shard.numbers(plan.len()).any(|number| !part.has(number));
-        if interrupted || shard.count > 1 {
-            let computed = Computed { configurations: part.len(), interrupted };
-            console.saved(&computed, &target.written(vec![path.clone()]), || {
-                let count = part.len();
-                format!("{count} configurations\n")
-            });
-            if interrupted {
-                let mut checks =
-                    Checks { title: "etalon sweep".into(), list: Vec::new(), seconds: start.elapsed().as_secs_f64() };
-                checks.interrupted("nothing is decided yet");
-                self.reports.write(&checks)?;
-                console.warn(&format!("interrupted; to continue: the same command with --resume {}", path.display()));
-            }
-            return Ok(if interrupted { Verdict::Inconclusive } else { Verdict::Good });
+        if (0..plan.len()).any(|number| !part.has(number)) {
+            let found = serde_json::json!({ "configurations": part.len(), "interrupted": true });
+            console.saved(&found, &target.written(vec![path.clone()]), || format!("{} configurations\n", part.len()));
+            let mut checks = Checks { title: TITLE.into(), list: Vec::new(), seconds: start.elapsed().as_secs_f64() };
+            checks.interrupted("nothing is decided yet");
+            self.reports.write(&checks)?;
+            console.warn(&format!("interrupted; to continue: the same command with --resume {}", path.display()));
+            return Ok(Verdict::Inconclusive);
         }
-        let mut written = vec![path];
-        let (conclusion, plan) = decided(console, |each| {
-            each(&plan, &part);
-            Ok(plan)
+        let bar = console.progress(1, "run survivors again", "configurations");
+        let found = conclude(&plan, &part, &|count, of| {
+            bar.set_length(of);
+            bar.inc(count);
         })?;
+        bar.finish_and_clear();
         let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
-        files::write_bytes(&survivors, &output::csv(&conclusion.rows)?)?;
-        written.push(survivors);
-        let checks = checks(&conclusion, start);
-        written.extend(self.reports.write(&checks)?);
-        let written = target.written(written);
-        Ok(concluded(&self.external, &conclusion, &plan.description, &written, &checks, (console, global.verbose)))
+        files::write_bytes(&survivors, &output::csv(&found.rows)?)?;
+        let checks = Checks { title: TITLE.into(), list: view::checks(&found), seconds: start.elapsed().as_secs_f64() };
+        let written = target.written([vec![path, survivors], self.reports.write(&checks)?].concat());
+        let replay_by = replay_by(&self.external, self.detect);
+        console.saved(&found, &written, || view::text(&found, &plan.description, &replay_by, global.verbose));
+        Ok(Verdict::from(&checks))
     }
 
     fn replay(&self, text: &str, console: &Console) -> Result<Verdict> {
@@ -252,30 +208,11 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
     Replayed { configuration: text, rejected: checks.iter().any(|line| line.verdict == "reject"), checks }
 }
 
-/// `held` if it is the same share of the same sweep.
-fn continued(held: Part, plan: &Plan, shard: sweep::Shard, path: &std::path::Path) -> Result<Part> {
-    if let Some(difference) = held.description().difference(&plan.description) {
-        return Err(Error::input(path, format!("the file is of another sweep ({difference})"))
-            .with_hint("use the arguments and version that began it, or give `resume` another file"));
+/// `held` if it is of the same sweep.
+fn continued(held: Part, plan: &Plan, path: &std::path::Path) -> Result<Part> {
+    match held.description().difference(&plan.description) {
+        None => Ok(held),
+        Some(difference) => Err(Error::input(path, format!("the file is of another sweep ({difference})"))
+            .with_hint("use the arguments and version that began it, or give `resume` another file")),
     }
-    if held.shard() != shard {
-        let sweep::Shard { index, count } = held.shard();
-        return Err(Error::input(path, format!("the file is part {index} of {count}"))
-            .with_hint("give the same `shard`, or give `resume` another file"));
-    }
-    Ok(held)
-}
-
-/// Decides on the parts that `read` gives, with a progress bar.
-pub fn decided(
-    console: &Console,
-    read: impl FnOnce(&mut dyn FnMut(&Plan, &Part)) -> Result<Plan>,
-) -> Result<(Conclusion, Plan)> {
-    let bar = console.progress(1, "run survivors again", "configurations");
-    let found = conclude(read, &|count, of| {
-        bar.set_length(of);
-        bar.inc(count);
-    })?;
-    bar.finish_and_clear();
-    Ok(found)
 }

@@ -75,7 +75,7 @@ pub fn setting(text: &str) -> std::result::Result<(String, f64), String> {
     parsed.filter(|(_, value): &(String, f64)| value.is_finite()).ok_or("not NAME=VALUE with a number".into())
 }
 
-/// The I-th of N shares of a render or of a sweep.
+/// The I-th of N shares of a render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// From 1.

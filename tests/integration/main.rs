@@ -26,8 +26,6 @@ mod pbrt_files;
 mod program;
 mod raster_files;
 mod render;
-#[cfg(unix)]
-mod slurm;
 mod stability;
 #[cfg(unix)]
 mod streams;

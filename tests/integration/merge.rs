@@ -1,4 +1,4 @@
-//! Parts of a render and of a sweep: their files, `etalon merge`, and what may not be merged; replays of one configuration of a sweep.
+//! Parts of a render: their files, `etalon merge`, and what may not be merged; states of a sweep, and replays of one configuration.
 
 use crate::program::{etalon, json};
 use etalon::Error;
@@ -269,34 +269,19 @@ fn the_command_merges_and_says_what_is_missing() {
 }
 
 #[test]
-fn parts_of_a_sweep_merge_to_what_one_machine_finds() {
+fn sweeps_go_on_where_they_were_and_bad_ones_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     let sweep = ["sweep", "mirror", "--configurations", "9"];
-    let whole = json(dir.path(), &[&sweep[..], &["-o", "whole.csv"]].concat());
+    let whole = json(dir.path(), &[&sweep[..], &["-t", "1", "-o", "whole.csv"]].concat());
     assert_eq!((&whole["configurations"], &whole["rejected"]), (&9.into(), &0.into()));
-    for (shard, threads) in [("1/2", "1"), ("2/2", "2")] {
-        let out = format!("part-{}.csv", &shard[..1]);
-        let part = json(dir.path(), &[&sweep[..], &["--shard", shard, "-t", threads, "-o", &out]].concat());
-        assert_eq!(part["interrupted"], false);
-    }
-    let merged = json(dir.path(), &["merge", "part-2.csv", "part-1.csv", "-o", "all.csv"]);
-    assert_eq!(merged["groups"], whole["groups"]);
-    let rows = |name: &str| -> Vec<String> {
-        let text = std::fs::read_to_string(dir.path().join(name)).unwrap();
-        text.lines().skip(2).map(str::to_owned).collect()
-    };
-    let mut both = [rows("part-1.csv"), rows("part-2.csv")].concat();
-    both.sort();
-    assert_eq!(both, rows("whole.csv"));
-    let damaged = std::fs::read_to_string(dir.path().join("part-1.csv")).unwrap().replace("\"mirror\"", "\"mirr1r\"");
-    std::fs::write(dir.path().join("damaged.csv"), damaged).unwrap();
+    let text = std::fs::read_to_string(dir.path().join("whole.csv")).unwrap();
+    let some: Vec<&str> = text.lines().take(6).collect();
+    std::fs::write(dir.path().join("state.csv"), some.join("\n")).unwrap();
+    let resumed = json(dir.path(), &[&sweep[..], &["-t", "2", "--resume", "state.csv", "-o", "again.csv"]].concat());
+    assert_eq!(resumed["groups"], whole["groups"]);
+    assert_eq!(std::fs::read_to_string(dir.path().join("again.csv")).unwrap(), text);
     for (args, expected) in [
-        (&["merge", "part-1.csv"][..], "the parts 2/2 are missing"),
-        (&["merge", "part-1.csv", "part-1.csv"], "part 1 of 2, as part-1.csv"),
-        (&["merge", "part-1.csv", "whole.csv"], "part 1 of 1, but part-1.csv is one of 2"),
-        (&["merge", "damaged.csv", "part-2.csv"], "damaged.csv: there is no family \"mirr1r\""),
-        (&["sweep", "mirror", "--configurations", "3", "--shard", "4/4"], "--shard"),
-        (&["sweep", "mirror", "--resume", "part-1.csv"], "another sweep (configurations: 100 here, 9 there)"),
+        (&["sweep", "mirror", "--resume", "whole.csv"][..], "another sweep (configurations: 100 here, 9 there)"),
         (&["sweep", "miror"], "there is no family \"miror\""),
         (&["sweep", "mirror", "--configurations", "0"], "--configurations"),
         (&["sweep", "mirror", "--detect", "2"], "--detect"),
@@ -316,4 +301,62 @@ fn replays_run_one_configuration() {
     assert_eq!((&found["checks"][0]["verdict"], &found["checks"][1]), (&"accept".into(), &serde_json::Value::Null));
     let list = json(dir.path(), &["sweep", "diffuse", "--list"]);
     assert_eq!(list["families"][0]["parameters"][0][0], "albedo");
+}
+
+/// The job script of the book, run with a stand-in for Slurm's `srun`: as an array, and with one task alone.
+#[cfg(unix)]
+mod slurm {
+    use crate::program::json;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::Path;
+    use std::process::Command;
+
+    /// The book's script, for three small shares.
+    fn script() -> String {
+        let page = include_str!("../../docs/src/cluster.md");
+        let script = page.split("```").find(|block| block.contains("#SBATCH")).expect("the page has a job script");
+        let script = script.strip_prefix("sh\n").expect("a block of shell commands");
+        let changes = [("--array=1-16 ", "--array=1-3 "), ("tasks=16 ", "tasks=3 "), ("-s 16384 ", "-s 6 -r 24 18 ")];
+        changes.into_iter().fold(script.to_owned(), |script, (old, new)| {
+            assert_eq!(script.matches(old).count(), 1, "{old}: {script}");
+            script.replace(old, new)
+        })
+    }
+
+    /// Runs task `index` of a job in which Slurm counts `count` tasks.
+    fn run(folder: &Path, index: u32, count: u32) {
+        let program = assert_cmd::cargo::cargo_bin("etalon");
+        let path =
+            format!("{}:{}:{}", folder.display(), program.parent().unwrap().display(), std::env::var("PATH").unwrap());
+        let output = Command::new("sh")
+            .arg("job.sh")
+            .current_dir(folder)
+            .env("PATH", path)
+            .env("SLURM_ARRAY_TASK_ID", index.to_string())
+            .env("SLURM_ARRAY_TASK_COUNT", count.to_string())
+            .env("SLURM_CPUS_PER_TASK", "1")
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "task {index} of {count}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    #[test]
+    fn a_task_that_is_submitted_alone_completes_the_array() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path();
+        std::fs::write(folder.join("job.sh"), script()).unwrap();
+        let srun = folder.join("srun");
+        std::fs::write(&srun, "#!/bin/sh\n[ \"$1 $2\" = \"-c 1\" ] && shift 2 && exec \"$@\"\n").unwrap();
+        std::fs::set_permissions(&srun, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let merged = |name: &str| {
+            json(folder, &["merge", "parts/1.exr", "parts/2.exr", "parts/3.exr", "-o", name]);
+            json(folder, &["compare", "whole.exr", name])["mse"].as_f64().unwrap()
+        };
+        json(folder, &["render", "cornell-spheres", "-s", "6", "-r", "24", "18", "-o", "whole.exr"]);
+        (1..=3).for_each(|index| run(folder, index, 3));
+        assert_eq!(merged("array.exr"), 0.0);
+        std::fs::remove_file(folder.join("parts/2.exr")).unwrap();
+        run(folder, 2, 1);
+        assert_eq!(merged("alone.exr"), 0.0);
+    }
 }

@@ -193,7 +193,7 @@ const MAPS: Entry = (
         ("render sphere-env --envmap one.pfm -r 8 8 -s 1", 0, "such values count as 0"),
         ("validate map --envmap one.pfm --detect 0.3", 0, "such values count as 0"),
         ("fresnel --eta-t=VALUE", 2, "--eta-t"),
-        ("stability --range fresnel-r:eta=VALUE..2", 2, ""),
+        ("stability --replay fresnel:eta=VALUE,cos=0.5", 2, "--replay"),
     ],
 );
 

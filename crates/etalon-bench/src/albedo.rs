@@ -14,7 +14,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// What is tabulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The parameters that vary together; by default the first one, and for `NAME_x` also `NAME_y`.
@@ -27,7 +26,6 @@ pub struct Request {
     pub error: f64,
     /// The most samples that all albedos take together, or 4,096 for each if that is more; `None`: as many as the error needs, up to 2²² for each.
     pub samples: Option<u64>,
-    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -247,7 +245,6 @@ pub struct Row {
     pub weak_furnace: Option<f64>,
 }
 
-/// The albedos of one family.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
     pub family: String,
@@ -255,14 +252,12 @@ pub struct Table {
     pub over: Vec<String>,
     /// Whether their values are in equal factors.
     pub is_logarithmic: bool,
-    /// The other parameters.
     pub fixed: Vec<(String, f64)>,
     pub thetas_deg: Vec<f64>,
     /// The values of the parameters that vary.
     pub parameters: Vec<f64>,
     /// By value of the parameters, angle, and channel.
     pub rows: Vec<Row>,
-    /// The error that each albedo should have at most.
     pub wanted_error: f64,
     /// Wall-clock time.
     pub seconds: f64,
@@ -270,47 +265,38 @@ pub struct Table {
 
 impl Table {
     /// The rows of the smallest and of the largest albedo.
-    #[must_use]
     pub fn extremes(&self) -> Option<[&Row; 2]> {
         let by = |a: &&Row, b: &&Row| a.albedo.total_cmp(&b.albedo);
         Some([self.rows.iter().min_by(by)?, self.rows.iter().max_by(by)?])
     }
 
-    /// The row with the largest error.
-    #[must_use]
     pub fn with_largest_error(&self) -> Option<&Row> {
         self.rows.iter().max_by(|a, b| a.error.total_cmp(&b.error))
     }
 
     /// The largest deviation of the weak furnace test from 1.
-    #[must_use]
     pub fn weak_deviation(&self) -> Option<f64> {
         self.rows.iter().filter_map(|row| row.weak_furnace).map(|weak| (weak - 1.0).abs()).max_by(f64::total_cmp)
     }
 
     /// What the bounds of the errors rest on, with the numbers of albedos.
-    #[must_use]
     pub fn bases(&self) -> BTreeMap<&'static str, usize> {
         let mut bases = BTreeMap::new();
         self.rows.iter().for_each(|row| *bases.entry(row.basis).or_default() += 1);
         bases
     }
 
-    /// The number of albedos with a violation.
-    #[must_use]
     pub fn violations(&self) -> usize {
         self.rows.iter().filter(|row| row.is_violation).count()
     }
 
     /// The largest albedo over the channels, by value of the parameters and angle.
-    #[must_use]
     pub fn largest_channels(&self) -> Vec<f64> {
         let largest = |rows: &[Row]| rows.iter().map(|row| row.albedo).fold(f64::MIN, f64::at_least);
         self.rows.chunk_by(|_, next| next.channel != 0).map(largest).collect()
     }
 
     /// The number of albedos above 1 by more than their error, which the BSDF may declare as possible.
-    #[must_use]
     pub fn above_one(&self) -> usize {
         self.rows.iter().filter(|row| row.albedo > 1.0 + row.error + ROUNDING).count()
     }
@@ -322,7 +308,6 @@ impl Table {
 
     /// The verdict: rejected if an albedo contradicts what the BSDF declares or the weak furnace test fails, inconclusive if errors are larger
     /// than wanted.
-    #[must_use]
     pub fn verdict(&self) -> Verdict {
         if self.violations() > 0 || self.weak_deviation().is_some_and(is_wrong) {
             Verdict::Reject
@@ -335,7 +320,6 @@ impl Table {
 }
 
 /// Whether a deviation of the weak furnace test is an error of the distribution or of its masking; NaN is.
-#[must_use]
 pub fn is_wrong(deviation: f64) -> bool {
     const TOLERANCE: f64 = 1e-4;
     deviation.is_nan() || deviation > TOLERANCE

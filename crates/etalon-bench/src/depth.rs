@@ -47,11 +47,9 @@ pub struct ClassRow {
     pub depth: u32,
     /// The path class, for example LDE.
     pub class: String,
-    /// Kind of object, or "all".
     pub seen_on: &'static str,
     /// Share of all that this depth adds to the image.
     pub share_of_difference: f64,
-    /// Share of all light of the deepest image.
     pub share_of_light: f64,
     /// Share of the pixels that show this kind of object in which the class has light.
     pub lit_pixels: f64,
@@ -59,7 +57,6 @@ pub struct ClassRow {
     pub centroid_x: f64,
     /// The same, row.
     pub centroid_y: f64,
-    /// The standard error of `share_of_light`.
     #[serde(skip)]
     pub error: f64,
     /// Share of the light of the image of that depth where the class has the middle half of its light, by row and by column.
@@ -200,7 +197,6 @@ pub struct Series {
     pub images: Vec<Image>,
     /// Radiance by depth and kind of object.
     pub rows: Vec<RadianceRow>,
-    /// Samples that were dropped.
     pub dropped: Dropped,
 }
 

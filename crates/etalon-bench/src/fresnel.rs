@@ -10,7 +10,6 @@ use serde::Serialize;
 /// Reflectance at one angle of incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Angle of incidence in degrees.
     pub theta_deg: f64,
     pub exact: Reflectance<f64>,
     /// Schlick's approximation of unpolarized light.
@@ -49,7 +48,6 @@ pub struct DielectricCurves {
     /// Largest |Schlick − exact| / exact, and where.
     pub schlick_max_rel_error: f64,
     pub schlick_max_rel_error_deg: f64,
-    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -76,7 +74,6 @@ impl DielectricCurves {
 /// Largest number of angles that can be asked for.
 pub const MAX_POINTS: usize = 1_000_000;
 
-/// Checks a number of points of a curve.
 pub(super) fn check_points(points: usize) -> Result<()> {
     if (2..=MAX_POINTS).contains(&points) {
         return Ok(());
@@ -91,7 +88,6 @@ pub(super) fn angles(points: usize) -> Result<impl Iterator<Item = f64>> {
     Ok((0..points).map(move |i| 90.0 * i as f64 / (points - 1) as f64))
 }
 
-/// Checks an index of refraction.
 pub(super) fn check_index(name: &str, value: f64) -> Result<()> {
     if value.is_finite() && (1e-6..=1e6).contains(&value) {
         return Ok(());

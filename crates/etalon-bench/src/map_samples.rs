@@ -29,7 +29,6 @@ pub struct SampleRow {
     pub b: f32,
 }
 
-/// Samples of a map.
 #[derive(Debug, Clone)]
 pub struct MapSamples {
     pub rows: Vec<SampleRow>,
@@ -101,7 +100,6 @@ mod tests {
         draw(map, &*sampling.sampler(map.clone())?, DVec3::Y, n, seed)
     }
 
-    /// Uniform directions.
     struct Uniform(Arc<EnvMap>);
 
     impl SurfaceSampler for Uniform {

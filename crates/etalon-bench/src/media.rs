@@ -21,20 +21,17 @@ pub struct Interface {
     pub eta: f64,
     /// Extinction coefficient; 0 for a dielectric.
     pub k: f64,
-    /// The medium of the registry, if it is one.
     pub medium: Option<Medium>,
 }
 
 impl Interface {
     /// A dielectric without a name, except air.
-    #[must_use]
     pub fn dielectric(eta: f64) -> Self {
         let name = if eta == 1.0 { "air".to_owned() } else { format!("η = {eta}") };
         Self { name, short: eta.to_string(), eta, k: 0.0, medium: None }
     }
 
     /// A medium of the registry at the d line.
-    #[must_use]
     pub fn of(medium: Medium) -> Self {
         let short = match medium {
             Medium::Dielectric(dielectric) => dielectric.name,
@@ -61,7 +58,6 @@ impl Interface {
     }
 }
 
-/// The curves of one medium, and special angles and values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MediumCurves {
     pub name: String,
@@ -81,7 +77,6 @@ pub struct MediumCurves {
     /// Largest |Schlick − exact| over 0–90°.
     pub schlick_max_abs_error: f64,
     pub schlick_max_abs_error_deg: f64,
-    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -99,7 +94,6 @@ pub struct MediaCurves {
     pub media: Vec<MediumCurves>,
 }
 
-/// The rows of all media as CSV.
 pub fn csv(sides: &[MediaCurves]) -> Result<Vec<u8>> {
     let media = sides.iter().flat_map(|side| side.media.iter().map(move |medium| (&side.from, medium)));
     let rows = media.flat_map(|(from, medium)| medium.rows.iter().map(move |row| ([from, &medium.name], row)));

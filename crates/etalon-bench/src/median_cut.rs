@@ -9,7 +9,6 @@ use serde::Serialize;
 /// Which point of a region its light stands at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Centroid {
-    /// The energy centroid.
     #[default]
     Energy,
     /// The first report's "median pixel": where the region's energy halves in either direction.

@@ -28,7 +28,6 @@ pub struct Channel {
     /// Largest error of Schlick's, and where.
     pub schlick_max_abs_error: f64,
     pub schlick_max_abs_error_deg: f64,
-    /// A row for each angle.
     #[serde(skip)]
     pub rows: Vec<Row>,
 }
@@ -149,7 +148,6 @@ pub struct MetalRow {
     pub pseudo_brewster_deg: f64,
     /// Share of uniform light from the whole hemisphere that is reflected, exact and approximate.
     pub albedo: f64,
-    /// The approximation's albedo.
     pub albedo_approximate: f64,
     /// Largest error of the approximation's unpolarized reflectance.
     pub approximate_max_abs_error: f64,

@@ -17,10 +17,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All kinds.
     pub const ALL: [Self; 5] = [Self::AreaLight, Self::Mirror, Self::Glass, Self::Metal, Self::Diffuse];
 
-    /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::AreaLight => "area light",
@@ -47,7 +45,6 @@ impl Kind {
     }
 }
 
-/// A kind of object for each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectIdBuffer {
     /// Pixels of a row.
@@ -108,9 +105,7 @@ fn distances(mask: &[bool], width: usize, reach: usize, target: bool) -> Vec<f64
 /// A mean over pixels with its standard error, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelMean {
-    /// Mean of each channel.
     pub value: [f64; 3],
-    /// Standard error of each mean.
     pub error: [f64; 3],
     pub pixels: usize,
 }

@@ -15,13 +15,11 @@ use statrs::distribution::{ContinuousCDF, Normal};
 pub struct RowBin {
     /// Where the bin begins, from the zenith.
     pub theta_from_deg: f64,
-    /// Where the bin ends.
     pub theta_to_deg: f64,
     /// Share of the map's energy in these rows.
     pub target: f64,
     /// Shares of the samples.
     pub uniform: f64,
-    /// With Gaussian random numbers.
     pub gaussian: f64,
 }
 
@@ -30,11 +28,8 @@ pub struct RowBin {
 pub struct Proposal {
     /// Samples of each kind.
     pub draws: usize,
-    /// With uniform random numbers.
     pub uniform: ChiSquare,
-    /// With Gaussian random numbers.
     pub gaussian: ChiSquare,
-    /// The histograms.
     #[serde(skip)]
     pub bins: Vec<RowBin>,
 }

@@ -15,24 +15,17 @@ use serde::Serialize;
 pub struct StatueRow {
     /// Roughness α.
     pub alpha: f32,
-    /// Samples per pixel.
     pub spp: u32,
     /// Light samples per camera sample.
     pub light_samples: u32,
-    /// Scatterings of the longest path.
     pub max_depth: u32,
     pub statue_pixels: usize,
-    /// Mean radiance, red.
     pub statue_r: f64,
-    /// Mean radiance, green.
     pub statue_g: f64,
-    /// Mean radiance, blue.
     pub statue_b: f64,
     /// Standard error, red.
     pub statue_error_r: f64,
-    /// Standard error, green.
     pub statue_error_g: f64,
-    /// Standard error, blue.
     pub statue_error_b: f64,
     /// Root mean square of the standard errors of the statue's pixels, each a mean over the channels.
     pub noise: f64,
@@ -40,19 +33,14 @@ pub struct StatueRow {
     pub brightest_percent: f64,
 }
 
-/// An image with its statistics.
 pub struct StatueRender {
     pub row: StatueRow,
-    /// The statue's mean radiance.
     pub statue: PixelMean,
-    /// Which pixels show the statue.
     pub mask: Vec<bool>,
-    /// The kind of object at each pixel.
     pub objects: ObjectIdBuffer,
     pub image: Image,
     /// That of every pixel of the image.
     pub standard_error: Image,
-    /// Samples that were dropped.
     pub dropped: Dropped,
 }
 
@@ -64,7 +52,6 @@ impl StatueRender {
     }
 }
 
-/// Renders a statue.
 pub fn render_statue(scene: &Scene, request: &Request, settings: &Settings) -> Result<StatueRender> {
     let rendered = render(scene, request, settings, &Silent)?;
     let objects = ObjectIdBuffer::new(scene, request);

@@ -24,7 +24,6 @@ pub struct ProfileBin {
     pub zone: Zone,
 }
 
-/// Both images and their profile.
 pub struct StrategyComparison {
     pub importance: StatueRender,
     pub hemisphere: StatueRender,
@@ -150,7 +149,6 @@ fn brightness(image: &Image) -> Vec<f64> {
 }
 
 impl ZoneImage {
-    /// Mean radiance.
     pub fn light(&self) -> [f64; 2] {
         // The channels of a sample are correlated: their errors do not average out.
         [self.mean.mean_rgb(), self.mean.error.iter().sum::<f64>() / 3.0]

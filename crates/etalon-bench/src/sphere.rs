@@ -53,7 +53,6 @@ pub(super) fn normal(x: usize, y: usize, size: usize) -> Option<DVec3> {
 /// the ring of the disc described in the module.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SphereRow {
-    /// Samples per pixel.
     pub spp: u32,
     /// Light samples at the hit of a camera path.
     pub light_samples: u32,
@@ -76,13 +75,11 @@ impl SphereRow {
     }
 }
 
-/// A render with its errors.
 pub struct SphereRender {
     pub row: SphereRow,
     pub image: Image,
     /// The strategy, as it was chosen for the scene.
     pub strategy: Option<Strategy>,
-    /// Samples that were dropped.
     pub dropped: Dropped,
     /// (I − I*) / I* per pixel of the ring, NaN elsewhere.
     pub relative_error: Vec<f64>,
@@ -184,7 +181,6 @@ pub const PBRT_RMSE: [(u32, f64); 4] = [(8, 0.107), (16, 0.066), (32, 0.047), (6
 /// Radiance of the sphere at one normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AtNormal {
-    /// Normal of the sphere.
     pub normal: [f64; 3],
     /// As PBRT renders it under the Grace map, R, G, B.
     pub pbrt: [f64; 3],

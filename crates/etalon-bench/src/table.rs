@@ -24,7 +24,6 @@ fn text_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> 
     text.map_err(|e| Error::io(Path::new("table"), e))
 }
 
-/// A cell of a CSV file.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub enum Cell<'a> {

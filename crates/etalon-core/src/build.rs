@@ -22,14 +22,12 @@ impl Build {
 
     /// The declared build of this program; without a declaration the version of this crate alone, so that two builds of such a
     /// program are not distinguished.
-    #[must_use]
     pub fn current() -> Self {
         let unknown = Self { version: env!("CARGO_PKG_VERSION"), sources: "", commit: "" };
         BUILD.get().copied().unwrap_or(unknown)
     }
 
     /// The version with the hash of the sources. Parts whose ids differ are not merged: one build may draw other samples than another.
-    #[must_use]
     pub fn id(self) -> String {
         format!("{}+{}", self.version, self.sources)
     }

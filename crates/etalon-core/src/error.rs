@@ -45,7 +45,6 @@ pub enum Error {
     Io {
         /// The file, or another name for what was written or read.
         path: PathBuf,
-        /// The system's error.
         source: std::io::Error,
     },
     /// This would need more memory than is allowed; see [`crate::memory`].
@@ -69,7 +68,6 @@ pub struct Fault {
 /// A request for memory beyond the limit. Sizes are in bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shortage {
-    /// What the memory is for.
     pub what: String,
     /// What it takes.
     pub needed: u64,
@@ -77,7 +75,6 @@ pub struct Shortage {
     pub held: u64,
     /// What the process may hold.
     pub limit: u64,
-    /// Where the limit comes from.
     pub source: &'static str,
 }
 
@@ -87,7 +84,6 @@ impl Error {
         Error::Input(Fault::new(path.display(), message))
     }
 
-    /// An [`Error::Parameter`].
     pub fn parameter(name: impl fmt::Display, message: impl Into<String>) -> Self {
         Error::Parameter(Fault::new(name, message))
     }
@@ -97,12 +93,10 @@ impl Error {
         Error::Unsupported(Fault::new(path.display(), message))
     }
 
-    /// An [`Error::Limit`].
     pub fn limit(path: &Path, message: impl Into<String>) -> Self {
         Error::Limit(Fault::new(path.display(), message))
     }
 
-    /// An [`Error::Io`].
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Error::Io { path: path.into(), source }
     }
@@ -159,7 +153,6 @@ impl Error {
     }
 
     /// The hint: what the user can do about it.
-    #[must_use]
     pub fn hint(&self) -> Option<&str> {
         match self {
             Error::Input(fault) | Error::Parameter(fault) | Error::Unsupported(fault) | Error::Limit(fault) => {

@@ -10,7 +10,6 @@ use std::sync::{Arc, LazyLock};
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// The flag itself, for a signal handler to set.
-#[must_use]
 pub fn flag() -> Arc<AtomicBool> {
     REQUESTED.clone()
 }
@@ -20,7 +19,6 @@ static NOTICED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the process has been asked to stop.
 #[inline]
-#[must_use]
 pub fn requested() -> bool {
     let requested = REQUESTED.load(Ordering::Relaxed);
     if requested {
@@ -30,7 +28,6 @@ pub fn requested() -> bool {
 }
 
 /// Whether [`requested`] has returned true: whoever asked was told.
-#[must_use]
 pub fn is_noticed() -> bool {
     NOTICED.load(Ordering::Relaxed)
 }

@@ -154,7 +154,6 @@ fn in_use() -> [u64; 2] {
 
 /// A quantity of the process in bytes from Linux's `/proc`, such as `VmHWM:`, the most memory that it has held so far.
 /// Elsewhere it is not known.
-#[must_use]
 pub fn of_process(name: &str) -> Option<u64> {
     field(&std::fs::read_to_string("/proc/self/status").ok()?, name)
 }

@@ -175,7 +175,6 @@ pub fn name_of_pair(a: &[PathBuf], word: &str, b: &[PathBuf]) -> String {
     format!("{}-{word}-{}", names[0], names[1])
 }
 
-/// The files that a command has written.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
     #[serde(serialize_with = "lossy")]
@@ -232,7 +231,6 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Adds what was written, or why it was not.
     pub fn add(&mut self, written: Result<Vec<PathBuf>>) {
         match written {
             Ok(files) => self.files.extend(files),

@@ -68,7 +68,6 @@ impl PathCounts {
     }
 }
 
-/// The average of the variances around a pixel.
 fn around(variances: &[f32], width: usize, pixel: usize) -> f32 {
     let height = variances.len() / width;
     let (mut sum, mut weights) = (0.0, 0.0);

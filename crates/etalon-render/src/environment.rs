@@ -2,7 +2,7 @@
 
 use super::lanes::{LANES, Lane3, NONE, at};
 use super::light_sample::{LightSample, LightSampleLanes};
-use super::needs::Needs;
+use super::prepared::Needs;
 use super::settings::{Sampling, Settings};
 use super::shaders::Kind;
 use etalon_core::envmap::samplers::{BATCH, EnvSample, MapSampling, SurfaceSampler};
@@ -12,7 +12,6 @@ use etalon_core::sampling::warp;
 use etalon_core::scene::{Environment, Scene};
 use glam::{DVec3, Vec3};
 
-/// Light samples of the environment.
 pub struct EnvironmentSampling<'a> {
     environment: &'a Environment,
     density: MapSampling,

@@ -3,7 +3,6 @@
 use super::adaptive::{MOST_PATHS, PathCounts, UNIFORM, variance};
 use super::camera::PreparedCamera;
 use super::film::{Dropped, Film, Part, PathClasses, Pixel, Row, Splat};
-use super::fingerprint;
 use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::LightTracing;
@@ -12,12 +11,13 @@ use super::radiance::Radiance;
 use super::ray_samples::Streams;
 use super::reference::Reference;
 use super::settings::{Kernel, Sampling, Settings, check};
+use etalon_core::build::Build;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
-use etalon_core::math::Rgb;
+use etalon_core::math::{Rgb, hash_words};
 use etalon_core::memory;
 use etalon_core::raster::{Image, Metadata};
-use etalon_core::scene::{Request, Scene};
+use etalon_core::scene::{Request, Scene, Shape};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -90,7 +90,6 @@ impl<'a> Job<'a> {
     }
 
     /// The settings of the render, with what was chosen for this scene.
-    #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -116,13 +115,11 @@ impl<'a> Job<'a> {
     }
 
     /// Equal for renders whose samples are the same; the number of samples is no part of it.
-    #[must_use]
     pub fn fingerprint(&self) -> String {
-        fingerprint::of(self.scene.scene, &self.scene.request, &self.settings)
+        fingerprint(self.scene.scene, &self.scene.request, &self.settings)
     }
 
     /// Wall-clock time since the preparation began.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
@@ -204,7 +201,6 @@ impl<'a> Job<'a> {
         done
     }
 
-    /// The number of a pixel.
     fn pixel(&self, row: &Row, x: usize) -> u64 {
         (row.y() * self.scene.request.width + x) as u64
     }
@@ -257,7 +253,6 @@ struct Sample {
     column: usize,
     /// Its number in its pixel.
     number: u32,
-    /// Slots of its paths.
     slots: Range<usize>,
 }
 
@@ -379,4 +374,46 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
         left_out: job.left_out(),
         settings: job.settings,
     })
+}
+
+/// Tells whether two renders have the same samples, so that only such are merged: a hash of all that a sample depends on: this build of the program, the scene to the last bit, the settings, and of the request all but the
+/// number of samples.
+pub(super) fn fingerprint(scene: &Scene, request: &Request, settings: &Settings) -> String {
+    let mut hash = Hash(0);
+    hash.text(&Build::current().id());
+    // What was left out changes no sample.
+    let settings = Settings { general: false, ..*settings };
+    let request = Request { spp: 0, ..*request };
+    hash.text(&format!("{settings:?} {request:?} {:?} {:?}", scene.camera, scene.lights));
+    for object in &scene.objects {
+        // Texels print a hash of themselves.
+        hash.text(&format!("{:?} {:?} {:?}", object.material, object.emission, object.axis));
+        if object.material.is_textured() {
+            hash.text(&format!("{:?}", object.meridians));
+        }
+        match &object.shape {
+            Shape::Mesh(mesh) => {
+                hash.words(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array().map(f32::to_bits)));
+                hash.words(mesh.triangles.iter().flatten().copied());
+                hash.words(mesh.uv.iter().flatten().flat_map(|uv| uv.to_array().map(f32::to_bits)));
+            }
+            other => hash.text(&format!("{other:?}")),
+        }
+    }
+    if let Some(environment) = &scene.environment {
+        hash.text(&format!("{:?} {:?} {:?}", environment.scale, environment.to_world, environment.map.hash()));
+    }
+    format!("{:016x}", hash.0)
+}
+
+struct Hash(u64);
+
+impl Hash {
+    fn words(&mut self, words: impl IntoIterator<Item = u32>) {
+        self.0 = hash_words(self.0, words);
+    }
+
+    fn text(&mut self, text: &str) {
+        self.words(text.bytes().map(u32::from));
+    }
 }

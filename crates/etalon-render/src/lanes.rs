@@ -37,7 +37,6 @@ pub fn block<const N: usize>(lanes: &[Lane; N], number: usize) -> [[f32; BLOCK];
     out
 }
 
-/// Stores a block.
 #[inline(always)]
 pub fn put<const N: usize>(lanes: &mut [Lane; N], number: usize, block: &[[f32; BLOCK]; N]) {
     for axis in 0..N {
@@ -216,7 +215,6 @@ impl Rays {
     }
 }
 
-/// What [`Rays`] hit.
 pub struct Hits {
     /// Distance along the ray.
     pub t: Lane,

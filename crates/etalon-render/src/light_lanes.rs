@@ -44,7 +44,6 @@ fn sample_shape(light: &impl SampleLight, positions: &Lane3, count: usize, u: &[
     );
 }
 
-/// Light samples of a block.
 #[inline(always)]
 fn sample_block<'l, L: SampleLight + 'l>(
     light: impl Fn(usize) -> &'l L,

@@ -96,7 +96,6 @@ impl<const N: usize> Default for LightSampleLanes<N> {
     }
 }
 
-/// A point of a light.
 #[derive(Debug, Clone, Copy)]
 pub struct LightPoint {
     pub position: Vec3,

@@ -13,7 +13,6 @@ use glam::Vec3;
 /// saves noise.
 pub const MOST_EACH: usize = 2;
 
-/// The lights of a scene that are sampled.
 pub struct Lights {
     pub all: Vec<SampledLight>,
     rounds: Vec<Round>,

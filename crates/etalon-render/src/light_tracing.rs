@@ -51,7 +51,6 @@ pub const SAMPLES_PER_LIGHT_PATH: u32 = 8;
 /// More targets than these are merged into one.
 const MOST_TARGETS: usize = 8;
 
-/// Where light paths start.
 pub struct LightTracing {
     /// Chooses a light by its power; the environment comes last.
     table: Table1,
@@ -79,7 +78,6 @@ pub fn delta_ratio(bsdf: &Bsdf, sample: &BsdfSample) -> f32 {
     bsdf.lobe_probability(sample.wi, sample.lobe) / (sample.probability * sample.eta * sample.eta)
 }
 
-/// The start of a light path.
 pub struct Start {
     /// On the light, or outside of the scene.
     pub origin: Vec3,

@@ -28,7 +28,6 @@ impl Streams {
         };
     }
 
-    /// Positions on the film.
     pub fn film(&self) -> Dimension<'_> {
         Dimension { streams: self, dimension: 0 }
     }
@@ -55,7 +54,6 @@ pub struct RaySamples<'a> {
     /// Directions of direct light that are sampled without regard to the lights. At the start of a light path the place on
     /// the light.
     pub direct: Dimension<'a>,
-    /// Light samples of the environment.
     pub environment: Dimension<'a>,
     pub light_choice: Dimension<'a>,
 }

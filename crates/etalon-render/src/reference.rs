@@ -94,7 +94,6 @@ impl Vertex<'_> {
 }
 
 impl<'a> Reference<'a> {
-    /// A path tracer for a scene and a camera.
     pub fn new(scene: &'a PreparedScene<'a>, camera: &'a PreparedCamera) -> Self {
         Self { scene, camera, rays: Box::default(), hits: Box::default() }
     }

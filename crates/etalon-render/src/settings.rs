@@ -23,11 +23,9 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// All of them.
     pub const ALL: [Self; 5] = [Self::Light, Self::Bsdf, Self::Mis, Self::MisLt, Self::Hemisphere];
 
     /// Its name at the command line, in tables and in metadata.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Light => "light",
@@ -39,7 +37,6 @@ impl Sampling {
     }
 
     /// What it does, in a line.
-    #[must_use]
     pub fn about(self) -> &'static str {
         match self {
             Self::Light => "light sampling: solid angles of area lights, the environment's radiance",
@@ -51,13 +48,11 @@ impl Sampling {
     }
 
     /// Whether lights are sampled; otherwise only sampled directions that hit emitters find light.
-    #[must_use]
     pub fn by_light(self) -> bool {
         matches!(self, Self::Light | Self::Mis | Self::MisLt)
     }
 
     /// Whether light and BSDF samples are combined.
-    #[must_use]
     pub fn is_mis(self) -> bool {
         matches!(self, Self::Mis | Self::MisLt)
     }
@@ -95,14 +90,12 @@ pub struct Settings {
 
 impl Settings {
     /// The settings by default: adaptive sampling, and the best of the [candidates](Self::candidates).
-    #[must_use]
     pub fn usual() -> Self {
         Self { adaptive: true, choose: true, ..Self::default() }
     }
 
     /// How the environment map is sampled. Where BSDF samples are combined with light samples, these leave to them what is
     /// dimmer than the mean.
-    #[must_use]
     pub fn map_sampling(&self) -> MapSampling {
         let usual = if self.sampling.is_mis() { MapSampling::COSINE_COMPENSATED } else { MapSampling::COSINE };
         self.density.unwrap_or(usual)

@@ -37,7 +37,6 @@ pub struct SurfaceShader {
 pub enum Kind {
     /// All light is absorbed.
     Black,
-    /// Lambertian reflection.
     Diffuse,
     /// Scatters into finitely many directions, which light samples cannot find.
     Delta,
@@ -48,7 +47,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Whether it is Lambertian reflection.
     #[inline]
     pub fn is_diffuse(self) -> bool {
         self == Self::Diffuse

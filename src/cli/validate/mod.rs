@@ -1,7 +1,6 @@
 //! `etalon validate`: samplers tested against their pdfs.
 
 mod external;
-mod museum;
 mod planted;
 
 use super::console::Console;
@@ -10,7 +9,7 @@ use super::map_file::{self, MapOptions};
 use crate::cli::style::StyleArgs;
 use crate::cli::values::share;
 use clap::Args;
-use etalon_bench::validation::{Tested, Validation, run, select, suite};
+use etalon_bench::validation::{Tested, Validation, museum, run, select, suite};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::figure::Wanted;
@@ -114,7 +113,7 @@ impl Validate {
             }
             let style = self.style.style()?;
             let protocol = self.protocol(global, None);
-            return museum::run(exhibits, &self.names, &protocol, &style, &self.reports, global, console);
+            return planted::run_museum(exhibits, &self.names, &protocol, &style, &self.reports, global, console);
         }
         let subject = self.subject(console)?;
         if self.list {

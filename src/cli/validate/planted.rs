@@ -1,15 +1,20 @@
-//! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted.
+//! `etalon validate --planted`: every planted fault must be rejected, and every sampler without one accepted; `--museum`: faults that
+//! were fixed in published software, in models of our own; what finds them, and what does not.
 
 use crate::cli::console::Console;
 use crate::cli::global::{Global, Reports, Verdict};
 use etalon_bench::table::Table;
+use etalon_bench::validation::Tested;
+use etalon_bench::validation::museum::{self, Exhibit, Museum, Plain, Shown};
 use etalon_bench::validation::planted::{self, By, Finding, Findings, PlantedFault};
 use etalon_core::error::Result;
 use etalon_core::files;
+use etalon_figures::figure::{Style, Wanted};
 use etalon_figures::output::{self, Saving};
 use etalon_figures::view::checks::{Check, Checks};
 use etalon_figures::view::text::{LINE, counted, wrapped};
 use etalon_figures::view::validation::{self as view, found, p_text};
+use etalon_figures::view::validation_cells as cells;
 use etalon_stats::Protocol;
 
 pub use planted::all;
@@ -104,6 +109,102 @@ fn text(findings: &Findings, explain: bool) -> String {
         findings.seconds,
     );
     if findings.interrupted {
+        text += "interrupted before all tests were finished\n";
+    }
+    text
+}
+
+/// Runs exhibits; writes and prints what was found, and draws those that `names` choose.
+pub fn run_museum(
+    exhibits: Vec<Exhibit>,
+    names: &[String],
+    protocol: &Protocol,
+    style: &Style,
+    reports: &Reports,
+    global: &Global,
+    console: &Console,
+) -> Result<Verdict> {
+    reports.check()?;
+    let target = global.target();
+    let path = output::with_extension(&target.stem(&output::name_of_run("museum", names), "", &["csv"])?, "csv");
+    let bar = console.progress(2 * exhibits.len() as u64, "museum", "runs");
+    let museum = museum::run(exhibits, protocol, &|_| bar.inc(1))?;
+    bar.finish_and_clear();
+    let mut saving = Saving::default();
+    saving.add(files::write_bytes(&path, &view::museum_csv(&museum)?).map(|()| vec![path]));
+    let mut wanted = Wanted::of(style);
+    for Shown { finding, .. } in museum.tests.iter().filter(|_| !names.is_empty()) {
+        let tested = Tested { name: finding.name.to_owned(), outcome: finding.outcome.clone() };
+        if let Some(table) = super::numbers(&tested)? {
+            let stem = target.stem("exhibit", &format!("-{}", output::file_name(finding.name)), &output::STUDY)?;
+            let drawing = cells::fault(&tested, finding.mistake);
+            saving.add(output::write(&stem, &drawing, &wanted.style(&drawing), &table));
+        }
+    }
+    saving.add(wanted.check().map(|()| Vec::new()));
+    saving.add(reports.write(&checks_of_museum(&museum)));
+    let (files, saved) = saving.end();
+    console.saved(&museum, &target.written(files), || text_of_museum(&museum));
+    saved?;
+    Ok(Verdict::of(museum.is_as_told(), museum.interrupted))
+}
+
+/// A check for each fault, which holds if it goes as its entry says.
+fn checks_of_museum(museum: &Museum) -> Checks {
+    use etalon_stats::Verdict::{Accept, Inconclusive, Reject};
+    let check = |test: &Shown| {
+        let (group, name) = test.finding.name.rsplit_once('/').unwrap_or(("museum", test.finding.name));
+        let verdict = if test.is_as_told() { Accept } else { Reject };
+        Check {
+            group: group.into(),
+            name: name.into(),
+            verdict: Some(if museum.interrupted && verdict == Reject { Inconclusive } else { verdict }),
+            message: format!("{}: {}", test.source, found(&test.finding.outcome)),
+            details: test.finding.mistake.into(),
+            seconds: Some(test.finding.outcome.seconds),
+        }
+    };
+    Checks {
+        title: "etalon validate --museum".into(),
+        list: museum.tests.iter().map(check).collect(),
+        seconds: museum.seconds,
+    }
+}
+
+fn text_of_museum(museum: &Museum) -> String {
+    let tests = &museum.tests;
+    let below = |test: &Shown| {
+        let told = [
+            Some(format!("{}: {}", test.source, test.finding.mistake)),
+            test.finding.outcome.reason().map(|reason| format!("says: {reason}")),
+            test.would_find.map(|what| format!("would find it: {what}")),
+            test.finding.sound_remark.as_ref().map(|remark| format!("the fixed twin: {remark}")),
+        ];
+        told.into_iter().flatten().map(|line| wrapped(&line, "  ", LINE)).collect::<String>()
+    };
+    let plain = |test: &Shown| match test.plain() {
+        Plain::Finds => "finds",
+        Plain::Misses => "misses",
+        Plain::RejectsBoth => "rejects both",
+        Plain::Cannot => "-",
+    };
+    let mut text = Table::of(tests)
+        .words("fault", |test| test.finding.name)
+        .words("found by", |test| test.check.filter(|_| test.is_found()).unwrap_or("nothing"))
+        .words("named", |test| if test.finding.outcome.mistake.is_some() { "yes" } else { "-" })
+        .numbers("s", |test| format!("{:.1}", test.finding.outcome.seconds))
+        .words("twin", |test| test.finding.sound)
+        .words("plain test", plain)
+        .text_with(|test, line| line + &below(test));
+    text += &format!(
+        "\n{} of {} found; {} not accepted; the plain chi-square test finds {}; {:.1} s\n",
+        museum.found,
+        counted(tests.len(), "fault"),
+        counted(museum.twins_not_accepted, "fixed twin"),
+        museum.plain_finds,
+        museum.seconds,
+    );
+    if museum.interrupted {
         text += "interrupted before all tests were finished\n";
     }
     text

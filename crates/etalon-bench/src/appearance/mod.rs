@@ -8,21 +8,23 @@
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 13.4.
 
-mod by_value;
 mod closest;
 
 pub use closest::{Model, closest};
 
-use by_value::ByValue;
 use etalon_core::envmap::samplers::{MapSampling, SurfaceSampler};
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_core::math::Frame;
 use etalon_core::raster::Image;
 use etalon_core::sampling::stream::CounterRng;
-use etalon_core::sampling::warp;
+use etalon_core::sampling::warp::{
+    self, UNIFORM_HEMISPHERE_PDF, UNIFORM_SPHERE_PDF, uniform_hemisphere, uniform_sphere,
+};
 use etalon_core::scene::{Emission, Environment, Material, Object, Ray, Rectangle, Request, Scene, Shape};
-use etalon_stats::bsdf::{BatchBsdf, Density, Direction, Family as _, Pair, Properties, Spectrum};
+use etalon_stats::bsdf::{
+    BatchBsdf, BsdfSample, DeltaLobe, Density, Direction, Family as _, Pair, PdfKind, Properties, Spectrum,
+};
 use etalon_stats::estimate;
 use glam::{DVec3, Vec3};
 use rand::RngExt;
@@ -67,7 +69,6 @@ pub struct Rendered {
 #[derive(Serialize)]
 pub struct Difference {
     pub mean_difference_percent: f64,
-    /// Its standard error.
     pub standard_error_percent: f64,
     /// The smallest mean difference that is found with 90 % probability, at [`LEVEL`].
     pub detectable_percent: f64,
@@ -91,13 +92,11 @@ pub const AROUND: usize = 2;
 
 impl Difference {
     /// Whether the mean difference is more than noise.
-    #[must_use]
     pub fn is_seen_in_mean(&self) -> bool {
         self.p < LEVEL
     }
 
     /// Whether it is more than noise, in the mean or in the pixels.
-    #[must_use]
     pub fn is_seen(&self) -> bool {
         const OVER_NOISE: f64 = 1.5;
         self.is_seen_in_mean() || self.pixel_difference_percent > OVER_NOISE * self.pixel_noise_percent
@@ -542,6 +541,80 @@ fn rgb(spectrum: Spectrum) -> DVec3 {
 fn area_pdf(rectangle: &Rectangle, wi: Vec3, distance: f32) -> f64 {
     let cos = rectangle.normal().dot(wi).abs();
     f64::from(distance * distance) / f64::from(cos * rectangle.area())
+}
+
+/// A BSDF of which only the values are asked: its directions are uniform on the hemisphere, or on the sphere if it transmits. Delta lobes, which
+/// have no values, are sampled as they are declared, one of all with probability ½.
+struct ByValue<'a> {
+    bsdf: &'a dyn BatchBsdf,
+    properties: Properties,
+}
+
+/// Random numbers of a direction: two, and one that chooses a delta lobe.
+const OF_DIRECTION: usize = 3;
+
+impl<'a> ByValue<'a> {
+    fn new(bsdf: &'a dyn BatchBsdf) -> Self {
+        let of_bsdf = bsdf.properties();
+        let dimension = OF_DIRECTION + of_bsdf.eval_dimension;
+        Self { bsdf, properties: Properties { dimension, pdf: PdfKind::Exact, ..of_bsdf } }
+    }
+
+    /// The probability of a direction that is not that of a delta lobe.
+    fn spread(&self) -> f64 {
+        if self.properties.delta { 0.5 } else { 1.0 }
+    }
+
+    fn uniform_pdf(&self) -> f64 {
+        self.spread() * if self.properties.transmission { UNIFORM_SPHERE_PDF } else { UNIFORM_HEMISPHERE_PDF }
+    }
+
+    fn is_met(&self, [wo, wi]: &Pair) -> bool {
+        self.properties.transmission || wo[2] * wi[2] > 0.0
+    }
+}
+
+impl BatchBsdf for ByValue<'_> {
+    fn properties(&self) -> Properties {
+        self.properties.clone()
+    }
+
+    fn eval(&self, pairs: &[Pair], u: &[f64]) -> etalon_stats::Result<Vec<Spectrum>> {
+        self.bsdf.eval(pairs, u)
+    }
+
+    fn pdf(&self, pairs: &[Pair]) -> etalon_stats::Result<Vec<f64>> {
+        Ok(pairs.iter().map(|pair| if self.is_met(pair) { self.uniform_pdf() } else { 0.0 }).collect())
+    }
+
+    fn sample(&self, wos: &[Direction], u: &[f64]) -> etalon_stats::Result<Vec<Option<BsdfSample>>> {
+        let numbers = || u.chunks_exact(self.properties.dimension);
+        let direction = |(wo, u): (&Direction, &[f64])| {
+            let u = [u[0], u[1]];
+            let [x, y, z] =
+                if self.properties.transmission { uniform_sphere(u) } else { uniform_hemisphere(u) }.to_array();
+            [*wo, [x, y, if wo[2] < 0.0 { -z } else { z }]]
+        };
+        let pairs: Vec<Pair> = wos.iter().zip(numbers()).map(direction).collect();
+        let rest: Vec<f64> = numbers().flat_map(|u| &u[OF_DIRECTION..]).copied().collect();
+        let (values, lobes) = (self.bsdf.eval(&pairs, &rest)?, self.bsdf.delta_lobes(wos)?);
+        let sample = |(i, u): (usize, &[f64])| {
+            let ([_, wi], f, lobes) = (&pairs[i], values[i], &lobes[i]);
+            let pdf = self.uniform_pdf();
+            if u[2] < self.spread() {
+                return Some(BsdfSample::new(*wi, f.map(|f| f * wi[2].abs() / pdf), Density::Pdf(pdf)));
+            }
+            let probability = (1.0 - self.spread()) / lobes.len() as f64;
+            let lobe = lobes.get(((u[2] - self.spread()) / probability) as usize)?;
+            let weight = lobe.throughput.map(|throughput| throughput / probability);
+            Some(BsdfSample::new(lobe.wi, weight, Density::Delta(probability)))
+        };
+        Ok(numbers().enumerate().map(sample).collect())
+    }
+
+    fn delta_lobes(&self, wos: &[Direction]) -> etalon_stats::Result<Vec<Vec<DeltaLobe>>> {
+        self.bsdf.delta_lobes(wos)
+    }
 }
 
 #[cfg(test)]

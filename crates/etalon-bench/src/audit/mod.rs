@@ -4,7 +4,6 @@
 mod formulas;
 mod map;
 mod materials;
-mod misprints;
 
 use crate::validation::{Case, run};
 use etalon_core::error::Result;
@@ -18,7 +17,7 @@ pub fn audit(protocol: &Protocol) -> Result<Vec<Erratum>> {
     suspects.extend(formulas::suspects());
     suspects.extend([materials::glass(), map::pole_rows(), map::corners(), map::gaussian_numbers()?]);
     suspects.push(map::rows_without_sums());
-    suspects.extend(misprints::suspects());
+    suspects.extend(formulas::misprints());
     let (mut errata, cases): (Vec<Erratum>, Vec<[Case; 2]>) = suspects.into_iter().unzip();
     let tests = run(&cases.into_iter().flatten().collect::<Vec<_>>(), protocol, &|_| ())?.tests;
     for (erratum, pair) in errata.iter_mut().zip(tests.chunks(2)) {
@@ -49,7 +48,6 @@ pub enum Nature {
 }
 
 impl Nature {
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -65,11 +63,8 @@ pub struct Erratum {
     /// What it is about, in a few words.
     pub title: &'static str,
     pub report: &'static str,
-    /// An error, an approximation or a misprint.
     pub nature: Nature,
-    /// As printed.
     pub printed: &'static str,
-    /// Corrected.
     pub right: &'static str,
     /// What is tested, for the printed claim and for the corrected one.
     pub test: &'static str,
@@ -101,9 +96,7 @@ pub struct ErratumCurves {
     pub every: f64,
     /// Label of the y axis.
     pub y: &'static str,
-    /// As printed.
     pub printed: Vec<[f64; 2]>,
-    /// Corrected.
     pub right: Vec<[f64; 2]>,
     /// Whether these are scattered points and not curves.
     pub scattered: bool,

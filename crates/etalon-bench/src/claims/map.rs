@@ -14,11 +14,8 @@ use etalon_stats::Extremes;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// What the claims are tested on.
 pub struct MapInputs<'a> {
-    /// The map.
     pub map: &'a EnvMap,
-    /// The exact image of the sphere under it.
     pub exact: &'a Exact,
     /// Renders of the sphere by light samples of the map alone, as the report's.
     pub renders: &'a Series,

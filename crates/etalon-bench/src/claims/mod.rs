@@ -25,36 +25,28 @@ const SIGMAS: f64 = 3.0;
 /// What a number must be for the claim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
-    /// At least that.
     AtLeast(f64),
-    /// At most that.
     AtMost(f64),
 }
 
-/// How a number is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unit {
     /// As it is.
     #[default]
     Plain,
-    /// A share, in percent.
     Percent,
-    /// An angle in degrees.
     Degrees,
 }
 
 /// A number that speaks for or against a claim.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// What it is.
     pub what: String,
     /// The number.
     pub value: f64,
     /// The standard error of its distance from the bound; 0 where no chance is involved.
     pub error: f64,
-    /// How it is shown.
     pub unit: Unit,
-    /// What the claim demands.
     pub bound: Bound,
 }
 
@@ -64,18 +56,15 @@ impl Finding {
         Self::estimated(what, [value, 0.0], bound)
     }
 
-    /// A number and its standard error.
     pub fn estimated(what: impl Into<String>, [value, error]: [f64; 2], bound: Bound) -> Self {
         Self { what: what.into(), value, error, unit: Unit::Plain, bound }
     }
 
-    /// The same in percent.
     #[must_use]
     pub fn in_percent(self) -> Self {
         Self { unit: Unit::Percent, ..self }
     }
 
-    /// The same in degrees.
     #[must_use]
     pub fn in_degrees(self) -> Self {
         Self { unit: Unit::Degrees, ..self }
@@ -94,7 +83,6 @@ impl Finding {
     }
 }
 
-/// What the findings say of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// All findings meet it.
@@ -108,7 +96,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -124,18 +111,15 @@ impl Verdict {
 pub struct Text {
     /// In the report: a figure, a table or the text.
     pub place: &'static str,
-    /// What it says.
     pub claim: &'static str,
     /// The number that it prints, if it prints one.
     pub number: &'static str,
-    /// Figures that show it.
     pub evidence: &'static [&'static str],
     /// What the numbers mean, or why there are none.
     pub remark: &'static str,
 }
 
 impl Text {
-    /// The claim with what was measured.
     pub fn with(self, findings: impl Into<Vec<Finding>>) -> Claim {
         Claim { text: self, findings: findings.into(), elsewhere: String::new() }
     }
@@ -146,10 +130,8 @@ impl Text {
     }
 }
 
-/// A claim with its findings.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Claim {
-    /// What the report says.
     pub text: Text,
     /// What is measured; without findings the claim cannot be tested.
     pub findings: Vec<Finding>,
@@ -176,7 +158,6 @@ impl Claim {
         if self.is_judged() { self.verdict().name().to_owned() } else { format!("measured on {}", self.elsewhere) }
     }
 
-    /// What the findings say of the claim.
     pub fn verdict(&self) -> Verdict {
         let decided: Option<Vec<bool>> = self.findings.iter().map(Finding::holds).collect();
         let Some(decided) = decided.filter(|all| !all.is_empty()) else { return Verdict::NotTestable };
@@ -188,7 +169,6 @@ impl Claim {
     }
 }
 
-/// A share in percent, for texts.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {

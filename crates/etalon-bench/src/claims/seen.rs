@@ -6,7 +6,6 @@ use glam::DVec3;
 /// What the ray through the centre of a pixel meets, reflected by metals and mirrors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sight {
-    /// Reflections before it.
     pub reflections: u32,
     /// The number of the object; `None` if there is none.
     pub object: Option<usize>,

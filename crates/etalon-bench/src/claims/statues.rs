@@ -19,7 +19,6 @@ use glam::DVec3;
 pub struct StatueInputs<'a> {
     /// The scene of the smoothest statue.
     pub scene: &'a Scene,
-    /// Its request.
     pub request: &'a Request,
     /// Statues of gold of increasing roughness.
     pub statues: &'a [&'a StatueRender],
@@ -28,7 +27,6 @@ pub struct StatueInputs<'a> {
 /// Pixels below this share of the statue's mean are black.
 const BLACK: f64 = 0.1;
 
-/// Tests the claims on statues of gold.
 pub fn statue_claims(inputs: &StatueInputs) -> Vec<Claim> {
     let [smooth, .., rough] = inputs.statues else { return Vec::new() };
     let shares: Vec<[f64; 2]> = inputs.statues.iter().map(|statue| brightest(statue)).collect();

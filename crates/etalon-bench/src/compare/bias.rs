@@ -12,9 +12,7 @@ use serde::Serialize;
 pub struct Bias {
     /// A − B.
     pub value: f64,
-    /// Its lower end.
     pub low: f64,
-    /// Its upper end.
     pub high: f64,
 }
 
@@ -46,7 +44,6 @@ pub struct Needed {
     pub times: f64,
     /// The numbers of replicates of both sides; none of other sides.
     pub replicates: [Option<usize>; 2],
-    /// Which sides have noise.
     pub noisy: [bool; 2],
 }
 

@@ -45,13 +45,11 @@ impl Explanation {
     }
 
     /// The mistake, after "in part: " where undoing it leaves more than noise.
-    #[must_use]
     pub fn headline(&self) -> String {
         format!("{}{}", if self.in_part { "in part: " } else { "" }, self.mistake)
     }
 
     /// The same, with what undoes it in brackets where that is not obvious.
-    #[must_use]
     pub fn told(&self) -> String {
         let cure = if self.is_obvious { String::new() } else { format!(" ({})", self.change) };
         self.headline() + &cure
@@ -92,7 +90,6 @@ struct Change<'a> {
     is_obvious: bool,
     /// A pixel of the changed image: images may be large, and most changes are told to be wrong by a part of it.
     pixel: Box<dyn Fn(usize, usize) -> Rgb + 'a>,
-    /// What becomes of a value.
     value: Value,
 }
 
@@ -166,8 +163,6 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// The mistake.
-    #[must_use]
     pub fn explanation(self) -> Option<Explanation> {
         if let Self::Mistake(explanation) = self { Some(explanation) } else { None }
     }
@@ -176,7 +171,6 @@ impl Reason {
 /// The mistake, among a few that people make, after whose undoing `a` differs from `b` by noise alone, or two of them if one does not
 /// do. Images of one size; `stored` says which are stored as integers, of an sRGB
 /// curve: these are clipped at 1.
-#[must_use]
 pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let grid = Grids::new(b, &[a, b]);
     let before = grid.structure(a, b);
@@ -280,7 +274,6 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
 
 /// The turn or transposition of `a` after which it is as wide and high as `b`, and differs by noise or by next to nothing; `a` is as
 /// wide as `b` is high, and as high as that is wide.
-#[must_use]
 pub fn explain_turned(a: &Image, b: &Image) -> Option<Explanation> {
     let grid = Grids::new(b, &[b]);
     let turns = rearranged(a, b);
@@ -380,13 +373,11 @@ fn decimals(value: f64) -> usize {
     (2.0 - value.abs().log10().floor()).within(0.0, 6.0) as usize
 }
 
-/// A number with three digits that count.
 fn three_digits(value: f64) -> String {
     format!("{value:.0$}", decimals(value))
 }
 
 /// A number with three digits that count, and the half width of its interval, if that is not 0 in these digits: "1.11 ± 0.02".
-#[must_use]
 pub fn with_interval(value: f64, half_width: f64) -> String {
     let half = format!("{half_width:.0$}", decimals(value));
     let is_known = half.contains(|c: char| ('1'..='9').contains(&c));

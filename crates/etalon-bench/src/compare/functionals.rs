@@ -19,11 +19,8 @@ pub enum Family {
 }
 
 impl Family {
-    /// All of them.
     pub const ALL: [Self; 3] = [Self::Mean, Self::LowFrequency, Self::Tiles];
 
-    /// Its name in texts.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",
@@ -74,7 +71,6 @@ pub struct Layout<'a> {
 pub struct Blocks<'a> {
     size: [usize; 2],
     valid: &'a [bool],
-    /// The pixels that count of each block.
     pub pixels: Vec<Vec<usize>>,
 }
 
@@ -158,7 +154,6 @@ impl<'a> Layout<'a> {
         y / self.side * self.size[0].div_ceil(self.side) + x / self.side
     }
 
-    /// Number of functionals.
     pub fn count(&self) -> usize {
         WAVES + self.in_tile.len()
     }
@@ -215,7 +210,6 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// All functionals of an image.
     pub fn values(&self, image: &Image) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; self.count()];
         self.weights(|pixel, i, weight| {

@@ -18,7 +18,6 @@ pub struct Measured {
     pub beyond_noise: Option<bool>,
     /// The mean of A over that of B with the half width of its interval of 95 %, where noise hides which mistake explains the difference.
     pub ratio_of_means: Option<[f64; 2]>,
-    /// Whether A and B have the same values.
     pub identical: bool,
 }
 
@@ -53,7 +52,6 @@ pub struct Metric {
     pub name: &'static str,
     /// What it is called in texts.
     pub title: &'static str,
-    /// Its unit, if it has one.
     pub unit: &'static str,
     /// Whether it grows as images become alike.
     pub is_similarity: bool,
@@ -66,25 +64,21 @@ impl Metric {
     }
 
     /// By its name; `hdr_flip` is `flip`, too.
-    #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         METRICS.iter().find(|metric| metric.name == name || name == "hdr_flip" && metric.name == "flip")
     }
 
     /// What it is called above a column: "PSNR (dB)".
-    #[must_use]
     pub fn heading(&self) -> String {
         if self.unit.is_empty() { self.title.into() } else { format!("{} ({})", self.title, self.unit) }
     }
 
     /// Its value; NaN where it is not defined.
-    #[must_use]
     pub fn of(&self, measured: &Measured) -> f64 {
         (self.of)(measured)
     }
 }
 
-/// All of them.
 pub const METRICS: [Metric; 9] = [
     Metric::error("mse", "MSE", |m| m.numbers.mse),
     Metric::error("rel_mse", "relative MSE", |m| m.numbers.rel_mse),
@@ -106,13 +100,11 @@ pub struct Limit {
 
 impl Limit {
     /// Whether an image keeps it. It does not where the metric is not defined, or has left out pixels that are not finite.
-    #[must_use]
     pub fn holds(&self, measured: &Measured) -> bool {
         measured.numbers.non_finite == 0 && self.holds_of_rest(measured)
     }
 
     /// Whether the pixels that are finite keep it, where the metric is defined.
-    #[must_use]
     pub fn holds_of_rest(&self, measured: &Measured) -> bool {
         self.metric.of(measured) <= self.most
     }

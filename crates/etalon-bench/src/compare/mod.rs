@@ -47,7 +47,6 @@ pub struct Plan {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
-    /// The expectations differ.
     Different,
     /// No difference found, though a uniform bias as small as asked for would have been found.
     NoDifferenceFound,
@@ -62,11 +61,9 @@ pub enum Answer {
 /// One functional in one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tested {
-    /// What is measured.
     pub functional: Functional,
     /// 0 to 2: R, G, B, or X, Y, Z.
     pub channel: usize,
-    /// Means of both sides.
     pub means: [f64; 2],
     /// That of B with its error.
     of_b: Mean,
@@ -91,12 +88,9 @@ pub struct FamilyResult {
     pub untested: Option<&'static str>,
 }
 
-/// The comparison of two sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// What was asked.
     pub plan: Plan,
-    /// What the tests say.
     pub answer: Answer,
     pub families: Vec<FamilyResult>,
     /// Smallest relative bias of the whole image that would have been found with 90 % probability; none where the mean is dominated.
@@ -129,7 +123,6 @@ pub struct Compared {
     pub non_finite: usize,
     /// The first image with such a pixel, which rejects it as `converge` rejects a run: a program that writes NaN is wrong.
     pub not_finite: Option<NotFinite>,
-    /// Mean images of both sides.
     pub means: [Image; 2],
     /// What would explain their difference, if the sides are different.
     pub explanation: Option<Explanation>,
@@ -288,7 +281,6 @@ fn families(
 impl Compared {
     /// The difference of a test of `family`, in parts of the mean of B: of the image's, or of a tile's own; nothing where that is not told
     /// from 0.
-    #[must_use]
     pub fn bias(&self, family: &FamilyResult, test: &Tested) -> Option<Bias> {
         let of_b = if family.family == Family::Tiles { test.of_b } else { self.mean_of_b[test.channel] };
         Bias::of(test.difference, of_b, family.level(self.plan))
@@ -297,7 +289,6 @@ impl Compared {
 
 impl Tested {
     /// The order of tests, the least likely first: by t where p is too small for a double.
-    #[must_use]
     pub fn by_p(&self, other: &Self) -> Ordering {
         let [a, b] = [self, other].map(|test| test.difference);
         a.p().total_cmp(&b.p()).then(b.t().abs().total_cmp(&a.t().abs()))
@@ -313,14 +304,11 @@ impl FamilyResult {
         self.adjusted_p = self.worst.map(|test| self.adjusted(&test));
     }
 
-    /// The level of each of its tests.
-    #[must_use]
     pub fn level(&self, plan: Plan) -> f64 {
         plan.level / FAMILIES / self.tests.len().max(1) as f64
     }
 
     /// The p-value of a test, corrected for the number of tests and of families.
-    #[must_use]
     pub fn adjusted(&self, test: &Tested) -> f64 {
         (test.difference.p() * self.tests.len() as f64 * FAMILIES).at_most(1.0)
     }

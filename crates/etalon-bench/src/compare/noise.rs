@@ -144,7 +144,6 @@ impl Noise {
     }
 }
 
-/// Sums over a block.
 #[derive(Default)]
 struct Sums {
     /// What squares have above their expectations, and the expectations, each by the typical variance.

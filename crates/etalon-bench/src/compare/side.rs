@@ -32,7 +32,6 @@ pub enum Noise {
 pub struct Side {
     /// The replicates; one image where the noise is known otherwise.
     pub images: Vec<Image>,
-    /// How the noise is known.
     pub noise: Noise,
     /// What users should know of the files.
     pub notes: Vec<String>,
@@ -57,7 +56,6 @@ fn read_linear(path: &Path) -> Result<(Image, Vec<String>)> {
 
 impl Side {
     /// Independent images, at least two.
-    #[must_use]
     pub fn replicates(images: Vec<Image>) -> Self {
         Self {
             images,
@@ -71,13 +69,11 @@ impl Side {
     }
 
     /// An image whose independent pixels have these standard errors.
-    #[must_use]
     pub fn with_error(image: Image, error: Image) -> Self {
         Self { noise: Noise::PerPixel, error: Some(error), ..Self::replicates(vec![image]) }
     }
 
     /// An image without noise.
-    #[must_use]
     pub fn exact(image: Image) -> Self {
         Self { noise: Noise::None, ..Self::replicates(vec![image]) }
     }
@@ -158,13 +154,10 @@ impl Side {
     }
 
     /// Columns and rows.
-    #[must_use]
     pub fn size(&self) -> [usize; 2] {
         self.images.first().map_or([0, 0], |image| [image.width(), image.height()])
     }
 
-    /// Whether it has seeds in common with `other`.
-    #[must_use]
     pub fn shares_seeds(&self, other: &Self) -> bool {
         self.seeds.iter().any(|seed| other.seeds.contains(seed))
     }
@@ -301,7 +294,6 @@ fn bits(image: &Image) -> impl Iterator<Item = u32> + '_ {
     image.pixels().iter().flat_map(|p| p.to_array().map(f32::to_bits))
 }
 
-/// The mean of a side's images.
 pub(super) fn mean_image(side: &Side) -> Image {
     let [width, height] = side.size();
     let mut sums = vec![glam::DVec3::ZERO; width * height];

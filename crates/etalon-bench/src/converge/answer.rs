@@ -8,7 +8,6 @@ use etalon_stats::Extremes;
 use etalon_stats::estimate::Estimate;
 use serde::Serialize;
 
-/// The curves of all contenders on one scene.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Convergence {
     pub scene: String,
@@ -27,7 +26,6 @@ pub struct Convergence {
     /// Whether images are shown at equal samples, not after equal time.
     #[serde(skip)]
     pub equal_samples: bool,
-    /// Runs of renderers that failed.
     pub faults: Vec<Fault>,
     /// What else must be known of the result, in words.
     pub notes: Vec<String>,
@@ -37,13 +35,11 @@ pub struct Convergence {
     pub seconds: f64,
     /// The part of these that the exact image takes, which is no part of the budget; 0 without one.
     pub exact_seconds: f64,
-    /// The reference of the errors.
     #[serde(skip)]
     pub truth: Option<Reference>,
 }
 
 impl Convergence {
-    /// A contender's curve.
     pub fn curve(&self, name: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.strategy == name)
     }
@@ -64,7 +60,6 @@ impl Convergence {
         unbiased.map(known).reduce(f64::at_least).unwrap_or(f64::NAN)
     }
 
-    /// Whether any contender has a verdict.
     pub fn has_verdict(&self) -> bool {
         self.curves.iter().any(|curve| curve.verdict != CurveVerdict::Unknown)
     }
@@ -90,7 +85,6 @@ pub struct Ratio {
     pub ratio: f64,
     /// Lower end of its interval.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
 }
 
@@ -103,7 +97,6 @@ pub struct Rival {
     pub ratio: f64,
     /// Lower end of its interval: above 1 if the rival is better beyond chance.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
 }
 

@@ -5,7 +5,7 @@
 use super::doubling::{Deadline, Doubling, Times};
 use super::recorded::Recorded;
 use super::strategy::Strategy;
-use crate::protocol::renderer::Renderer;
+use crate::protocol::renderer::{Renderer, RunFailure};
 use etalon_core::error::Result;
 use etalon_core::raster::Image;
 use etalon_core::scene::{Request, Scene};
@@ -39,15 +39,7 @@ pub enum Step {
     Stopped,
     /// There are no more images.
     End,
-    Failed(Failure),
-}
-
-/// Why there is no image.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure {
-    pub message: String,
-    /// Whether another try would only waste time.
-    pub is_final: bool,
+    Failed(RunFailure),
 }
 
 /// A run of a renderer that gave no image which can be used.
@@ -56,20 +48,16 @@ pub struct Fault {
     pub strategy: String,
     /// From 1.
     pub replicate: u32,
-    /// Seed of the run.
     pub seed: u64,
-    /// Samples per pixel.
     pub spp: u32,
     pub message: String,
 }
 
 impl Contender {
-    /// Strategies as contenders.
     pub fn of(strategies: &[Strategy]) -> Vec<Self> {
         strategies.iter().cloned().map(Self::from).collect()
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         match self {
             Self::Strategy(strategy) => &strategy.name,
@@ -93,7 +81,6 @@ impl Contender {
         matches!(self, Self::Strategy(strategy) if strategy.is_independent())
     }
 
-    /// Whether fixed lights stand for the environment.
     pub fn has_fixed_lights(&self) -> bool {
         matches!(self, Self::Strategy(strategy) if strategy.has_fixed_lights())
     }
@@ -133,13 +120,11 @@ const FIRST_IMAGE: f64 = 1.0 / 3.0;
 /// A replicate while it is rendered.
 pub struct Replicate<'a> {
     source: Source<'a>,
-    /// Seed of its random numbers.
     pub seed: u64,
     /// Samples per pixel of the last image, 0 before the first.
     pub spp: u32,
     /// Wall-clock seconds before the first sample, as far as they are known.
     pub preparation: f64,
-    /// The strategy that ours chose for the scene.
     pub chosen: Option<Strategy>,
     /// Wall-clock seconds of all images so far, with the preparation.
     spent: f64,
@@ -155,7 +140,6 @@ impl<'a> Replicate<'a> {
         Self { source, seed, spp: 0, preparation: 0.0, chosen: None, spent: 0.0, last: Default::default() }
     }
 
-    /// A replicate by our renderer with these settings.
     pub fn ours(scene: &'a Scene, request: &Request, settings: &Settings) -> Result<Self> {
         let render = Doubling::new(scene, request, settings)?;
         let (preparation, chosen) = (render.preparation.wall, Strategy::of(render.settings(), scene));
@@ -201,7 +185,7 @@ impl<'a> Replicate<'a> {
                 }
                 let dropped = render.dropped();
                 if dropped.total() > 0 {
-                    return Step::Failed(Failure { message: dropped.to_string(), is_final: true });
+                    return Step::Failed(RunFailure { message: dropped.to_string(), is_final: true });
                 }
                 self.spent = self.preparation + render.times.wall;
                 self.spp = spp;
@@ -216,15 +200,14 @@ impl<'a> Replicate<'a> {
                 let most = if self.spp == 0 { left * FIRST_IMAGE } else { left };
                 let run = renderer.run(spp, self.seed, *size, Duration::from_secs_f64(most));
                 // What the end of the budget stops is no fault of the program.
-                match run {
-                    Err(_) if deadline.is_over() => return Step::Stopped,
-                    Err(failure) => Err(Failure { message: failure.message, is_final: failure.is_final }),
-                    Ok(run) => Ok((run.image, Times { wall: run.wall, cpu: run.cpu })),
+                if run.is_err() && deadline.is_over() {
+                    return Step::Stopped;
                 }
+                run.map(|run| (run.image, Times { wall: run.wall, cpu: run.cpu }))
             }
             Source::Recorded { recorded, size } => {
                 let read = recorded.image(self.seed, spp, *size);
-                read.map_err(|message| Failure { message, is_final: true })
+                read.map_err(|message| RunFailure { message, is_final: true })
             }
         };
         match made {

@@ -16,9 +16,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// One replicate at one number of samples.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// Samples per pixel.
     pub spp: u32,
-    /// Time to render them.
     pub times: Times,
     /// Against the reference.
     pub errors: Comparison,
@@ -29,13 +27,11 @@ pub struct Measured {
 /// All replicates at one number of samples. Errors carry 95 % intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Level {
-    /// Samples per pixel.
     pub spp: u32,
     /// Mean times of a render, without its preparation.
     pub cpu_seconds: f64,
     /// See `cpu_seconds`.
     pub wall_seconds: f64,
-    /// Mean squared error.
     pub mse: Estimate,
     /// Mean squared error over the squared reference.
     pub rel_mse: Estimate,
@@ -55,13 +51,11 @@ impl Level {
         self.mse.value.sqrt()
     }
 
-    /// The interval of [`Level::rmse`].
     pub fn rmse_band(&self) -> [f64; 2] {
         self.mse.positive().map(f64::sqrt)
     }
 }
 
-/// The conclusion from a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveVerdict {
@@ -84,9 +78,7 @@ pub struct TimeFit {
     pub startup_wall_seconds: Estimate,
     /// Processor seconds before the first sample.
     pub startup_cpu_seconds: Estimate,
-    /// Wall-clock seconds for each sample per pixel.
     pub wall_seconds_per_spp: Estimate,
-    /// Processor seconds for each sample per pixel.
     pub cpu_seconds_per_spp: Estimate,
 }
 
@@ -117,12 +109,10 @@ fn is_separated(slope: Estimate) -> bool {
     slope.value > 2.0 * slope.standard_error
 }
 
-/// One contender's errors.
 #[derive(Debug, Clone, Serialize)]
 pub struct Curve {
     /// Whose errors they are.
     pub strategy: String,
-    /// What was measured.
     #[serde(skip)]
     pub contender: Contender,
     /// Renders with seeds of their own.
@@ -171,7 +161,6 @@ pub const BIAS_LEVEL: f64 = 5e-3;
 /// The result of one replicate.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Seed of its random numbers.
     pub seed: u64,
     /// By samples per pixel, ascending.
     pub levels: Vec<Measured>,

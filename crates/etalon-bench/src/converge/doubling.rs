@@ -29,7 +29,6 @@ impl Deadline {
         if self.is_over() { 0.0 } else { self.0.saturating_duration_since(Instant::now()).as_secs_f64() }
     }
 
-    /// Whether the deadline has passed.
     pub fn is_over(&self) -> bool {
         interrupt::requested() || Instant::now() >= self.0
     }

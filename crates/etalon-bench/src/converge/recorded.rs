@@ -31,7 +31,6 @@ struct Row {
     cpu_seconds: f64,
 }
 
-/// The file of times.
 const TIMES: &str = "times.csv";
 /// Largest file of times, in bytes.
 const LONGEST: u64 = 1 << 24;
@@ -45,7 +44,6 @@ fn folder_of(dir: &Path, name: &str) -> PathBuf {
     dir.join(file_name(name))
 }
 
-/// Keeps an image.
 pub fn keep_image(dir: &Path, name: &str, [spp, seed]: [u64; 2], image: &Image) -> Result<()> {
     raster::write(&image_path(&folder_of(dir, name), spp as u32, seed), image, &Metadata::default())
 }
@@ -98,7 +96,6 @@ impl Recorded {
         Ok(Self { name, folder, times })
     }
 
-    /// The folder's name.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -19,11 +19,9 @@ use std::f64::consts::PI;
 pub struct Reference {
     /// Two independent estimates; twice the same image where it is exact.
     halves: [Image; 2],
-    /// What is known of it.
     pub facts: Facts,
 }
 
-/// What is known of a reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
     /// Whether it is known in closed form or by quadrature.
@@ -151,7 +149,6 @@ impl Reference {
         Ok(Some(Self { halves: images, facts }))
     }
 
-    /// Whether it is an image of unknown noise.
     pub fn is_of_unknown_noise(&self) -> bool {
         !self.facts.exact && self.facts.spp == 0
     }

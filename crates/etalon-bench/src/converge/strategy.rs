@@ -63,7 +63,6 @@ pub fn methods() -> Vec<(String, String)> {
 /// cannot be added.
 pub type Suffix = (&'static str, &'static str, fn(Settings) -> Option<Settings>);
 
-/// All suffixes.
 pub const SUFFIXES: [Suffix; 4] = [
     ("lt", "light tracing as a third technique of mis", |settings| {
         let is_mis = matches!(settings.sampling, Sampling::Mis | Sampling::MisLt);
@@ -172,7 +171,6 @@ impl Strategy {
         name.parse().ok()
     }
 
-    /// The settings of a render of a scene by this strategy.
     pub fn settings(&self, seed: u64) -> Settings {
         Settings { seed, ..self.settings }
     }

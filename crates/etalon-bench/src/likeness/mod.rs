@@ -82,14 +82,10 @@ impl Claim {
         Ok(Self { family, chosen, f0 })
     }
 
-    /// The name of the model.
-    #[must_use]
     pub fn name(&self) -> &str {
         self.family.name()
     }
 
-    /// Whether the model has the parameter `name`.
-    #[must_use]
     pub fn has(&self, name: &str) -> bool {
         !meant(&self.family, name).is_empty() || name == F0 && is_metal(&self.family)
     }
@@ -242,11 +238,9 @@ struct Likeness {
     remarks: Vec<String>,
 }
 
-/// How a BSDF differs from the model.
 #[derive(Default)]
 struct Difference {
     words: String,
-    /// The variants of the model that it may be.
     variants: Vec<Variant>,
     /// Directions `wi` with the value that was found and that of the model.
     numbers: Vec<(Direction, [f64; 2])>,

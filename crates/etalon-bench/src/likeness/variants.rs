@@ -22,7 +22,6 @@ pub enum Material {
     Dielectric(f64),
 }
 
-/// A microfacet surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
     pub distribution: Distribution,
@@ -229,7 +228,6 @@ pub const FACTORS: [Factor; 5] = [
     ),
 ];
 
-/// A variant with its values.
 pub struct Candidate {
     /// How it differs from the model; none is the model itself.
     pub changes: Vec<&'static str>,

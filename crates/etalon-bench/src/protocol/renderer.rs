@@ -50,7 +50,7 @@ pub struct Rendered {
     pub cpu: f64,
 }
 
-/// Why a run has no image.
+/// Why there is no image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunFailure {
     /// In words, with the last line of the program's standard error.
@@ -91,7 +91,6 @@ impl Renderer {
         Ok(Self { name: name.to_owned(), words, scene, threads, limit })
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }

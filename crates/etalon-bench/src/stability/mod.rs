@@ -12,18 +12,14 @@ mod geometry;
 mod microfacet;
 mod normals;
 mod number;
-mod registry;
 mod replay;
 mod rough_dielectric;
-mod row;
 mod special;
 mod sweep;
 
-pub use family::{Family, Scale, Section, Variant};
+pub use family::{Bound, ErrorRow, Family, REPORT, STABLE, Scale, Section, TEXTBOOK, Variant};
 pub use number::Precision;
-pub use registry::{REGISTRY, figures, of_figure};
 pub use replay::{Replay, Replayed, replay};
-pub use row::{Bound, ErrorRow, REPORT, STABLE, TEXTBOOK};
 pub use special::{ABOUT as ABOUT_SPECIAL, NAME as SPECIAL};
 pub use sweep::{Case, Sweep};
 
@@ -31,11 +27,52 @@ use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use serde::Serialize;
 
-/// The results of a run.
+/// All families of formulas: each is a constant and a line here.
+pub static REGISTRY: [&Family; 23] = [
+    &dielectric::FRESNEL,
+    &dielectric::SCHLICK,
+    &conductor::FAMILY,
+    &dielectric::REFRACTION,
+    &microfacet::BECKMANN_D,
+    &microfacet::GGX_D,
+    &microfacet::BECKMANN_G1,
+    &microfacet::GGX_G1,
+    &microfacet::BECKMANN_G2,
+    &microfacet::GGX_G2,
+    &microfacet::BECKMANN_PDF,
+    &microfacet::GGX_PDF,
+    &normals::BECKMANN,
+    &normals::GGX,
+    &normals::COSINE_HEMISPHERE,
+    &normals::UNIFORM_HEMISPHERE,
+    &geometry::HALF_VECTOR,
+    &geometry::HALF_COSINE,
+    &rough_dielectric::HALF_VECTOR,
+    &rough_dielectric::JACOBIAN,
+    &rough_dielectric::PDF,
+    &geometry::SPHERE,
+    &geometry::TRIANGLE,
+];
+
+/// Ids of the figures that show families, each once.
+pub fn figures() -> Vec<&'static str> {
+    let mut figures = Vec::new();
+    for family in REGISTRY {
+        if !figures.contains(&family.figure) {
+            figures.push(family.figure);
+        }
+    }
+    figures
+}
+
+/// Names of the families that a figure shows.
+pub fn of_figure(figure: &str) -> Vec<&'static str> {
+    REGISTRY.iter().filter(|family| family.figure == figure).map(|family| family.name).collect()
+}
+
 pub struct Stability {
     /// A row for each family or function at special directions, variant and precision.
     pub rows: Vec<ErrorRow>,
-    /// Whether the bounds on errors hold.
     pub bounds: Vec<BoundCheck>,
     /// All cases of the families, for maps of their errors.
     pub sweeps: Vec<Sweep>,
@@ -90,27 +127,13 @@ pub fn run<S: AsRef<str>>(only: &[S], side: usize, before: &mut dyn FnMut(&'stat
     Ok(Stability { bounds, rows, sweeps, interrupted })
 }
 
-/// Runs a family on random inputs such as `fresnel:eta=0.999..1.001,cos=0.1..1`: numbers or ranges for all of its inputs.
-///
-/// # Errors
-/// [`Error::Parameter`] for anything else.
-pub fn search(inputs: &str, seed: u64) -> Result<Stability> {
-    let sweep = replay::at_random(inputs, seed)?;
-    let (rows, mut bounds) = (sweep.rows(), BoundCheck::of_sweep(&sweep));
-    bounds.insert(0, BoundCheck::finite(&rows));
-    Ok(Stability { rows, bounds, sweeps: Vec::new(), interrupted: false })
-}
-
 /// A bound, and the largest error that was found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct BoundCheck {
     /// The family or `special-directions`, and which error.
     pub name: String,
-    /// The largest error.
     pub got: f64,
-    /// The largest error that is allowed.
     pub limit: f64,
-    /// Whether the error is within the limit.
     pub holds: bool,
     /// The input of the largest error, as `--replay` takes it.
     pub worst: String,

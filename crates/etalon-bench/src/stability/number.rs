@@ -125,7 +125,6 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// Both.
     pub const ALL: [Self; 2] = [Self::Single, Self::Double];
 
     /// Its name in tables: `f32` or `f64`.

@@ -125,7 +125,6 @@ struct Facet<T> {
     wm: [T; 3],
     /// Its cosine with `wo`, without the sign.
     cos: T,
-    /// Whether it reflects.
     reflects: bool,
     /// The index on the far side over that on the side of `wo`.
     eta: T,

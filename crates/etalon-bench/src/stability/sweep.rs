@@ -1,9 +1,9 @@
 //! A family swept over its grids: every variant in every precision against the exact value at the rounded input; one input, the
 //! errors of all variants there, and how much of them rounding of the input alone would explain.
 
+use super::family::ErrorRow;
 use super::family::Family;
 use super::number::{Formula, Number, Precise, Precision, Value, dot};
-use super::row::ErrorRow;
 use rayon::prelude::*;
 
 /// One input in one precision.
@@ -188,9 +188,7 @@ fn flaw(range: Range, precision: Precision, value: [f64; 3]) -> Option<Flaw> {
     }
 }
 
-/// All cases of a family.
 pub struct Sweep {
-    /// What was swept.
     pub family: &'static Family,
     /// Places along each side of a section; 0 for inputs that are in no grid.
     pub side: usize,

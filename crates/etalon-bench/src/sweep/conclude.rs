@@ -1,4 +1,4 @@
-//! The decision on all parts of a sweep, and what it says of every family and check.
+//! The decision on a sweep, and what it says of every family and check.
 
 use super::part::Part;
 use super::plan::Plan;
@@ -8,7 +8,7 @@ use etalon_stats::Extremes;
 use etalon_stats::bsdf::ALL;
 use etalon_stats::sweep::{Decided, State, Survivor, Survivors, confirm, decide, shrink};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What one check says of one family.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -25,7 +25,6 @@ pub struct Group {
     pub inconclusive: u64,
     /// Tests with p < 10⁻³, which were run again.
     pub survivors: u64,
-    /// The smallest p-value of the screen.
     pub min_p: Option<f64>,
     /// Tests of the screen that would have found the asked error with 90 % probability.
     pub powered: u64,
@@ -37,7 +36,6 @@ pub struct Failure {
     pub family: String,
     pub check: String,
     pub configurations: u64,
-    /// One of them.
     pub example: String,
     /// Whether simpler configurations were tried; otherwise the p-value is not below
     /// [`CONFIRM_LEVEL`](etalon_stats::sweep::CONFIRM_LEVEL), so that the check might accept simpler ones by chance.
@@ -63,7 +61,6 @@ pub struct SurvivorRow {
     message: String,
 }
 
-/// What a sweep found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Conclusion {
     pub families: usize,
@@ -78,13 +75,10 @@ pub struct Conclusion {
     pub survivors: usize,
     /// Tests that survived the screen and were too many to be run again.
     pub left_out: u64,
-    /// How many survivors are expected of right BSDFs.
     pub expected_survivors: f64,
-    /// The smallest fresh p-value.
     pub min_fresh_p: Option<f64>,
     /// For each check of each family.
     pub groups: Vec<Group>,
-    /// What fails.
     pub failures: Vec<Failure>,
     /// Tests that were run again.
     #[serde(skip)]
@@ -99,31 +93,37 @@ struct Failed {
     message: String,
 }
 
-/// Sums over the parts of a sweep, in bounded memory.
-#[derive(Default)]
+/// Sums over the configurations of a sweep.
 struct Sums {
     groups: BTreeMap<(usize, usize), Group>,
     failed: BTreeMap<(usize, usize), Failed>,
-    survivors: Option<Survivors>,
+    survivors: Survivors,
     /// Numbers of configurations with an inconclusive check, and with a violation.
     inconclusive: u64,
-    violated: std::collections::BTreeSet<u64>,
+    violated: BTreeSet<u64>,
     configurations: u64,
 }
 
 impl Sums {
-    fn add(&mut self, plan: &Plan, part: &Part) {
-        let survivors = self.survivors.get_or_insert_with(|| Survivors::new(plan.largest()));
+    fn of(plan: &Plan, part: &Part) -> Self {
+        let mut sums = Self {
+            groups: BTreeMap::new(),
+            failed: BTreeMap::new(),
+            survivors: Survivors::new(plan.largest()),
+            inconclusive: 0,
+            violated: BTreeSet::new(),
+            configurations: 0,
+        };
         for (number, cells, message) in part.rows() {
             let (family, _) = plan.get(number);
-            self.configurations += 1;
+            sums.configurations += 1;
             let any = |state: State| cells.iter().any(|cell| cell.state == state);
-            self.inconclusive += u64::from(any(State::Inconclusive) && !any(State::Violated));
+            sums.inconclusive += u64::from(any(State::Inconclusive) && !any(State::Violated));
             if any(State::Violated) {
-                self.violated.insert(number);
+                sums.violated.insert(number);
             }
             for cell in &cells {
-                let group = self.groups.entry((family, cell.check)).or_default();
+                let group = sums.groups.entry((family, cell.check)).or_default();
                 group.configurations += 1;
                 group.min_p = [group.min_p, cell.p].into_iter().flatten().reduce(f64::at_most);
                 let found = cell.detectable.is_some_and(|error| error <= 1.01 * plan.description.detect());
@@ -133,12 +133,12 @@ impl Sums {
                     State::Inconclusive => group.inconclusive += 1,
                     State::Suspicious => {
                         group.survivors += 1;
-                        survivors.add(Survivor { family, number, check: cell.check, p: cell.p.unwrap_or(0.0) });
+                        sums.survivors.add(Survivor { family, number, check: cell.check, p: cell.p.unwrap_or(0.0) });
                     }
                     State::Violated => {
                         group.rejected += 1;
                         let new = || Failed { number, configurations: 0, p: None, message: message.to_owned() };
-                        let failed = self.failed.entry((family, cell.check)).or_insert_with(new);
+                        let failed = sums.failed.entry((family, cell.check)).or_insert_with(new);
                         failed.configurations += 1;
                         if number < failed.number {
                             *failed = Failed { number, message: message.to_owned(), ..*failed };
@@ -147,21 +147,18 @@ impl Sums {
                 }
             }
         }
+        sums
     }
 }
 
-/// Decides on the sweep whose parts `read` gives one after the other.
+/// Decides on the sweep, of which `part` has all configurations.
 ///
 /// # Errors
-/// Those of `read` and of the checks that are run again.
-pub fn conclude(
-    read: impl FnOnce(&mut dyn FnMut(&Plan, &Part)) -> Result<Plan>,
-    done: &(dyn Fn(u64, u64) + Sync),
-) -> Result<(Conclusion, Plan)> {
-    let mut sums = Sums::default();
-    let plan = read(&mut |plan, part| sums.add(plan, part))?;
+/// Those of the checks that are run again.
+pub fn conclude(plan: &Plan, part: &Part, done: &(dyn Fn(u64, u64) + Sync)) -> Result<Conclusion> {
+    let mut sums = Sums::of(plan, part);
     let detect = plan.description.detect();
-    let (survivors, left_out) = sums.survivors.take().map(Survivors::chosen).unwrap_or_default();
+    let (survivors, left_out) = sums.survivors.chosen();
     let all = survivors.len();
     let again = |survivor: &Survivor| {
         let (family, configuration) = plan.get(survivor.number);
@@ -171,7 +168,7 @@ pub fn conclude(
     };
     let decided = decide(survivors, plan.description.level(), true, again)?;
     let mut rejected = std::mem::take(&mut sums.violated);
-    let mut undecided = std::collections::BTreeSet::new();
+    let mut undecided = BTreeSet::new();
     for Decided { survivor, fresh, is_rejected } in decided.iter().filter(|d| d.is_rejected || d.is_inconclusive()) {
         let Some(group) = sums.groups.get_mut(&(survivor.family, survivor.check)) else { continue };
         if !is_rejected {
@@ -195,7 +192,7 @@ pub fn conclude(
             group.accepted += 1;
         }
     }
-    let failures = sums.failed.into_iter().map(|((family, check), failed)| failure(&plan, family, check, failed));
+    let failures = sums.failed.into_iter().map(|((family, check), failed)| failure(plan, family, check, failed));
     let failures = failures.collect::<Result<Vec<_>>>()?;
     let named = |((family, check), group): ((usize, usize), Group)| Group {
         family: plan.family(family).name().to_owned(),
@@ -204,7 +201,7 @@ pub fn conclude(
     };
     let tests: u64 =
         sums.groups.iter().filter(|((_, check), _)| ALL[*check].is_statistical).map(|(_, g)| g.configurations).sum();
-    let conclusion = Conclusion {
+    Ok(Conclusion {
         families: plan.description.families().count(),
         configurations: sums.configurations,
         checks: sums.groups.values().map(|group| group.configurations).sum(),
@@ -216,9 +213,8 @@ pub fn conclude(
         min_fresh_p: decided.iter().filter_map(|d| d.fresh.as_ref()?.p).min_by(f64::total_cmp),
         groups: sums.groups.into_iter().map(named).collect(),
         failures,
-        rows: decided.iter().map(|decided| row(&plan, decided)).collect(),
-    };
-    Ok((conclusion, plan))
+        rows: decided.iter().map(|decided| row(plan, decided)).collect(),
+    })
 }
 
 /// The failure, in the simplest configuration if it can be shrunk.

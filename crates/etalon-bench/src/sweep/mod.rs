@@ -1,4 +1,4 @@
-//! Sweeps of BSDFs over their parameters and directions: plans, parts that are computed anywhere, and the decision on all of them.
+//! Sweeps of BSDFs over their parameters and directions: plans, what is computed of them, and the decision.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -7,8 +7,8 @@ mod part;
 mod plan;
 
 pub use conclude::{Conclusion, Failure, Group, SurvivorRow, conclude};
-pub use part::{Part, merge, run};
-pub use plan::{Description, Families, Plan, Shard, replay};
+pub use part::{Part, run};
+pub use plan::{Description, Families, Plan, replay};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,6 @@
-//! Parts of a sweep, a share of it computed, as files: a line of JSON that says of which sweep, then CSV with a row for each
-//! configuration.
+//! What is computed of a sweep as a file: a line of JSON that says of which sweep, then CSV with a row for each configuration.
 
-use super::plan::{Description, Plan, Shard};
+use super::plan::{Description, Plan};
 use csv::StringRecord;
 use etalon_core::error::{Error, Result};
 use etalon_core::{files, interrupt, memory};
@@ -10,21 +9,18 @@ use etalon_stats::sweep::{Finding, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// The first line of a file, after `# `.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Header {
-    /// The version of the format.
     sweep: u32,
-    shard: Shard,
     #[serde(flatten)]
     description: Description,
 }
 
-const FORMAT: u32 = 1;
-/// Most configurations of a part.
+const FORMAT: u32 = 2;
 pub const MOST: u64 = 2_000_000;
 /// Most bytes of a part: twice those of all its configurations.
 const LARGEST: u64 = 600 << 20;
@@ -36,7 +32,6 @@ const FIRST: [&str; 6] = ["number", "family", "parameters", "theta_deg", "phi_de
 /// Some of the configurations of a sweep, with what the checks say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    shard: Shard,
     description: Description,
     rows: BTreeMap<u64, StringRecord>,
 }
@@ -45,15 +40,12 @@ pub struct Part {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     pub check: usize,
-    /// What it says.
     pub state: State,
-    /// The p-value of a statistical check.
     pub p: Option<f64>,
     /// The error that it would have found.
     pub detectable: Option<f64>,
 }
 
-/// States as words.
 const STATES: [(&str, State); 4] = [
     ("ok", State::Holds),
     ("inconclusive", State::Inconclusive),
@@ -63,37 +55,22 @@ const STATES: [(&str, State); 4] = [
 
 impl Part {
     /// A part without configurations yet.
-    #[must_use]
-    pub fn new(plan: &Plan, shard: Shard) -> Self {
-        Self { shard, description: plan.description.clone(), rows: BTreeMap::new() }
+    pub fn new(plan: &Plan) -> Self {
+        Self { description: plan.description.clone(), rows: BTreeMap::new() }
     }
 
-    /// The sweep that it belongs to.
-    #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// Which share of the sweep it is.
-    #[must_use]
-    pub fn shard(&self) -> Shard {
-        self.shard
-    }
-
-    /// Whether a configuration is there.
-    #[must_use]
     pub fn has(&self, number: u64) -> bool {
         self.rows.contains_key(&number)
     }
 
-    /// The number of configurations.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Whether there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -156,7 +133,7 @@ impl Part {
     /// # Errors
     /// [`Error::Io`].
     pub fn write(&self, path: &Path) -> Result<()> {
-        let header = Header { sweep: FORMAT, shard: self.shard, description: self.description.clone() };
+        let header = Header { sweep: FORMAT, description: self.description.clone() };
         files::write_atomic(path, |out| {
             let io = |e: std::io::Error| Error::io(path, e);
             let line = serde_json::to_string(&header).map_err(|e| io(e.into()))?;
@@ -183,10 +160,6 @@ impl Part {
         if header.sweep != FORMAT {
             return Err(refuse("this part of a sweep is of another version"));
         }
-        let Shard { index, count } = header.shard;
-        if !(1..=count).contains(&index) {
-            return Err(refuse("the share of the sweep makes no sense"));
-        }
         let mut reader = csv::Reader::from_reader(rest);
         let damaged = |what: String| refuse(&format!("the table is damaged: {what}"));
         let titles = reader.headers().map_err(|e| damaged(e.to_string()))?;
@@ -196,9 +169,8 @@ impl Part {
         let mut rows = BTreeMap::new();
         for record in reader.into_records() {
             let record = record.map_err(|e| damaged(e.to_string()))?;
-            let number = record.get(0).and_then(|number| number.parse::<u64>().ok());
-            let Some(number) = number.filter(|number| number % u64::from(count) == u64::from(index) - 1) else {
-                return Err(damaged(format!("{:?} is no number of a configuration of this part", record.get(0))));
+            let Some(number) = record.get(0).and_then(|number| number.parse::<u64>().ok()) else {
+                return Err(damaged(format!("{:?} is no number of a configuration", record.get(0))));
             };
             let bytes = ROW_BYTES + record.as_slice().len() + record.len() * size_of::<usize>();
             memory::grow(bytes, || path.display().to_string())?;
@@ -206,16 +178,7 @@ impl Part {
                 return Err(damaged(format!("configuration {number} is there twice")));
             }
         }
-        Ok(Self { shard: header.shard, description: header.description, rows })
-    }
-
-    /// Whether a file claims to be a part of a sweep.
-    #[must_use]
-    pub fn is_at(path: &Path) -> bool {
-        use std::io::Read;
-        let mut start = [0; 10];
-        let opened = std::fs::metadata(path).is_ok_and(|there| there.is_file()).then(|| std::fs::File::open(path).ok());
-        opened.flatten().is_some_and(|mut file| file.read_exact(&mut start).is_ok() && start == *b"# {\"sweep\"")
+        Ok(Self { description: header.description, rows })
     }
 }
 
@@ -231,75 +194,6 @@ fn columns() -> Vec<String> {
     first.chain(ALL.iter().flat_map(of_check)).chain(["message".to_owned()]).collect()
 }
 
-/// Reads the parts of a sweep one after the other and gives each to `each`. Their order does not matter. `plan` makes the sweep from
-/// its description.
-///
-/// # Errors
-/// [`Error::Input`], naming the files, when a part is of another sweep, is there twice, or is not finished, and when parts are
-/// missing; [`Error::Parameter`] without any file. Those of [`Part::read`], `plan` and `each`.
-pub fn merge(
-    paths: &[PathBuf],
-    plan: impl FnOnce(&Description) -> Result<Plan>,
-    mut each: impl FnMut(&Plan, &Part),
-) -> Result<Plan> {
-    let Some((first, others)) = paths.split_first() else {
-        return Err(Error::parameter("parts", "there is nothing to merge"));
-    };
-    let one = Part::read(first)?;
-    let plan = plan(one.description()).map_err(|e| e.in_file(first))?;
-    let count = one.shard.count;
-    let mut held: BTreeMap<u32, PathBuf> = BTreeMap::new();
-    let mut take = |path: &PathBuf, part: &Part| -> Result<()> {
-        let Shard { index, count: of } = part.shard;
-        if let Some(difference) = plan.description.difference(&part.description) {
-            let message = format!("not of the same sweep as {} ({difference})", first.display());
-            return Err(Error::input(path, message).with_hint("make all parts with the same arguments and version"));
-        }
-        if u64::from(of) > plan.len() {
-            return Err(Error::input(path, format!("one of {of} parts of {} configurations", plan.len())));
-        }
-        if of != count {
-            return Err(Error::input(path, format!("part {index} of {of}, but {} is one of {count}", first.display()))
-                .with_hint("make all parts with the same number of shards"));
-        }
-        if let Some(other) = held.get(&index) {
-            return Err(Error::input(path, format!("part {index} of {of}, as {}", other.display()))
-                .with_hint("give each part once"));
-        }
-        let all = part.shard.numbers(plan.len());
-        let (mut missing, mut expected) = (0u64, 0);
-        all.for_each(|number| {
-            expected += 1;
-            missing += u64::from(!part.has(number));
-        });
-        if missing > 0 {
-            return Err(Error::input(path, format!("{missing} of {expected} configurations are missing"))
-                .with_hint("the sweep was interrupted: run its command again, with `resume` and this file"));
-        }
-        if part.len() as u64 != expected {
-            return Err(Error::input(path, "there are configurations that the sweep does not have"));
-        }
-        held.insert(index, path.clone());
-        each(&plan, part);
-        Ok(())
-    };
-    take(first, &one)?;
-    drop(one);
-    for path in others {
-        etalon_core::interrupt::check()?;
-        take(path, &Part::read(path)?)?;
-    }
-    let mut missing = (1..=count).filter(|index| !held.contains_key(index)).map(|index| format!("{index}/{count}"));
-    let some: Vec<String> = missing.by_ref().take(20).collect();
-    if !some.is_empty() {
-        let dots = if missing.next().is_some() { ", …" } else { "" };
-        let some = some.join(", ");
-        return Err(Error::input(first, format!("of its sweep the parts {some}{dots} are missing"))
-            .with_hint("run the missing parts, by `shard`, and merge all of them"));
-    }
-    Ok(plan)
-}
-
 /// Configurations computed at a time.
 const BATCH: usize = 64;
 /// How often what is finished is saved.
@@ -311,12 +205,11 @@ const SAVE: Duration = Duration::from_secs(60);
 /// # Errors
 /// [`Error::Parameter`] for a part that is too large; those of the checks, except interruption, and of `save`.
 pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
-    let count = u64::from(part.shard().count);
-    if plan.len().div_ceil(count) > MOST {
-        return Err(Error::parameter("shard", format!("{} configurations in {count} parts", plan.len()))
-            .with_hint(format!("use at least {} parts", plan.len().div_ceil(MOST))));
+    if plan.len() > MOST {
+        return Err(Error::parameter("configurations", format!("{} configurations of all families", plan.len()))
+            .with_hint(format!("a sweep has at most {MOST}")));
     }
-    let missing: Vec<u64> = part.shard().numbers(plan.len()).filter(|&number| !part.has(number)).collect();
+    let missing: Vec<u64> = (0..plan.len()).filter(|&number| !part.has(number)).collect();
     let mut saved = Instant::now();
     for batch in missing.chunks(BATCH) {
         if interrupt::requested() {

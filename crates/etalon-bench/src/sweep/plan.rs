@@ -1,4 +1,4 @@
-//! What a sweep visits, by number, so that any machine can compute any share of it.
+//! What a sweep visits, by number.
 
 use etalon_core::build::Build;
 use etalon_core::error::{Error, Result};
@@ -10,26 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Families of BSDFs, of this program or of another.
 pub type Families = Vec<Box<dyn Family>>;
 
-/// The I-th of N shares of the configurations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shard {
-    /// From 1.
-    pub index: u32,
-    /// How many there are.
-    pub count: u32,
-}
-
-impl Shard {
-    /// All configurations.
-    pub const WHOLE: Self = Self { index: 1, count: 1 };
-
-    /// Its configurations among `len`: every N-th, so that each share has as many of each family.
-    pub fn numbers(self, len: u64) -> impl Iterator<Item = u64> {
-        (u64::from(self.index) - 1..len).step_by(self.count as usize)
-    }
-}
-
-/// A family as parts of a sweep name it.
+/// A family as files of a sweep name it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Described {
     name: String,
@@ -37,14 +18,12 @@ struct Described {
     parameters: Vec<(String, f64, [f64; 2])>,
 }
 
-/// A sweep without its families: what the parts of one sweep have in common.
+/// A sweep without its families, as its file tells of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// The build of the program.
     version: String,
     families: Vec<Described>,
     strategy: String,
-    /// Most configurations of each family.
     configurations: u64,
     seed: u64,
     detect: f64,
@@ -53,9 +32,7 @@ pub struct Description {
     checks: Vec<String>,
 }
 
-/// Most configurations of a sweep.
 const MOST: u64 = 100_000_000;
-/// Strategies by their names.
 const STRATEGIES: [(&str, Strategy); 3] =
     [("grid", Strategy::Grid), ("random", Strategy::Random), ("edges", Strategy::Edges)];
 
@@ -100,45 +77,25 @@ impl Description {
         })
     }
 
-    /// The sweep that a part tells of.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] if `families` are not those of the part, in their parameters or ranges.
-    pub fn plan(&self, families: Families) -> Result<Plan> {
-        let strategy = strategy(&self.strategy);
-        let again = Self::new(&families, strategy, self.configurations, self.seed, [self.detect, self.level])?;
-        match again.difference(self) {
-            None => Plan::new(again, families),
-            Some(difference) => Err(Error::parameter("parts", format!("made by another program ({difference})"))
-                .with_hint("merge with the build that made the parts")),
-        }
-    }
-
-    /// The names of its families.
     pub fn families(&self) -> impl Iterator<Item = &str> {
         self.families.iter().map(|family| family.name.as_str())
     }
 
     /// How configurations are chosen, in words.
-    #[must_use]
     pub fn strategy(&self) -> &str {
         &self.strategy
     }
 
     /// The error that the screen finds.
-    #[must_use]
     pub fn detect(&self) -> f64 {
         self.detect
     }
 
     /// The probability that a sweep of right BSDFs rejects any.
-    #[must_use]
     pub fn level(&self) -> f64 {
         self.level
     }
 
-    /// The seed.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -167,9 +124,7 @@ impl Description {
     }
 }
 
-/// A sweep, ready to be computed.
 pub struct Plan {
-    /// What its parts have in common.
     pub description: Description,
     families: Families,
     spaces: Vec<Space>,
@@ -188,37 +143,29 @@ impl Plan {
     }
 
     /// The number of configurations of all families together.
-    #[must_use]
     pub fn len(&self) -> u64 {
         self.spaces.iter().map(Space::len).sum()
     }
 
-    /// Whether there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Whether configurations should be computed one after the other: see [`Family::is_sequential`].
-    #[must_use]
     pub fn is_sequential(&self) -> bool {
         self.families.iter().any(|family| family.is_sequential())
     }
 
     /// The largest number of configurations of a family.
-    #[must_use]
     pub fn largest(&self) -> u64 {
         self.spaces.iter().map(Space::len).max().unwrap_or(0)
     }
 
-    /// The family of that index.
-    #[must_use]
     pub fn family(&self, index: usize) -> &dyn Family {
         &*self.families[index]
     }
 
     /// The index of the family and the configuration of that number, from 0.
-    #[must_use]
     pub fn get(&self, number: u64) -> (usize, Configuration) {
         let mut rest = number;
         for (index, space) in self.spaces.iter().enumerate() {
@@ -240,7 +187,6 @@ impl Plan {
     }
 }
 
-/// The strategy of that name.
 fn strategy(name: &str) -> Strategy {
     STRATEGIES.iter().find(|(known, _)| *known == name).map(|(_, strategy)| *strategy).unwrap_or_default()
 }

@@ -18,7 +18,6 @@ type Test = dyn Fn(&Protocol, u64) -> Result<Outcome> + Send + Sync;
 /// p of [`plain`]'s test for a seed, where there is a pdf.
 type Plain = dyn Fn(u64) -> Result<Option<f64>> + Send + Sync;
 
-/// A test with a name.
 pub struct Case {
     /// Words separated by `/`, from the general to the special (`normals/beckmann/visible/0.05/30`).
     pub name: String,
@@ -30,7 +29,6 @@ pub struct Case {
     pub(super) memory: usize,
 }
 
-/// A sampler of directions without an inverse.
 pub type DirectionSampler<F> = SamplerFn<F, NoInverse>;
 
 /// The sampler of directions from two random numbers.
@@ -116,7 +114,6 @@ impl Case {
     }
 }
 
-/// A test that is chosen by its name.
 pub trait Named {
     /// A path such as `bsdf/ggx/visible/0.25/60`.
     fn name(&self) -> &str;

@@ -1,6 +1,6 @@
 //! BSDFs of the renderer, and families of them, under the contract of the tests.
 
-use super::suite::inputs::short;
+use super::suite::short;
 use etalon_core::bsdf as core;
 use etalon_core::bsdf::{Bsdf, BsdfSample, ConductorFresnel, ErrataConductor, Lobe, RoughConductor, Scatter};
 use etalon_core::error::{Error, Result};
@@ -14,7 +14,6 @@ pub struct Scattering {
     pub bsdf: Bsdf,
     /// The index of refraction below the surface over that above it.
     pub eta: f32,
-    /// Whether it conserves energy.
     pub energy: Energy,
     /// Whether its lobes are wide enough for derivatives of directions in single precision.
     pub is_wide: bool,
@@ -165,12 +164,9 @@ impl bsdf::Bsdf for Scattering {
     }
 }
 
-/// One family.
 pub struct Family(&'static core::Family);
 
-/// The microfacets of a BSDF.
 pub struct Facets {
-    /// The distribution of their normals.
     pub distribution: Distribution,
     /// Its widths along x and y.
     pub alpha: [f64; 2],
@@ -179,14 +175,11 @@ pub struct Facets {
 }
 
 impl Family {
-    /// The BSDF with these values of the parameters.
-    #[must_use]
     pub fn bsdf(&self, values: &[f64]) -> Bsdf {
         self.0.with(values)
     }
 
     /// The microfacets of the BSDF with these parameters, if it is a rough metal or dielectric.
-    #[must_use]
     pub fn facets(&self, values: &[f64]) -> Option<Facets> {
         let bsdf = self.bsdf(values);
         let (distribution, alpha) = microfacets(&bsdf)?;
@@ -256,7 +249,6 @@ pub fn position(whose: &str, parameters: &[Parameter], argument: &'static str, n
     })
 }
 
-/// All families.
 pub fn all() -> Vec<Family> {
     core::families().map(Family).collect()
 }

@@ -11,7 +11,6 @@ use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 use std::time::Instant;
 
-/// The result of a test.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tested {
     pub name: String,
@@ -28,18 +27,13 @@ impl Tested {
     }
 }
 
-/// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
     /// Probability that a run of right samplers rejects any.
     pub level: f64,
-    /// Seed of the random numbers of all tests.
     pub seed: u64,
-    /// In the order of the cases.
     pub tests: Vec<Tested>,
-    /// Number of accepted tests.
     pub accepted: usize,
-    /// Number of rejected tests.
     pub rejected: usize,
     /// Number of tests that could not be decided.
     pub inconclusive: usize,

@@ -14,7 +14,6 @@ pub fn examine(bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, rou
     of(&ALL.iter().collect::<Vec<_>>(), bsdf, wos, protocol, round)
 }
 
-/// Runs the exact checks.
 pub fn exact(bsdf: &dyn BatchBsdf, wos: &[Direction], protocol: &Protocol, round: u64) -> Result<Outcome> {
     let checks: Vec<&Check> = ALL.iter().filter(|check| !check.is_statistical).collect();
     of(&checks, bsdf, wos, protocol, round)
@@ -164,7 +163,6 @@ impl<F: Family> WholeBsdf<F> {
         Ok(Self { tests, ..self })
     }
 
-    /// The name of the BSDF.
     pub fn name(&self) -> &str {
         self.family.name()
     }

@@ -36,7 +36,6 @@ pub struct CoatedDiffuse {
 
 impl CoatedDiffuse {
     /// A base that reflects the share `albedo` of each channel under a coat of index `eta` > 0.
-    #[must_use]
     pub fn new(albedo: Rgb, eta: f32) -> Self {
         let wide = f64::from(eta);
         // ∫ F(μ) 2μ dμ by the midpoint rule in √μ, which resolves grazing angles.

@@ -46,7 +46,6 @@ struct Multiple {
 
 impl<D: SampleNormals<f32>> CompensatedConductor<D> {
     /// Adds multiple scattering to `single`; `energy` is the table of its distribution.
-    #[must_use]
     pub fn new(single: RoughConductor<D>, energy: MissingEnergy) -> Self {
         let colour = energy.colour(&single.fresnel);
         // At 60 degrees a metal reflects about as much as on average.

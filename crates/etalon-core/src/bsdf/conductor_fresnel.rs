@@ -21,7 +21,6 @@ pub struct ConductorFresnel {
 
 impl ConductorFresnel {
     /// A metal of index `eta` + i `k` relative to the medium above it, both ≥ 0.
-    #[must_use]
     pub fn new(eta: Rgb, k: Rgb) -> Self {
         const LARGEST: f32 = 1e6;
         let (eta, k) = (eta.min(Rgb::splat(LARGEST)), k.min(Rgb::splat(LARGEST)));
@@ -32,7 +31,6 @@ impl ConductorFresnel {
 
     /// Exact unpolarized reflectance; a cosine beyond 1 counts as 1.
     #[inline(always)]
-    #[must_use]
     pub fn reflectance(&self, cos: f32) -> Rgb {
         let cos = incidence(cos);
         let channel = |c: usize| reflectance(self.re[c], self.im[c], self.modulus2[c], cos);

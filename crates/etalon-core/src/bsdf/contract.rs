@@ -23,20 +23,17 @@ pub enum Lobe {
 impl Lobe {
     /// Whether it is a delta distribution: one direction, which no other strategy can sample.
     #[inline]
-    #[must_use]
     pub const fn is_delta(self) -> bool {
         matches!(self, Self::SpecularReflection | Self::SpecularTransmission)
     }
 
     /// Whether light passes to the other side.
     #[inline]
-    #[must_use]
     pub const fn is_transmission(self) -> bool {
         matches!(self, Self::DiffuseTransmission | Self::GlossyTransmission | Self::SpecularTransmission)
     }
 }
 
-/// A direction sampled from a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
     /// Unit direction in the local frame.
@@ -75,7 +72,6 @@ impl BsdfSample {
 
     /// Whether the lobe is a delta distribution, which no other strategy can sample.
     #[inline]
-    #[must_use]
     pub fn is_delta(&self) -> bool {
         self.lobe.is_delta()
     }
@@ -89,7 +85,6 @@ impl BsdfSample {
 
     /// The sample of a BSDF without delta lobes, `None` where its pdf is 0.
     #[inline(always)]
-    #[must_use]
     pub fn if_possible(self) -> Option<Self> {
         (self.pdf > 0.0).then_some(self)
     }
@@ -106,13 +101,11 @@ pub trait Vectorizable {
 
 /// A loop over a BSDF, compiled anew for each that is [`Vectorizable`].
 pub trait VectorizedLoop {
-    /// Runs the loop.
     fn over(self, bsdf: impl Vectorizable);
 }
 
 /// How a surface scatters light. Default methods that do not follow from others are those of a BSDF with one delta lobe.
 pub trait Scatter {
-    /// The lobes that it has.
     fn lobes(&self) -> &[Lobe];
 
     /// Whether all lobes are delta distributions, so that light sampling contributes nothing.
@@ -168,7 +161,6 @@ pub trait Scatter {
     }
 
     /// The BSDF with this albedo of its diffuse reflection, as a texture sets it; itself if it has none.
-    #[must_use]
     fn with_albedo(&self, _albedo: Rgb) -> Self
     where
         Self: Clone,

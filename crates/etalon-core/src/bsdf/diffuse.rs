@@ -19,14 +19,12 @@ pub struct Diffuse {
 
 impl Diffuse {
     /// Reflects the share `albedo` of each channel.
-    #[must_use]
     pub fn new(albedo: Rgb) -> Self {
         Self { f: albedo * FRAC_1_PI, albedo }
     }
 
     /// The reflected share of each channel.
     #[inline]
-    #[must_use]
     pub fn albedo(&self) -> Rgb {
         self.albedo
     }

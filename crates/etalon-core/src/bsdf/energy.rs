@@ -35,8 +35,6 @@ pub struct MissingEnergy {
 }
 
 impl MissingEnergy {
-    /// The table of a distribution.
-    #[must_use]
     pub fn new(distribution: impl SampleNormals<f64>) -> Self {
         let alpha = distribution.widths().both().map(|alpha| alpha as f32);
         let isotropic = alpha[0] == alpha[1];
@@ -76,14 +74,12 @@ impl MissingEnergy {
     }
 
     /// Whether the widths along x and y are equal.
-    #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.alpha[0] == self.alpha[1]
     }
 
     /// 1 − E(w), the share that single scattering loses. `ISOTROPIC` says what [`is_isotropic`](Self::is_isotropic) does.
     #[inline(always)]
-    #[must_use]
     pub fn missing<const ISOTROPIC: bool>(&self, w: Vec3) -> f32 {
         let (qx, qy) = (self.alpha[0] * w.x, self.alpha[1] * w.y);
         let q = (qx * qx + qy * qy).sqrt();
@@ -105,7 +101,6 @@ impl MissingEnergy {
 
     /// The lobe that returns what is lost, for F = 1, from the two shares that are: m(wo) m(wi) / (π (1 − Ē)).
     #[inline(always)]
-    #[must_use]
     pub fn lobe(&self, missing_o: f32, missing_i: f32) -> f32 {
         // The product last: either factor may be tiny.
         missing_o * (missing_i * self.scale)
@@ -115,7 +110,6 @@ impl MissingEnergy {
     ///
     /// Light that is scattered more than once is scattered k ≥ 2 times with the share (1 − Ē)^(k−1) Ē; of it the metal
     /// leaves F̄^k, F̄ being the mean of F by the cosine. The sum, over that for F̄ = 1, is F̄² Ē / (1 − F̄ (1 − Ē)).
-    #[must_use]
     pub fn colour(&self, fresnel: &ConductorFresnel) -> Rgb {
         const STEPS: usize = 256;
         // ∫ F(μ) 2μ dμ by the midpoint rule.
@@ -225,6 +219,19 @@ mod tests {
         // By hand for GGX at α = 1 from above: ∫ G₂/G₁ is 1 − ln 2.
         let energy = MissingEnergy::new(Ggx::new(1.0));
         assert!((energy.missing::<true>(Vec3::Z) - std::f32::consts::LN_2).abs() < 3e-4);
+        // Albedos at an angle in degrees by an independent integration over facets.
+        let reflected = |energy: MissingEnergy, degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            1.0 - energy.missing::<true>(Vec3::new(sin, 0.0, cos))
+        };
+        for (energy, degrees, known) in [
+            (MissingEnergy::new(Ggx::new(0.5)), 85.0, 0.872_024),
+            (MissingEnergy::new(Beckmann::new(0.5)), 0.0, 0.942_998),
+            (MissingEnergy::new(Beckmann::new(1.0)), 60.0, 0.766_568),
+        ] {
+            let albedo = reflected(energy, degrees);
+            assert!((albedo - known).abs() < 1e-3, "{degrees}°: {albedo} {known}");
+        }
     }
 
     #[test]

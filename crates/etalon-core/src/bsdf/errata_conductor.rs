@@ -84,7 +84,6 @@ impl Scatter for ErrataConductor {
 }
 
 /// The pdf that the second report prints for its sampled direction: [`direction_pdf_without_cosine`].
-#[must_use]
 pub fn pdf_without_cosine(distribution: Beckmann<f32>, wo: Vec3, wi: Vec3) -> f32 {
     Facet::between(wo, wi).map_or(0.0, |facet| direction_pdf_without_cosine(distribution.d(facet.wm), facet.cos))
 }

@@ -16,7 +16,6 @@ pub struct Family {
     pub parameters: &'static [Parameter],
     /// The share of the light that is scattered, for all values of the parameters.
     pub energy: Energy,
-    /// The BSDF with these values of the parameters.
     pub bsdf: fn(&[f32]) -> Bsdf,
     /// The BSDFs that the suite tests as a whole.
     pub examples: fn(&Self) -> Vec<Example>,
@@ -33,25 +32,19 @@ pub struct Example {
 }
 
 impl Family {
-    /// The family of this name.
-    #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         families().find(|family| family.name == name)
     }
 
-    /// The BSDF with these values of the parameters.
-    #[must_use]
     pub fn with(&self, values: &[f64]) -> Bsdf {
         (self.bsdf)(&values.iter().map(|&value| value as f32).collect::<Vec<f32>>())
     }
 
     /// The default values of the parameters.
-    #[must_use]
     pub fn defaults(&self) -> Vec<f64> {
         self.parameters.iter().map(|&(_, value, _)| value).collect()
     }
 
-    /// An example with these values of the parameters.
     pub(super) fn example<const N: usize>(&self, name: impl Into<String>, values: [f32; N]) -> Example {
         let bsdf = self.bsdf;
         Example { energy: self.energy, ..Example::new(name, move || bsdf(&values)) }
@@ -64,8 +57,6 @@ impl Example {
     }
 }
 
-/// All examples, family by family.
-#[must_use]
 pub fn examples() -> Vec<Example> {
     families().flat_map(|family| (family.examples)(family)).collect()
 }
@@ -92,7 +83,6 @@ pub(super) fn grey(eta: f32, k: f32) -> ConductorFresnel {
     ConductorFresnel::new(Rgb::splat(eta), Rgb::splat(k))
 }
 
-/// The reflectance of gold.
 pub(super) fn gold() -> ConductorFresnel {
     let gold = crate::optics::metals::GOLD;
     ConductorFresnel::new(gold.eta_rgb(), gold.k_rgb())

@@ -32,7 +32,6 @@ struct Part<B> {
 
 impl<B: Scatter> Mixture<B> {
     /// The sum of BSDFs with their weights, each ≥ 0; those of weight 0 are left out.
-    #[must_use]
     pub fn new(parts: impl IntoIterator<Item = (f32, B)>) -> Self {
         let parts: Vec<(f32, B)> = parts.into_iter().filter(|(weight, _)| *weight > 0.0).collect();
         let total: f32 = parts.iter().map(|(weight, _)| weight).sum();

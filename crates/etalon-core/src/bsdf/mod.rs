@@ -60,8 +60,6 @@ macro_rules! bsdfs {
         }
 
         impl Bsdf {
-            /// Its name in the registry.
-            #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $families[0].name,)*

@@ -32,7 +32,6 @@ pub struct OrenNayar {
 
 impl OrenNayar {
     /// A surface whose grooves reflect the share `albedo` of each channel; `sigma` is the standard deviation of their angle in radians.
-    #[must_use]
     pub fn new(albedo: Rgb, sigma: f32) -> Self {
         let sigma2 = sigma * sigma;
         Self { albedo, coefficients: [1.0 - sigma2 / (2.0 * (sigma2 + 0.33)), 0.45 * sigma2 / (sigma2 + 0.09)] }

@@ -32,11 +32,9 @@ pub enum NormalSampling {
 }
 
 impl NormalSampling {
-    /// All of them.
     pub const ALL: [Self; 4] = [Self::Vndf, Self::Bounded, Self::Ndf, Self::Hemisphere];
 
     /// Its name at the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Vndf => "visible",
@@ -52,7 +50,6 @@ impl NormalSampling {
 pub struct RoughConductor<D> {
     pub distribution: D,
     pub fresnel: ConductorFresnel,
-    /// How directions are sampled.
     pub normals: NormalSampling,
 }
 

@@ -47,7 +47,6 @@ pub struct RoughDielectric<D> {
 pub const LEAST_DEVIATION: f32 = 1.0 / 65536.0;
 
 /// Whether f32 directions resolve the refracted lobe of a boundary: see [`LEAST_DEVIATION`].
-#[must_use]
 pub fn is_resolved([x, y]: [f32; 2], eta: f32) -> bool {
     x.min(y) * (eta - 1.0).abs() >= LEAST_DEVIATION * eta.max(1.0)
 }
@@ -83,13 +82,11 @@ struct Facet {
 impl<D: SampleNormals<f32>> RoughDielectric<D> {
     /// A boundary between media of which the inside has the index `eta` > 0 over that of the outside, with
     /// α |η − 1| / max(η, 1) at least [`LEAST_DEVIATION`].
-    #[must_use]
     pub fn new(distribution: D, reflectance: Rgb, transmittance: Rgb, eta: f32) -> Self {
         Self { distribution, reflectance, transmittance, eta: f64::from(eta) }
     }
 
     /// Index of refraction of the inside over that of the outside.
-    #[must_use]
     pub fn eta(&self) -> f32 {
         self.eta as f32
     }

@@ -34,7 +34,6 @@ impl Split {
     pub const ALL: [Self; 2] = [Self::Energy, Self::Variance];
 
     /// Its name at the command line and in names of test cases.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Energy => "energy",
@@ -43,7 +42,6 @@ impl Split {
     }
 
     /// How it chooses the place, in a few words.
-    #[must_use]
     pub fn about(self) -> &'static str {
         match self {
             Self::Energy => "across the longer side, where the energy halves",
@@ -110,13 +108,11 @@ pub struct MedianCut<'a> {
 
 impl<'a> MedianCut<'a> {
     /// Memory that the tables take for each texel.
-    #[must_use]
     pub const fn bytes(split: Split) -> usize {
         size_of::<f64>() * if split.needs_moments() { 4 } else { 1 }
     }
 
     /// Tabulates the energies of `map`, and their first moments if the rule needs them.
-    #[must_use]
     pub fn new(map: &'a EnvMap, split: Split, sides: SideRule) -> Self {
         let g = map.geometry();
         let table = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| SummedArea::new(g.width(), g.height(), value);
@@ -313,7 +309,6 @@ pub struct SummedArea {
 }
 
 impl SummedArea {
-    #[must_use]
     pub fn new(width: usize, height: usize, value: impl Fn(usize, usize) -> f64) -> Self {
         let stride = width + 1;
         let mut sums = vec![0.0; stride * (height + 1)];
@@ -329,7 +324,6 @@ impl SummedArea {
 
     /// Sum over a rectangle. The error is that of f64 relative to the sum of everything above and left of it.
     #[inline]
-    #[must_use]
     pub fn sum(&self, r: Block) -> f64 {
         let at = |x: usize, y: usize| self.sums[y * self.stride + x];
         (at(r.x1, r.y1) - at(r.x0, r.y1)) - (at(r.x1, r.y0) - at(r.x0, r.y0))

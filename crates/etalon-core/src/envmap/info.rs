@@ -15,7 +15,6 @@ pub struct Info {
     pub min: Option<f32>,
     /// Largest finite channel value, as stored.
     pub max: Option<f32>,
-    /// Mean over texels.
     pub mean_rgb: [f64; 3],
     /// Mean over the sphere.
     pub solid_angle_mean_rgb: [f64; 3],
@@ -42,7 +41,6 @@ pub struct Info {
 
 impl Info {
     /// The statistics of a map, in one pass over its texels.
-    #[must_use]
     pub fn of(map: &EnvMap) -> Self {
         let g = map.geometry();
         let (width, height) = (g.width(), g.height());
@@ -95,7 +93,6 @@ impl Info {
     ///
     /// Two cases are suspected: an altered copy of the Grace Cathedral probe, by its size, flux and brightest texel, and an
     /// outdoor map whose sun (more than a tenth of all light within 2°) is below the horizon.
-    #[must_use]
     pub fn upside_down(&self) -> Option<String> {
         if self.seems_grace_upside_down() {
             return Some(

@@ -48,7 +48,6 @@ struct Node {
 
 impl IrradianceTree {
     /// Prepares a map. Memory: about 200 bytes per texel.
-    #[must_use]
     pub fn new(map: &EnvMap) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());
         let mut tree =
@@ -61,7 +60,6 @@ impl IrradianceTree {
     }
 
     /// The irradiance of a surface with unit normal `n`.
-    #[must_use]
     pub fn irradiance(&self, n: DVec3) -> Irradiance {
         let mut value = DVec3::ZERO;
         let mut error = DVec3::ZERO;

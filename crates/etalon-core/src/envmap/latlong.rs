@@ -34,7 +34,6 @@ struct Row {
 
 impl LatLong {
     /// The geometry of a map of `width` × `height` texels, at least one each.
-    #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         let row = |y: usize| {
             let (t0, t1) = (PI * y as f64 / height as f64, PI * (y + 1) as f64 / height as f64);
@@ -49,44 +48,36 @@ impl LatLong {
         Self { width, per_width: 1.0 / width as f64, rows: (0..height).map(row).collect() }
     }
 
-    /// Texels in a row.
     #[inline]
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of texels.
     #[inline]
-    #[must_use]
     pub fn height(&self) -> usize {
         self.rows.len()
     }
 
     /// Solid angle of a texel in row `y`, in steradian.
     #[inline]
-    #[must_use]
     pub fn solid_angle(&self, y: usize) -> f64 {
         self.rows[y].solid_angle
     }
 
     /// One over [`LatLong::solid_angle`].
     #[inline]
-    #[must_use]
     pub fn inverse_solid_angle(&self, y: usize) -> f64 {
         self.rows[y].inverse_solid_angle
     }
 
     /// The direction at `fx`, `fy` in (0, 1) inside texel (x, y); `fy` is uniform in solid angle, that is in cos θ.
     #[inline]
-    #[must_use]
     pub fn direction_in_texel(&self, x: usize, y: usize, fx: f64, fy: f64) -> DVec3 {
         let row = &self.rows[y];
         direction((x as f64 + fx) * self.per_width, row.start + fy * row.extent, row.pole)
     }
 
     /// The inverse of [`LatLong::direction_in_texel`]: (x, y, fx, fy).
-    #[must_use]
     pub fn texel_position(&self, direction: DVec3) -> (usize, usize, f64, f64) {
         let (px, _) = self.position(direction);
         let (x, y) = self.texel(direction);
@@ -100,14 +91,12 @@ impl LatLong {
 
     /// ∫ ω dω over texel (x, y), in closed form:
     /// ∫ sin²θ dθ · ∫ (cos φ, sin φ) dφ across, ∫ sin θ cos θ dθ · Δφ along the axis.
-    #[must_use]
     pub fn moment(&self, x: usize, y: usize) -> DVec3 {
         let ([across, along], [cos_phi, sin_phi]) = (self.row_moment(y), self.column_axis(x));
         DVec3::new(across * cos_phi, along, across * sin_phi)
     }
 
     /// The factors of [`LatLong::moment`] that the texels of row `y` share: of the columns' axes, and along +y.
-    #[must_use]
     pub fn row_moment(&self, y: usize) -> [f64; 2] {
         let half_theta = 0.5 * PI / self.height() as f64;
         let half_phi = PI / self.width as f64;
@@ -119,7 +108,6 @@ impl LatLong {
     }
 
     /// Cosine and sine of the middle φ of column `x`.
-    #[must_use]
     pub fn column_axis(&self, x: usize) -> [f64; 2] {
         let (sin_phi, cos_phi) = (PI / self.width as f64 * (2 * x + 1) as f64).sin_cos();
         [cos_phi, sin_phi]
@@ -129,7 +117,6 @@ impl LatLong {
     ///
     /// With θₘ, φₘ the middle, cos d = cos θ cos θₘ + sin θ sin θₘ cos(φ − φₘ) falls with |φ − φₘ| up to 180°, and as
     /// a function of θ it is concave wherever it is positive. So within 90° of the middle the corners are farthest.
-    #[must_use]
     pub fn cone(&self, Block { x0, y0, x1, y1 }: Block) -> (DVec3, f64) {
         let axis = self.direction(0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64);
         let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
@@ -140,7 +127,6 @@ impl LatLong {
     }
 
     /// The direction at the continuous map position (x, y), in texels from the top left corner.
-    #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let (sin_theta, cos_theta) = (PI * y / self.height() as f64).sin_cos();
         let (sin_phi, cos_phi) = (2.0 * PI * x / self.width as f64).sin_cos();
@@ -149,7 +135,6 @@ impl LatLong {
 
     /// The continuous map position of a direction (any length but 0): x in \[0, W), y in \[0, H\].
     #[inline]
-    #[must_use]
     pub fn position(&self, d: DVec3) -> (f64, f64) {
         let theta = d.x.hypot(d.z).atan2(d.y);
         (turns(d.z, d.x) * self.width as f64, theta / PI * self.height() as f64)
@@ -158,7 +143,6 @@ impl LatLong {
     /// The edges between rows and between columns in the chart of directions about +y, where areas are solid angles:
     /// those of rows as (1 − cos θ)/2, those of columns as turns from +z towards +x, the other way round than φ. Both
     /// ascend, strictly between 0 and 1.
-    #[must_use]
     pub fn edges(&self) -> [Vec<f64>; 2] {
         let (width, height) = (self.width, self.height());
         let rows = (1..height).map(|y| (0.5 * PI * (y as f64 / height as f64)).sin().powi(2));
@@ -169,7 +153,6 @@ impl LatLong {
 
     /// The texel that a direction falls into.
     #[inline]
-    #[must_use]
     pub fn texel(&self, direction: DVec3) -> (usize, usize) {
         // Single precision, which errs by less than 10⁻⁶ of a turn, tells the texel unless an edge is as close.
         let d = direction.as_vec3();
@@ -195,9 +178,7 @@ impl LatLong {
 /// A block of texels, \[x0, x1) × \[y0, y1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Block {
-    /// First column.
     pub x0: usize,
-    /// First row.
     pub y0: usize,
     /// Column after the last.
     pub x1: usize,

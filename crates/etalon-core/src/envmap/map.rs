@@ -36,7 +36,6 @@ pub struct Found {
 
 impl EnvMap {
     /// Takes an image (row 0 the zenith) and sets its non-finite and negative values to 0, counting them.
-    #[must_use]
     pub fn new(mut image: Image) -> Self {
         let mut found = Found { min: f32::INFINITY, max: f32::NEG_INFINITY, nonfinite: 0, negative: 0 };
         for p in image.pixels_mut() {
@@ -60,39 +59,33 @@ impl EnvMap {
 
     /// Where its texels lie on the sphere.
     #[inline]
-    #[must_use]
     pub fn geometry(&self) -> &LatLong {
         &self.geometry
     }
 
     /// The cleaned texels.
-    #[must_use]
     pub fn image(&self) -> &Image {
         &self.image
     }
 
     /// A hash of its texels, computed at the first call.
-    #[must_use]
     pub fn hash(&self) -> u64 {
         *self.hash.get_or_init(|| self.image.hash())
     }
 
     /// What was found in the file and what had to be cleaned.
-    #[must_use]
     pub fn found(&self) -> Found {
         self.found
     }
 
     /// Radiance of texel (x, y).
     #[inline]
-    #[must_use]
     pub fn texel(&self, x: usize, y: usize) -> Rgb {
         self.image.get(x, y)
     }
 
     /// Radiance from a direction: that of its texel, without interpolation, which is what the samplers assume.
     #[inline]
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let (x, y) = self.geometry.texel(direction);
         self.texel(x, y)
@@ -100,20 +93,17 @@ impl EnvMap {
 
     /// (R + G + B) / 3 of texel (x, y): what samplers weigh radiance by.
     #[inline]
-    #[must_use]
     pub fn mean_rgb(&self, x: usize, y: usize) -> f64 {
         mean_rgb(self.texel(x, y))
     }
 
     /// Mean of R, G, B of texel (x, y) times its solid angle.
     #[inline]
-    #[must_use]
     pub fn energy(&self, x: usize, y: usize) -> f64 {
         self.mean_rgb(x, y) * self.geometry.solid_angle(y)
     }
 
     /// Mean of R, G and B over the sphere.
-    #[must_use]
     pub fn mean(&self) -> f64 {
         let row = |y: usize| self.image.row(y).iter().map(|p| mean_rgb(*p)).sum::<f64>() * self.geometry.solid_angle(y);
         (0..self.image.height()).map(row).sum::<f64>() / (4.0 * PI)
@@ -159,7 +149,6 @@ pub struct NamedMap {
 
 impl NamedMap {
     /// The name without folders, for texts.
-    #[must_use]
     pub fn file_name(&self) -> &str {
         Path::new(&self.name).file_name().and_then(|name| name.to_str()).unwrap_or(&self.name)
     }
@@ -182,7 +171,6 @@ const UPRIGHT: &str = "df6c2e54ba03e12296399bd75b1696ea4910e7537ccce25f51f64644c
 
 impl Grace {
     /// How `image` holds the probe, if it is the probe to the last bit.
-    #[must_use]
     pub fn of(image: &Image) -> Option<Self> {
         if [image.width(), image.height()] != GRACE_SIZE {
             return None;

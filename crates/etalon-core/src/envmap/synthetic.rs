@@ -43,13 +43,11 @@ impl Synthetic {
     pub const ALL: [Self; 5] = [Self::Nave, Self::Sun, Self::Constant, Self::Onehot, Self::Black];
 
     /// The name on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.texts().0
     }
 
     /// One line for lists.
-    #[must_use]
     pub fn description(self) -> &'static str {
         self.texts().1
     }
@@ -64,8 +62,6 @@ impl Synthetic {
         }
     }
 
-    /// The map of that name, if there is one.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|map| map.name() == name)
     }
@@ -80,7 +76,6 @@ impl Synthetic {
     }
 
     /// Makes the map. Radiance is linear RGB.
-    #[must_use]
     pub fn make(self) -> Image {
         let small = |radiance: fn((usize, usize)) -> Rgb| Image::from_fn(64, 32, |x, y| radiance((x, y)));
         let image = match self {

@@ -7,14 +7,12 @@ use std::f64::consts::PI;
 ///
 /// Right is the row's solid angle, cos(hπ/H) − cos((h+1)π/H). The first and the last row are never sampled, however
 /// bright they are, and every other weight has an error of up to 1/(2h+1).
-#[must_use]
 pub fn row_weight(row: usize, rows: usize) -> f64 {
     if row == 0 || row + 1 == rows { 0.0 } else { (row as f64 * PI / (rows - 1) as f64).sin() }
 }
 
 /// The pdf per solid angle that goes with [`row_weight`]: the texel's probability over its solid angle as the weight has
 /// it, 2π² w/(width · height); 0 where the weight is.
-#[must_use]
 pub fn texel_pdf(probability: f64, weight: f64, [width, height]: [usize; 2]) -> f64 {
     if weight == 0.0 { 0.0 } else { probability * width as f64 * height as f64 / (2.0 * PI * PI * weight) }
 }
@@ -25,7 +23,6 @@ pub const PLACE_IN_TEXEL: [f64; 2] = [0.0, 0.0];
 
 /// The median pixel as the first report's formula prints it: the first at which the running sum of the energies is their total,
 /// which is the last that has any; its text says half of the total.
-#[must_use]
 pub fn median_without_half(energies: &[f64]) -> usize {
     energies.iter().rposition(|e| *e > 0.0).unwrap_or(0)
 }
@@ -34,7 +31,6 @@ pub fn median_without_half(energies: &[f64]) -> usize {
 /// distribution function and that are the rows' probabilities, not summed up.
 ///
 /// Right is the first whose sum with all rows before is at least `u`. Most numbers select no row.
-#[must_use]
 pub fn row_without_sums(probabilities: &[f64], u: f64) -> Option<usize> {
     probabilities.iter().position(|p| *p >= u)
 }
@@ -42,7 +38,6 @@ pub fn row_without_sums(probabilities: &[f64], u: f64) -> Option<usize> {
 /// The 8-bit value of a linear one ≥ 0: clamp((√2 · L)^(1/2.2), 0, 1) · 255, truncated (the CS184 path tracer).
 ///
 /// Right is the sRGB curve, rounded to the nearest.
-#[must_use]
 pub fn display_value(value: f32) -> u8 {
     ((std::f32::consts::SQRT_2 * value).powf(1.0 / 2.2).min(1.0) * 255.0) as u8
 }

@@ -9,7 +9,6 @@ use crate::optics::dielectric::{self, normal_reflectance, schlick_polynomial};
 /// Right is the cosine on the less dense side ([`crate::optics::dielectric::schlick`]). Leaving glass of index 1.5 this one
 /// gives 0.040 at 30° (right: 0.055), 0.041 at 40° (0.245) and at 41.5° (0.542): it knows no total internal reflection.
 /// With total internal reflection added it reflects 0.573 of uniform light from inside; 0.596 is correct.
-#[must_use]
 pub fn schlick_incident_cosine<T: Real>(cos_i: T, eta: T) -> T {
     schlick_polynomial(normal_reflectance(eta), cos_i)
 }
@@ -18,7 +17,6 @@ pub fn schlick_incident_cosine<T: Real>(cos_i: T, eta: T) -> T {
 /// refracted, beside that of the incident direction in the share that is reflected; `None` under total internal reflection.
 ///
 /// By Fresnel's equations both are the same. By this polynomial the shares add up to 1.96 for light that grazes glass of 1.45.
-#[must_use]
 pub fn schlick_refracted_cosine(cos_i: f64, eta: f64) -> Option<f64> {
     dielectric::eta_cos_t(cos_i, eta).map(|g| schlick_polynomial(normal_reflectance(eta), g / eta))
 }
@@ -27,7 +25,6 @@ pub fn schlick_refracted_cosine(cos_i: f64, eta: f64) -> Option<f64> {
 /// (1 − cos)⁵.
 ///
 /// From air into glass of 1.45 it reflects 0.72 of uniform light; 0.09 is correct.
-#[must_use]
 pub fn schlick_of_fifth_power<T: Real>(cos: T, eta: T) -> T {
     let f0 = normal_reflectance(eta);
     f0 + (T::one() - f0) * (T::one() - cos * cos * cos * cos * cos)
@@ -36,7 +33,6 @@ pub fn schlick_of_fifth_power<T: Real>(cos: T, eta: T) -> T {
 /// The tangential part of the mirrored direction, of one whose tangential part is `sin`: the printed components have no minus.
 ///
 /// Right is −sin. The printed mirror sends all light back to where it came from.
-#[must_use]
 pub fn reflected_sine_without_sign(sin: f64) -> f64 {
     sin
 }
@@ -44,7 +40,6 @@ pub fn reflected_sine_without_sign(sin: f64) -> f64 {
 /// 1/(e·n), the factor of the printed BSDFs of mirror and glass.
 ///
 /// Right is 1/|e·n|: the report's n is fixed, so that for light from inside of glass e·n and with it the printed BSDF are negative.
-#[must_use]
 pub fn reciprocal_of_signed_cosine(cos: f64) -> f64 {
     1.0 / cos
 }
@@ -52,7 +47,6 @@ pub fn reciprocal_of_signed_cosine(cos: f64) -> f64 {
 /// Whether light is refracted, by the printed set of directions: (1 − cos²)/η² > 1.
 ///
 /// Right is ≤ 1. Of the printed directions none has a refracted one.
-#[must_use]
 pub fn refracts_where_above_one(cos: f64, eta: f64) -> bool {
     (1.0 - cos * cos) / (eta * eta) > 1.0
 }
@@ -61,7 +55,6 @@ pub fn refracts_where_above_one(cos: f64, eta: f64) -> bool {
 ///
 /// Right is 1 − (1 − cos²)/η². With the correct tangential part the direction is up to 11 % longer than 1 from air into glass of
 /// 1.45, and from inside the critical angle is 72° and not 44°.
-#[must_use]
 pub fn refracted_cosine_of_squared_difference(cos: f64, eta: f64) -> Option<f64> {
     let square = 1.0 - ((1.0 - cos) / eta).powi(2);
     (square >= 0.0).then(|| square.sqrt())
@@ -71,7 +64,6 @@ pub fn refracted_cosine_of_squared_difference(cos: f64, eta: f64) -> Option<f64>
 /// the sign of the cosine and over the normal: −√(1 − (1 − cos²)/η² sgn cos). It is the root of a vector; this is its part along n.
 ///
 /// Right is −√(1 − (1 − cos²)/η²) sgn cos. From inside the sign is lost: no light leaves the glass.
-#[must_use]
 pub fn refracted_normal_part_under_root(cos: f64, eta: f64) -> f64 {
     -(1.0 - (1.0 - cos * cos) / (eta * eta) * cos.signum()).sqrt()
 }
@@ -80,7 +72,6 @@ pub fn refracted_normal_part_under_root(cos: f64, eta: f64) -> f64 {
 /// no solution but 0.
 ///
 /// Right is sin θᵢ/η.
-#[must_use]
 pub fn refracted_sine_of_itself() -> f64 {
     0.0
 }
@@ -90,7 +81,6 @@ pub fn refracted_sine_of_itself() -> f64 {
 ///
 /// Right is T(1 − r²) n_r²: a beam's flux is kept and its étendue changes. The error is a factor n_r⁴, 4.42 out of glass of 1.45 and
 /// 0.23 into it. Light that enters glass and leaves it again meets both, so that most images do not show it.
-#[must_use]
 pub fn refracted_radiance_over_square(transmitted: f64, eta: f64) -> f64 {
     transmitted / (eta * eta)
 }

@@ -30,7 +30,6 @@ impl MetalErrors {
 /// The correct formula has √π in place of π. This one is negative for a > 0.529, down to −0.0241 at a = 0.805 where
 /// the correct Λ is 0.0558, so that G = 1/(1 + Λₒ + Λᵢ) reaches 1.051 instead of staying below 1. Towards grazing
 /// angles (a → 0) it is too small by the factor √π, 1.77. Measured on a grid of step 10⁻³ in a.
-#[must_use]
 pub fn lambda_with_pi<T: Real>(a: T) -> T {
     let gauss = if a.is_infinite() { T::zero() } else { (-a * a).exp() / (a * T::PI()) };
     T::from_f64(0.5) * (a.error_function() - T::one() + gauss)
@@ -41,7 +40,6 @@ pub fn lambda_with_pi<T: Real>(a: T) -> T {
 /// Correct is D(m) cos θₘ/(4 wo·m), which is also what the report's own routine samples. The printed pdf integrates to 1.086
 /// for α = 0.5 and `wo` along the normal.
 #[inline]
-#[must_use]
 pub fn direction_pdf_without_cosine<T: Real>(d: T, cos: T) -> T {
     T::from_f64(0.25) * d / cos
 }
@@ -50,14 +48,12 @@ pub fn direction_pdf_without_cosine<T: Real>(d: T, cos: T) -> T {
 ///
 /// Right is D over the determinant, which is what the report writes on the other side of that equation. The error is a factor
 /// 16 (wo·m)².
-#[must_use]
 pub fn reflected_pdf_by_determinant(d: f64, cos: f64) -> f64 {
     d * 4.0 * cos
 }
 
 /// The pdf of the normal as the second report's course computes it, p_θ p_φ / sin θ with p_θ = 2 sin θ/(α² cos³θ) exp(−tan²θ/α²) and
 /// p_φ = 1/2π: D cos θ, but 0/0 for u = 0, where θ = 0.
-#[must_use]
 pub fn normal_pdf_by_angles(alpha: f32, theta: f32) -> f32 {
     let (sin, cos) = theta.sin_cos();
     let tan = sin / cos;

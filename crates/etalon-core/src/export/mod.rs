@@ -26,13 +26,11 @@ use glam::{Vec2, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The formats by their extensions.
 const FORMATS: [(&str, Format); 2] = [("pbrt", pbrt::text), ("xml", mitsuba::text)];
 
 /// Makes the text of a scene file; meshes and maps go to files of their own.
 type Format = fn(&Scene, &Request, &mut Aside) -> Result<String>;
 
-/// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exported {
     /// The scene file last, after those that it names.

@@ -44,7 +44,6 @@ fn further_warnings(path: &Path) -> String {
     format!("{}: further warnings are left out", path.display())
 }
 
-/// Options of [`read_scene`].
 #[derive(Clone, Default)]
 pub struct SceneOptions<'a> {
     /// Width and height of the image; without it, what the file asks for.
@@ -61,7 +60,6 @@ pub struct SceneOptions<'a> {
 /// The content of a scene file.
 #[derive(Debug, Clone)]
 pub struct Imported {
-    /// What the file describes.
     pub scene: Scene,
     /// Image size and sampling that it asks for, defaults filled in.
     pub request: Request,

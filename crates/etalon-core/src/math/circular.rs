@@ -81,7 +81,6 @@ impl Circular for f64 {
 ///
 /// Straight-line arithmetic: a loop over it vectorizes, and it gives the same bits on every machine.
 #[inline(always)]
-#[must_use]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // Adding 1.5 · 2⁵² rounds to an integer, which then stands in the lowest bits of the sum.
     const ROUND: f64 = 6_755_399_441_055_744.0;

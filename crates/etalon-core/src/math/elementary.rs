@@ -7,7 +7,6 @@ use std::f64::consts::{LN_2, LOG2_E};
 /// exp(x) for −708 ≤ x ≤ 709, to 2 units of the last place. Source of the scheme: Cody & Waite, *Software Manual for the
 /// Elementary Functions*, 1980, chapter 6.
 #[inline(always)]
-#[must_use]
 pub fn exp_f64(x: f64) -> f64 {
     // Adding 1.5 · 2⁵² rounds to an integer, which then stands in the lowest bits of the sum.
     const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -26,7 +25,6 @@ pub fn exp_f64(x: f64) -> f64 {
 
 /// exp(x) for −87.3 ≤ x ≤ 88, to 2 units of the last place.
 #[inline(always)]
-#[must_use]
 pub fn exp_f32(x: f32) -> f32 {
     const ROUND: f32 = 12_582_912.0;
     const HIGH: f32 = 0.693_145_75;
@@ -41,7 +39,6 @@ pub fn exp_f32(x: f32) -> f32 {
 
 /// ln x for normal x > 0, to 10⁻¹⁵ or as much of its value.
 #[inline(always)]
-#[must_use]
 pub fn ln_f64(x: f64) -> f64 {
     // x = 2ⁿ m with m from √½ to √2: subtracting the bits of √½ borrows from the exponent where m would be smaller.
     const ROOT: u64 = 0x3fe6_a09e_667f_3bcd;
@@ -61,7 +58,6 @@ pub fn ln_f64(x: f64) -> f64 {
 
 /// ln x for normal x > 0, to 2·10⁻⁷ or as much of its value.
 #[inline(always)]
-#[must_use]
 pub fn ln_f32(x: f32) -> f32 {
     // As above, but the exponent keeps its sign.
     const ROOT: u32 = 0x3f35_04f3;

@@ -18,7 +18,6 @@ impl Frame {
     ///
     /// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
     #[inline(always)]
-    #[must_use]
     pub fn from_normal(normal: Vec3) -> Self {
         let n = normal;
         let sign = 1.0f32.copysign(n.z);
@@ -32,7 +31,6 @@ impl Frame {
     /// The frame of a unit normal whose x axis points as far along `tangent` as the normal allows: the frame of an
     /// anisotropic material. Falls back to [`Frame::from_normal`] where the tangent is zero, not finite, or along the normal.
     #[inline]
-    #[must_use]
     pub fn from_normal_and_tangent(normal: Vec3, tangent: Vec3) -> Self {
         // Gram-Schmidt: what of the tangent lies in the surface. Below this share of its length it is rounding.
         const LEAST_SHARE: f32 = 1e-3;
@@ -52,14 +50,12 @@ impl Frame {
 
     /// Components of a world vector in this frame.
     #[inline(always)]
-    #[must_use]
     pub fn to_local(&self, w: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(w), self.y.dot(w), self.z.dot(w))
     }
 
     /// The world vector of these components.
     #[inline(always)]
-    #[must_use]
     pub fn to_world(&self, w: Vec3) -> Vec3 {
         self.x * w.x + self.y * w.y + self.z * w.z
     }

@@ -15,7 +15,6 @@ pub type Rgb = glam::Vec3;
 /// (R + G + B) / 3, in f64: the scalar that importance sampling weighs a colour by. It keeps more of saturated light than
 /// luminance does.
 #[inline]
-#[must_use]
 pub fn mean_rgb(rgb: Rgb) -> f64 {
     let rgb = rgb.as_dvec3();
     (rgb.x + rgb.y + rgb.z) / 3.0

@@ -45,7 +45,6 @@ pub const ILLUMINANTS: &[(&str, [f64; 2])] = &[
 ];
 
 /// The matching functions x̄, ȳ, z̄ at a wavelength in nanometres.
-#[must_use]
 pub fn matching(nm: f64) -> [f64; 3] {
     let lobe = |height: f64, centre: f64, below: f64, above: f64| {
         let t = (nm - centre) / if nm < centre { below } else { above };
@@ -59,7 +58,6 @@ pub fn matching(nm: f64) -> [f64; 3] {
 }
 
 /// Relative power of D65 at a wavelength in nanometres, interpolated linearly.
-#[must_use]
 pub fn d65(nm: f64) -> f64 {
     let place = ((nm - f64::from(RANGE_NM[0])) / 10.0).clamp(0.0, 40.0);
     let below = (place as usize).min(39);
@@ -67,7 +65,6 @@ pub fn d65(nm: f64) -> f64 {
 }
 
 /// Relative power of a black body of `kelvin` at a wavelength in nanometres (Planck's law); 1 at 560 nm.
-#[must_use]
 pub fn black_body(kelvin: f64, nm: f64) -> f64 {
     // The second radiation constant in nm K (CODATA 2018).
     const C2: f64 = 1.438_776_877e7;
@@ -76,7 +73,6 @@ pub fn black_body(kelvin: f64, nm: f64) -> f64 {
 }
 
 /// Linear sRGB of light of the chromaticity x, y and of luminance 1.
-#[must_use]
 pub fn rgb_of_chromaticity([x, y]: [f64; 2]) -> [f64; 3] {
     to_rgb([x / y, 1.0, (1.0 - x - y) / y])
 }
@@ -85,14 +81,12 @@ pub fn rgb_of_chromaticity([x, y]: [f64; 2]) -> [f64; 3] {
 /// sRGB's gamut are negative. `None` where it has no luminance.
 ///
 /// Each channel is divided by that of D65, so that D65 is exactly white in spite of the fitted matching functions.
-#[must_use]
 pub fn light_rgb(spectrum: impl Fn(f64) -> f64) -> Option<[f64; 3]> {
     let (rgb, luminance) = relative_to_white(spectrum);
     (luminance > 0.0 && luminance.is_finite()).then(|| rgb.map(|channel| channel / luminance))
 }
 
 /// Linear sRGB of a reflectance (a function of nanometres) in daylight D65: a constant becomes that grey.
-#[must_use]
 pub fn reflectance_rgb(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
     relative_to_white(|nm| spectrum(nm) * d65(nm)).0
 }

@@ -11,7 +11,6 @@ use crate::math::Real;
 /// R⊥ = (A + c² − 2ac) / (A + c² + 2ac), R∥ = R⊥ (A c² + s⁴ − 2ac s²) / (A c² + s⁴ + 2ac s²).
 /// Computed through the complex root a + ib itself, so that R⊥ = |c − (a+ib)|² / |c + (a+ib)|² is a quotient of
 /// sums of squares and cannot turn negative. Source: Born & Wolf, 7th ed., 14.2.
-#[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
     let one = T::one();
     let c = incidence(cos_i);
@@ -54,7 +53,6 @@ fn root<T: Real>(c: T, eta: T, k: T) -> (T, T) {
 ///
 /// Its error is below 0.007 (unpolarized) for gold and copper. It is unusable for q < 5: its error for glass (k = 0,
 /// η = 1.5) is 0.099.
-#[must_use]
 pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
     let c = incidence(cos_i);
     let q = eta * eta + k * k;
@@ -64,7 +62,6 @@ pub fn fresnel_approximate<T: Real>(cos_i: T, eta: T, k: T) -> Reflectance<T> {
 }
 
 /// Reflectance at normal incidence, ((η−1)² + k²) / ((η+1)² + k²).
-#[must_use]
 pub fn normal_reflectance<T: Real>(eta: T, k: T) -> T {
     let one = T::one();
     ((eta - one) * (eta - one) + k * k) / ((eta + one) * (eta + one) + k * k)
@@ -75,7 +72,6 @@ pub fn normal_reflectance<T: Real>(eta: T, k: T) -> T {
 /// It solves a cubic; minimizing the exact R∥ by golden sections is as good and exact to about 10⁻⁸ rad, the root of the
 /// precision to which a minimum can be located. The search starts around the best of 900 angles, because R∥ is almost
 /// flat where a weak absorber of η < 1 reflects all light.
-#[must_use]
 pub fn pseudo_brewster(eta: f64, k: f64) -> f64 {
     let parallel = |theta: f64| fresnel(theta.cos().max(0.0), eta, k).parallel;
     // Bracket the minimum by the best of equidistant angles.

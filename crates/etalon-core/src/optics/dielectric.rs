@@ -17,7 +17,6 @@ pub struct Reflectance<T> {
 
 impl<T: Real> Reflectance<T> {
     /// Reflected share of unpolarized light, (R∥ + R⊥) / 2.
-    #[must_use]
     pub fn unpolarized(&self) -> T {
         (self.parallel + self.perpendicular) * T::from_f64(0.5)
     }
@@ -25,7 +24,6 @@ impl<T: Real> Reflectance<T> {
     /// Transmitted share of the power of unpolarized light, 1 − F.
     ///
     /// This is power, not radiance: radiance also scales with η² across the interface.
-    #[must_use]
     pub fn transmittance(&self) -> T {
         T::one() - self.unpolarized()
     }
@@ -36,7 +34,6 @@ impl<T: Real> Reflectance<T> {
 /// `eta` > 0 is the far index over the near one, from 10⁻¹⁸ to 10¹⁸ in f32, so that its square neither overflows nor
 /// vanishes. Total internal reflection gives R∥ = R⊥ = 1.
 /// Source: Born & Wolf, *Principles of Optics*, 7th ed., 1.5.2, rearranged as the module describes.
-#[must_use]
 pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
     let one = T::one();
     let c = incidence(cos_i);
@@ -61,7 +58,6 @@ pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Reflectance<T> {
 }
 
 /// g = η cos θₜ at the incident cosine `c`; `None` under total internal reflection. Refraction directions reuse it.
-#[must_use]
 pub fn eta_cos_t<T: Real>(c: T, eta: T) -> Option<T> {
     let g2 = g_squared(c, eta);
     let is_total = eta < T::one() && g2 <= T::zero();
@@ -85,19 +81,16 @@ pub(super) fn g_squared<T: Real>(c: T, eta: T) -> T {
 }
 
 /// Brewster's angle atan(η) in radians: light polarized in the plane of incidence is not reflected there. Both sides have one.
-#[must_use]
 pub fn brewster(eta: f64) -> f64 {
     eta.atan()
 }
 
 /// The critical angle asin(η) in radians, beyond which all light is reflected; `None` where there is none (η ≥ 1).
-#[must_use]
 pub fn critical(eta: f64) -> Option<f64> {
     (eta < 1.0).then(|| eta.asin())
 }
 
 /// Reflectance at normal incidence, ((η−1)/(η+1))².
-#[must_use]
 pub fn normal_reflectance<T: Real>(eta: T) -> T {
     let r = (eta - T::one()) / (eta + T::one());
     r * r
@@ -106,7 +99,6 @@ pub fn normal_reflectance<T: Real>(eta: T) -> T {
 /// Schlick's polynomial F₀ + (1 − F₀)(1 − c)⁵ for a given cosine; one beyond 1 counts as 1.
 ///
 /// Source: Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, eq. 15.
-#[must_use]
 pub fn schlick_polynomial<T: Real>(f0: T, cos: T) -> T {
     let m = T::one() - incidence(cos);
     let m2 = m * m;
@@ -114,7 +106,6 @@ pub fn schlick_polynomial<T: Real>(f0: T, cos: T) -> T {
 }
 
 /// Schlick for a dielectric: the cosine is that of the ray on the less dense side; 1 under total internal reflection.
-#[must_use]
 pub fn schlick<T: Real>(cos_i: T, eta: T) -> T {
     if eta == T::one() {
         return T::zero();

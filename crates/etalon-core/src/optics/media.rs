@@ -6,7 +6,6 @@
 use super::D_LINE_NM;
 use super::metals::{self, METALS, Metal};
 
-/// A transparent medium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dielectric {
     /// English name, lower case, or the name in the catalogue of glasses.
@@ -142,7 +141,6 @@ pub const DIELECTRICS: &[Dielectric] = &[
 impl Dielectric {
     /// n at a wavelength in nanometres: n² − 1 = Σ Bᵢ λ² / (λ² − Cᵢ), λ in µm (Sellmeier 1871); [`Dielectric::index_d`]
     /// where no formula is known.
-    #[must_use]
     pub fn index(&self, nm: f64) -> f64 {
         if self.sellmeier.is_empty() {
             return self.index_d;
@@ -153,7 +151,6 @@ impl Dielectric {
     }
 }
 
-/// A medium of the registry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Medium {
     /// A transparent one.
@@ -163,7 +160,6 @@ pub enum Medium {
 
 impl Medium {
     /// Its name; for a metal with the symbol, as "gold (Au)".
-    #[must_use]
     pub fn name(&self) -> String {
         match self {
             Self::Dielectric(dielectric) => dielectric.name.to_owned(),
@@ -172,7 +168,6 @@ impl Medium {
     }
 
     /// n and k at [`D_LINE_NM`].
-    #[must_use]
     pub fn index_d(&self) -> [f64; 2] {
         match self {
             Self::Dielectric(dielectric) => [dielectric.index(D_LINE_NM), 0.0],
@@ -180,8 +175,6 @@ impl Medium {
         }
     }
 
-    /// Where its numbers were published.
-    #[must_use]
     pub fn source(&self) -> &'static str {
         match self {
             Self::Dielectric(dielectric) => dielectric.source,
@@ -196,7 +189,6 @@ pub fn all() -> impl Iterator<Item = Medium> {
 }
 
 /// Looks a medium up by name, or a metal by symbol, in any case.
-#[must_use]
 pub fn by_name(name: &str) -> Option<Medium> {
     let dielectric = DIELECTRICS.iter().find(|medium| medium.name.eq_ignore_ascii_case(name));
     dielectric.map(Medium::Dielectric).or_else(|| metals::by_name(name).map(Medium::Metal))

@@ -24,20 +24,15 @@ pub struct Metal {
 }
 
 impl Metal {
-    /// [`Metal::eta`] as a colour.
-    #[must_use]
     pub fn eta_rgb(&self) -> Rgb {
         Rgb::from_array(self.eta.map(|x| x as f32))
     }
 
-    /// [`Metal::k`] as a colour.
-    #[must_use]
     pub fn k_rgb(&self) -> Rgb {
         Rgb::from_array(self.k.map(|x| x as f32))
     }
 
     /// η and k at the d line ([`D_LINE_NM`]), interpolated linearly in the published table.
-    #[must_use]
     pub fn index_d(&self) -> [f64; 2] {
         // The rows about the red channel's wavelength lie about the d line, too.
         interpolated(self.published[0], D_LINE_NM)
@@ -138,7 +133,6 @@ metals! {
 }
 
 /// Looks a metal up by symbol or name, in any case.
-#[must_use]
 pub fn by_name(name: &str) -> Option<&'static Metal> {
     METALS.iter().copied().find(|m| m.symbol.eq_ignore_ascii_case(name) || m.name.eq_ignore_ascii_case(name))
 }

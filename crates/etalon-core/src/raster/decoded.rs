@@ -11,7 +11,6 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// No side may be longer than this.
 const MAX_SIDE: u64 = 1 << 16;
 
-/// A decoded file.
 #[derive(Debug)]
 pub struct Decoded {
     /// Linear RGB, row 0 at the top.
@@ -39,7 +38,6 @@ impl Coverage {
 }
 
 impl Decoded {
-    /// The image and the notes.
     pub fn into_parts(self) -> (Image, Vec<String>) {
         (self.image, self.notes)
     }

@@ -12,7 +12,6 @@ use std::path::Path;
 
 /// Larger files are refused unread: 2 GiB holds a 16384x8192 map of 32-bit floats.
 const MAX_FILE_BYTES: u64 = 1 << 31;
-/// What [`read`] accepts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Accept PNG, JPEG, TGA and PPM/PGM, decoded from sRGB to linear. Off by default: such files are clipped at 1, so

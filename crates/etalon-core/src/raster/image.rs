@@ -16,7 +16,6 @@ impl Image {
     ///
     /// # Panics
     /// When a side is 0.
-    #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self::from_pixels(width, height, vec![Rgb::ZERO; width * height])
     }
@@ -25,14 +24,12 @@ impl Image {
     ///
     /// # Panics
     /// When a side is 0 or `pixels.len() != width * height`: a bug of the caller, never of an input file.
-    #[must_use]
     pub fn from_pixels(width: usize, height: usize, pixels: Vec<Rgb>) -> Self {
         assert!(width > 0 && height > 0 && pixels.len() == width * height, "{width}x{height}, {} pixels", pixels.len());
         Self { width, height, pixels }
     }
 
     /// Evaluates `f(x, y)` at every pixel.
-    #[must_use]
     pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> Rgb) -> Self {
         let mut pixels = Vec::with_capacity(width * height);
         for y in 0..height {
@@ -41,41 +38,32 @@ impl Image {
         Self::from_pixels(width, height, pixels)
     }
 
-    /// Pixels in a row.
     #[inline]
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Number of rows.
     #[inline]
-    #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
     /// All pixels, row by row from the top.
-    #[must_use]
     pub fn pixels(&self) -> &[Rgb] {
         &self.pixels
     }
 
     /// A hash of its size and all its values.
-    #[must_use]
     pub fn hash(&self) -> u64 {
         let size = [self.width() as u32, self.height() as u32];
         hash_words(0, size.into_iter().chain(self.pixels.iter().flat_map(|p| p.to_array().map(f32::to_bits))))
     }
 
-    /// All pixels, mutable.
     pub fn pixels_mut(&mut self) -> &mut [Rgb] {
         &mut self.pixels
     }
 
-    /// The pixels of row `y`.
     #[inline]
-    #[must_use]
     pub fn row(&self, y: usize) -> &[Rgb] {
         &self.pixels[y * self.width..(y + 1) * self.width]
     }
@@ -85,7 +73,6 @@ impl Image {
     /// # Panics
     /// Outside of the image.
     #[inline]
-    #[must_use]
     pub fn get(&self, x: usize, y: usize) -> Rgb {
         self.row(y)[x]
     }
@@ -110,7 +97,6 @@ impl Image {
     }
 
     /// The image with every pixel passed through `f`.
-    #[must_use]
     pub fn map(&self, f: impl Fn(Rgb) -> Rgb) -> Self {
         Self { pixels: self.pixels.iter().map(|&p| f(p)).collect(), ..*self }
     }
@@ -119,7 +105,6 @@ impl Image {
     ///
     /// # Panics
     /// When `factor` is 0.
-    #[must_use]
     pub fn enlarged(&self, factor: usize) -> Self {
         assert!(factor > 0, "enlarging by 0");
         Self::from_fn(self.width() * factor, self.height() * factor, |x, y| self.get(x / factor, y / factor))
@@ -130,7 +115,6 @@ impl Image {
     ///
     /// # Panics
     /// When `factor` is 0.
-    #[must_use]
     pub fn reduced(&self, factor: usize) -> Self {
         assert!(factor > 0, "reducing by 0");
         Self::from_fn(self.width().div_ceil(factor), self.height().div_ceil(factor), |x, y| {
@@ -168,13 +152,10 @@ impl Metadata {
     }
 
     /// All entries, in the order in which they were added.
-    #[must_use]
     pub fn entries(&self) -> &[(String, String)] {
         &self.entries
     }
 
-    /// The value of an entry.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }

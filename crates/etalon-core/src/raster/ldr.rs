@@ -101,7 +101,6 @@ fn coverage(image: &DynamicImage) -> Coverage {
     if is_full { Coverage::Full } else { Coverage::Partial }
 }
 
-/// Writes an 8-bit PNG.
 pub(super) fn encode_png(image: &Image, tone: &ToneMap, out: &mut dyn Write) -> io::Result<()> {
     let (width, height) = (image.width() as u32, image.height() as u32);
     image::codecs::png::PngEncoder::new(out)

@@ -51,7 +51,6 @@ impl ToneMap {
 }
 
 /// The image as 8-bit RGB, 3 bytes a pixel, row by row from the top.
-#[must_use]
 pub fn to_rgb8(image: &Image, tone: &ToneMap) -> Vec<u8> {
     let finite = image.pixels().iter().flat_map(|p| p.to_array()).filter(|v| v.is_finite());
     let max = finite.fold(0.0, f32::max);
@@ -63,7 +62,6 @@ pub fn to_rgb8(image: &Image, tone: &ToneMap) -> Vec<u8> {
 /// The finite, positive pixels are ordered by luminance 0.2126 R + 0.7152 G + 0.0722 B, and the geometric mean of the middle
 /// four fifths is brought to 0.18, so that neither a sun nor a black border counts; but not so far that more than the
 /// brightest tenth exceeds 1. 0 when there is no such pixel.
-#[must_use]
 pub fn auto_exposure(image: &Image) -> f32 {
     let weights = Rgb::new(0.2126, 0.7152, 0.0722);
     let mut luminances: Vec<f32> =

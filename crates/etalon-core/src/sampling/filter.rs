@@ -63,19 +63,16 @@ impl PixelFilter {
     }
 
     /// Its shape along both axes.
-    #[must_use]
     pub fn shape(&self) -> FilterShape {
         self.shape
     }
 
     /// Its radii along x and y, in pixels.
-    #[must_use]
     pub fn radius(&self) -> [f64; 2] {
         self.radius
     }
 
     /// Tables along x and y.
-    #[must_use]
     pub fn axes(&self) -> [FilterAxis; 2] {
         self.radius.map(|radius| FilterAxis::new(self.shape, radius))
     }
@@ -150,8 +147,6 @@ const INTERVALS: f64 = 64.0;
 const FARTHEST: f64 = 8.0;
 
 impl FilterAxis {
-    /// The table of a filter of that shape and radius.
-    #[must_use]
     pub fn new(shape: FilterShape, radius: f64) -> Self {
         let (radius, intervals) = match shape {
             FilterShape::Box | FilterShape::Triangle => (radius, 1.0),
@@ -186,14 +181,12 @@ impl FilterAxis {
 
     /// The distance from the centre beyond which f is 0.
     #[inline]
-    #[must_use]
     pub fn radius(&self) -> f32 {
         self.step * (self.values.len() - 1) as f32
     }
 
     /// f at a distance from the centre: the pdf of [`FilterAxis::sample`], per pixel.
     #[inline]
-    #[must_use]
     pub fn value(&self, x: f32) -> f32 {
         let place = x.abs() / self.step;
         let i = (place as usize).min(self.values.len() - 2);
@@ -203,7 +196,6 @@ impl FilterAxis {
 
     /// A signed distance from the centre, which grows with `u` in \[0, 1).
     #[inline]
-    #[must_use]
     pub fn sample(&self, u: f32) -> f32 {
         // The share of f that is farther away, and the interval where it ends.
         let share = 1.0 - (2.0 * u - 1.0).abs();

@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 
 /// Uniform over the upper hemisphere; pdf 1/(2π).
 #[inline]
-#[must_use]
 pub fn uniform_hemisphere(u: [f64; 2]) -> DVec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = (u[0] * (2.0 - u[0])).sqrt();
@@ -17,14 +16,12 @@ pub fn uniform_hemisphere(u: [f64; 2]) -> DVec3 {
 pub const UNIFORM_HEMISPHERE_PDF: f64 = 1.0 / (2.0 * PI);
 
 /// The `u` that [`uniform_hemisphere`] maps to `w`.
-#[must_use]
 pub fn invert_uniform_hemisphere(w: DVec3) -> [f64; 2] {
     [1.0 - w.z, turns(w.y, w.x)]
 }
 
 /// Uniform over the sphere; pdf 1/(4π).
 #[inline]
-#[must_use]
 pub fn uniform_sphere(u: [f64; 2]) -> DVec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let sin = 2.0 * (u[0] * (1.0 - u[0])).sqrt();
@@ -35,14 +32,12 @@ pub fn uniform_sphere(u: [f64; 2]) -> DVec3 {
 pub const UNIFORM_SPHERE_PDF: f64 = 0.5 * UNIFORM_HEMISPHERE_PDF;
 
 /// The `u` that [`uniform_sphere`] maps to `w`.
-#[must_use]
 pub fn invert_uniform_sphere(w: DVec3) -> [f64; 2] {
     [0.5 * (1.0 - w.z), turns(w.y, w.x)]
 }
 
 /// Cosine-weighted over the upper hemisphere, by the polar map of the disc; pdf cos θ / π.
 #[inline]
-#[must_use]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let (sin_phi, cos_phi) = sin_cos_turns(u[1]);
     let r = u[0].sqrt();
@@ -51,13 +46,11 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
 
 /// Pdf per solid angle of [`cosine_hemisphere`] for a direction of that cosine; 0 below the horizon, and a cosine beyond 1 counts as 1.
 #[inline]
-#[must_use]
 pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
     cos_theta.clamp(0.0, 1.0) / PI
 }
 
 /// The `u` that [`cosine_hemisphere`] maps to `w`.
-#[must_use]
 pub fn invert_cosine_hemisphere(w: DVec3) -> [f64; 2] {
     [w.x * w.x + w.y * w.y, turns(w.y, w.x)]
 }

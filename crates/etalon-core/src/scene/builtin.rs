@@ -22,7 +22,6 @@ fn along_minus_z(position: DVec3, projection: Projection) -> Camera {
 
 /// The first report's scene: a white diffuse unit sphere in an environment scaled by 8, in orthographic projection along −z
 /// from the plane z = 1 that touches it.
-#[must_use]
 pub fn sphere_env(environment: Environment) -> (Scene, Request) {
     let camera = along_minus_z(DVec3::Z, Projection::Orthographic { half_width: 1.0, half_height: 1.0 });
     let sphere = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 1.0 });
@@ -75,7 +74,6 @@ fn spheres(left: Material, right: Material) -> Vec<Object> {
 }
 
 /// The second report's first scene: a mirror sphere and a glass sphere.
-#[must_use]
 pub fn cornell_spheres() -> (Scene, Request) {
     let mirror = Material::Mirror { reflectance: Rgb::ONE };
     let glass = Material::Dielectric(Dielectric::clear(1.45));
@@ -83,7 +81,6 @@ pub fn cornell_spheres() -> (Scene, Request) {
 }
 
 /// The same with diffuse spheres.
-#[must_use]
 pub fn cornell_lambert() -> (Scene, Request) {
     let white = Material::Diffuse { albedo: Rgb::splat(0.6) };
     cornell("cornell-lambert", spheres(white.clone(), white))
@@ -112,7 +109,6 @@ const STATUE_BOX: Vec3 = Vec3::new(1.1, 1.0, 1.1);
 /// that reflects everything. Diffuse and glass sphere must vanish before the background. The metal is darker (0.891): a
 /// model of single scattering loses the light that meets a second facet. The mirror (0.996) would vanish if it did not
 /// show the metal.
-#[must_use]
 pub fn furnace() -> (Scene, Request) {
     let map = EnvMap::new(Image::from_fn(4, 2, |_, _| Rgb::ONE));
     let environment = Environment::upright(Arc::new(map), "constant", 1.0);
@@ -136,7 +132,6 @@ pub fn furnace() -> (Scene, Request) {
 
 /// Brushed copper under a map and two small area lights: a disc with circular grooves, like the bottom of a pan, and a sphere
 /// whose grooves run around its vertical axis. Along the grooves the microfacets' normals vary less than across.
-#[must_use]
 pub fn brushed_metal(environment: Environment) -> (Scene, Request) {
     let copper = Conductor::new(metals::COPPER.eta_rgb(), metals::COPPER.k_rgb(), 0.0, Distribution::Ggx);
     let metal = Material::Conductor(Conductor { alpha: [0.05, 0.4], ..copper });
@@ -193,7 +188,6 @@ enum Maker {
     Statue(&'static Metal),
 }
 
-/// A scene that is built in.
 #[derive(Debug, Clone)]
 pub struct BuiltIn {
     /// How the command line calls it.
@@ -204,7 +198,6 @@ pub struct BuiltIn {
 }
 
 /// The registry of built-in scenes: one entry each, and a statue of every metal.
-#[must_use]
 pub fn scenes() -> Vec<BuiltIn> {
     let scene = |name: &str, doc: &str, maker| BuiltIn { name: name.into(), doc: doc.into(), maker };
     let mut scenes = vec![
@@ -253,14 +246,11 @@ fn statue_alpha(metal: &Metal) -> f32 {
     }
 }
 
-/// The built-in scene of that name.
-#[must_use]
 pub fn find(name: &str) -> Option<BuiltIn> {
     scenes().into_iter().find(|scene| scene.name == name)
 }
 
 /// The scenes under an environment map, each with what it multiplies the map's radiance by: "sphere-env by 8, …".
-#[must_use]
 pub fn map_scales() -> String {
     let of = |scene: &BuiltIn| Some(format!("{} by {}", scene.name, scene.map_scale()?));
     scenes().iter().filter_map(of).collect::<Vec<_>>().join(", ")
@@ -268,7 +258,6 @@ pub fn map_scales() -> String {
 
 impl BuiltIn {
     /// How much the scene brightens the environment map that [`BuiltIn::make`] needs; `None`: it needs none.
-    #[must_use]
     pub fn map_scale(&self) -> Option<f32> {
         match self.maker {
             Maker::UnderMap(_, scale) => Some(scale),
@@ -277,7 +266,6 @@ impl BuiltIn {
     }
 
     /// Whether a mesh can take the place of something in it.
-    #[must_use]
     pub fn takes_mesh(&self) -> bool {
         matches!(self.maker, Maker::Statue(_))
     }

@@ -49,7 +49,6 @@ pub struct Camera {
 impl Camera {
     /// A camera at `position` that looks at `target`, `up` pointing upwards in the image; `None` when these three
     /// do not span a frame. A pixel is the plain mean over its area.
-    #[must_use]
     pub fn look_at(position: DVec3, target: DVec3, up: DVec3, projection: Projection) -> Option<Self> {
         let forward = (target - position).try_normalize()?;
         let right = forward.cross(up).try_normalize()?;
@@ -59,7 +58,6 @@ impl Camera {
 
     /// The camera for an image of another size: where its shape differs, the shorter side shows what the shorter side
     /// showed before, and the longer one more or less, so that nothing is stretched.
-    #[must_use]
     pub fn fitted(&self, from: [usize; 2], to: [usize; 2]) -> Self {
         let aspect = to[0] as f64 / to[1] as f64;
         // Also when a side is 0: such a size is refused elsewhere.
@@ -84,7 +82,6 @@ impl Camera {
     }
 
     /// Whether all rays start outside of a sphere or on it.
-    #[must_use]
     pub fn is_outside(&self, sphere: &Sphere) -> bool {
         let (offset, radius) = (self.position - sphere.centre.as_dvec3(), f64::from(sphere.radius));
         match self.projection {
@@ -96,7 +93,6 @@ impl Camera {
 
     /// The ray through film position (x, y): (0, 0) is the top left corner of the image, (1, 1) the bottom right.
     #[inline]
-    #[must_use]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let (sx, sy) = (2.0 * x - 1.0, 1.0 - 2.0 * y);
         let (origin, direction) = match self.projection {

@@ -18,7 +18,6 @@ pub struct Scene {
 
 impl Scene {
     /// Whether anything lights surfaces. Emission of [`EmitterVisibility::CameraOnly`] does not.
-    #[must_use]
     pub fn has_light(&self) -> bool {
         let emits =
             |object: &Object| object.emission.is_some_and(|emission| emission.visibility == EmitterVisibility::Sampled);
@@ -62,7 +61,6 @@ impl Scene {
     }
 
     /// The scene for an image of another size than `request` has; see [`Camera::fitted`].
-    #[must_use]
     pub fn resized(self, request: Request, [width, height]: [usize; 2]) -> (Self, Request) {
         let camera = self.camera.fitted([request.width, request.height], [width, height]);
         (Self { camera, ..self }, Request { width, height, ..request })
@@ -87,7 +85,6 @@ pub struct Object {
 
 impl Object {
     /// An object that emits no light, its axis along +z, its meridians along +x and +y.
-    #[must_use]
     pub fn new(shape: Shape, material: Material) -> Self {
         Self { shape, material, emission: None, axis: Vec3::Z, meridians: [Vec3::X, Vec3::Y] }
     }
@@ -104,7 +101,6 @@ pub enum Shape {
 
 impl Shape {
     /// Least and largest coordinates; `None` if there is nothing to hit.
-    #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
         match self {
             Self::Sphere(sphere) => sphere.bounds(),
@@ -116,8 +112,6 @@ impl Shape {
         }
     }
 
-    /// A sphere around it.
-    #[must_use]
     pub fn bounding_sphere(&self) -> Sphere {
         match self {
             Self::Sphere(sphere) => *sphere,
@@ -132,7 +126,6 @@ impl Shape {
     }
 
     /// The number of triangles that stand for it in a [`Bvh`](super::bvh::Bvh); 0 of a sphere.
-    #[must_use]
     pub fn triangles(&self) -> usize {
         match self {
             Self::Sphere(_) => 0,

@@ -48,7 +48,6 @@ impl From<Bsdf> for Material {
 impl Material {
     /// Whether it looks the same from both sides: its normal is then turned towards the viewer. Mirrors need not be turned.
     /// A mixture looks the same from both sides unless light passes; where it does, conductors reflect on their front alone.
-    #[must_use]
     pub fn is_two_sided(&self) -> bool {
         match self {
             Self::Diffuse { .. } => true,
@@ -88,7 +87,6 @@ impl Material {
 
     /// Whether its normals are distributed differently along x and y of the surface's frame, so that the frame needs the
     /// tangent of the surface.
-    #[must_use]
     pub fn is_anisotropic(&self) -> bool {
         self.any(|part| match part {
             Self::Dielectric(Dielectric { alpha, .. }) | Self::Conductor(Conductor { alpha, .. }) => {
@@ -105,13 +103,11 @@ impl Material {
     }
 
     /// Whether the width of a distribution of its normals varies over the surface.
-    #[must_use]
     pub fn has_textured_alpha(&self) -> bool {
         self.any(|part| matches!(part, Self::Textured(textured) if textured.alpha.is_some()))
     }
 
     /// Whether it varies over the surface, so that it needs texture coordinates.
-    #[must_use]
     pub fn is_textured(&self) -> bool {
         self.any(|part| matches!(part, Self::Textured(_)))
     }
@@ -137,13 +133,11 @@ pub struct Dielectric {
 
 impl Dielectric {
     /// A smooth boundary that absorbs nothing.
-    #[must_use]
     pub const fn clear(eta: f32) -> Self {
         Self { reflectance: Rgb::ONE, transmittance: Rgb::ONE, eta, alpha: [0.0; 2], distribution: Distribution::Ggx }
     }
 
     /// A boundary of isotropic microfacets that absorbs nothing.
-    #[must_use]
     pub const fn rough(eta: f32, alpha: f32, distribution: Distribution) -> Self {
         Self { alpha: [alpha; 2], distribution, ..Self::clear(eta) }
     }
@@ -168,7 +162,6 @@ pub struct Conductor {
 
 impl Conductor {
     /// A metal of isotropic microfacets on one side, without multiple scattering.
-    #[must_use]
     pub const fn new(eta: Rgb, k: Rgb, alpha: f32, distribution: Distribution) -> Self {
         Self { eta, k, alpha: [alpha; 2], distribution, two_sided: false, multiple_scattering: false }
     }
@@ -190,8 +183,6 @@ pub struct Textured {
 }
 
 impl Textured {
-    /// The material at a point.
-    #[must_use]
     pub fn at(&self, uv: Vec2) -> Material {
         let mut material = self.base.clone();
         match &mut material {
@@ -236,7 +227,6 @@ fn look_up(texture: &Option<Texture>, uv: Vec2, value: &mut Rgb) {
 
 /// The least α of a dielectric that counts as rough: [`SMOOTH_ALPHA`], or what f32 directions resolve
 /// ([`LEAST_DEVIATION`]), which for an index next to 1 may be more than 1.
-#[must_use]
 pub fn least_alpha(dielectric: &Dielectric) -> f32 {
     let resolved = LEAST_DEVIATION * dielectric.eta.max(1.0) / (dielectric.eta - 1.0).abs();
     // Rounded up.
@@ -256,14 +246,12 @@ pub struct Emission {
 
 impl Emission {
     /// Emission of the front, which light samples find.
-    #[must_use]
     pub const fn of_front(radiance: Rgb) -> Self {
         Self { radiance, two_sided: false, visibility: EmitterVisibility::Sampled }
     }
 
     /// Whether a surface with this normal emits against the direction of a ray.
     #[inline]
-    #[must_use]
     pub fn is_emitted(&self, normal: Vec3, direction: Vec3) -> bool {
         self.two_sided || normal.dot(direction) <= 0.0
     }

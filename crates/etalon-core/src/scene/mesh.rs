@@ -92,7 +92,6 @@ impl Mesh {
     /// Corners and unit normal of a triangle; `None` when a corner does not exist, is not where
     /// [`validate`](Self::validate) allows, or all are on a line.
     #[inline]
-    #[must_use]
     pub fn facet(&self, triangle: u32) -> Option<([Vec3; 3], Vec3)> {
         let [a, b, c] = *self.triangles.get(triangle as usize)?;
         let at = |i: u32| self.positions.get(i as usize).copied();
@@ -111,7 +110,6 @@ impl Mesh {
     /// The point of `triangle` with the barycentric weights 1 − u − v, u, v; `None` where there is no
     /// [`facet`](Self::facet).
     #[inline]
-    #[must_use]
     pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Option<Surface> {
         let (corners, normal) = self.facet(triangle)?;
         Some(Surface::on(corners, normal, self.corner_normals(triangle, normal), [u, v]))
@@ -122,7 +120,6 @@ impl Mesh {
     /// perpendicular to the normal will do then.
     ///
     /// Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 6.5.4.
-    #[must_use]
     pub fn tangent(&self, triangle: u32) -> Option<Vec3> {
         let ([a, b, c], _) = self.facet(triangle)?;
         let [uv_a, uv_b, uv_c] = self.uv.get(triangle as usize)?.map(Vec2::as_dvec2);
@@ -137,14 +134,12 @@ impl Mesh {
 
     /// The texture coordinates of the point of `triangle` with the barycentric weights 1 − u − v, u, v. Without texture
     /// coordinates those of the corners are (0, 0), (1, 0) and (1, 1), as in pbrt.
-    #[must_use]
     pub fn uv_at(&self, triangle: u32, u: f32, v: f32) -> Vec2 {
         let [a, b, c] = self.uv.get(triangle as usize).copied().unwrap_or(Self::DEFAULT_UV);
         a * (1.0 - u - v) + b * u + c * v
     }
 
     /// Least and largest coordinates of the triangles that have an area; `None` without any.
-    #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
         let corners = (0..self.triangles.len() as u32).filter_map(|i| self.facet(i)).flat_map(|f| f.0);
         corners.map(|p| [p, p]).reduce(|[min, max], [p, _]| [min.min(p), max.max(p)])

@@ -22,7 +22,6 @@ const PERPENDICULAR: f32 = 1e-4;
 impl Rectangle {
     /// The rectangle `centre` ± `half_x` ± `half_y`, its front where `half_x` × `half_y` points; `None` when the sides
     /// have no length or are not perpendicular to 10⁻⁴. Sides that are along an axis except for rounding are taken as along it.
-    #[must_use]
     pub fn new(centre: Vec3, half_x: Vec3, half_y: Vec3) -> Option<Self> {
         let [half_x, half_y] = [half_x, half_y].map(without_rounding);
         let (x, y) = (half_x.try_normalize()?, half_y.try_normalize()?);
@@ -37,7 +36,6 @@ impl Rectangle {
     }
 
     /// The rectangle with these corners, in order around it; `None` when they do not form one, to 10⁻⁶ of its shorter side.
-    #[must_use]
     pub fn from_corners(corners: [Vec3; 4]) -> Option<Self> {
         let [a, b, c, d] = corners;
         let rectangle = Self::new((a + c) * 0.5, (b - a) * 0.5, (d - a) * 0.5)?;
@@ -51,40 +49,32 @@ impl Rectangle {
         Self { centre, plane: Plane::through(centre, self.plane.normal), ..self }
     }
 
-    /// The middle.
-    #[must_use]
     pub fn centre(&self) -> Vec3 {
         self.centre
     }
 
     /// Half of the two sides, as vectors from the centre to the middles of two edges.
-    #[must_use]
     pub fn half_sides(&self) -> [Vec3; 2] {
         self.half
     }
 
     /// The corners, in order around the rectangle.
-    #[must_use]
     pub fn corners(&self) -> [Vec3; 4] {
         let [x, y] = self.half;
         [-x - y, x - y, x + y, y - x].map(|corner| self.centre + corner)
     }
 
     /// The unit normal of the front.
-    #[must_use]
     pub fn normal(&self) -> Vec3 {
         self.plane.normal
     }
 
-    /// Its plane.
     #[inline(always)]
-    #[must_use]
     pub fn plane(&self) -> Plane {
         self.plane
     }
 
     /// The distance t > 0 along a ray at which it meets the rectangle, from either side; infinite where it does not.
-    #[must_use]
     pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let from = origin - self.centre;
         let t = -from.dot(self.plane.normal) / direction.dot(self.plane.normal);
@@ -93,8 +83,6 @@ impl Rectangle {
         if t > 0.0 && within { t } else { f32::INFINITY }
     }
 
-    /// Product of its sides.
-    #[must_use]
     pub fn area(&self) -> f32 {
         4.0 * self.half[0].length() * self.half[1].length()
     }
@@ -117,7 +105,6 @@ const LEAST_OFFSET: f32 = 1e-30;
 
 impl Plane {
     /// The plane through a point with this unit normal.
-    #[must_use]
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         // In f64, so that only the result is rounded.
         Self { normal, height: normal.as_dvec3().dot(point.as_dvec3()) as f32 }
@@ -125,7 +112,6 @@ impl Plane {
 
     /// How far the plane may be off a polygon with these corners, one of which it goes through, and off the plane of a neighbour:
     /// at each corner the rounding of the normal and of the height, three times ε/2 of Σ |nᵢ pᵢ|, for both.
-    #[must_use]
     pub fn error(&self, corners: &[Vec3]) -> f32 {
         let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
         3.0 * f32::EPSILON * self.normal.abs().dot(farthest)
@@ -133,14 +119,12 @@ impl Plane {
 
     /// The point of the plane below one that is close to it.
     #[inline(always)]
-    #[must_use]
     pub fn project(&self, point: Vec3) -> Vec3 {
         point - self.normal * (self.normal.dot(point) - self.height)
     }
 
     /// The distance along a ray; below 0 behind its origin, infinite or NaN of a parallel ray.
     #[inline(always)]
-    #[must_use]
     pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         (self.height - self.normal.dot(origin)) / self.normal.dot(direction)
     }
@@ -148,7 +132,6 @@ impl Plane {
     /// How far along the normal a ray must start from a point that was [projected](Self::project) onto the plane, so that the sign of
     /// its [distance](Self::distance) is certain.
     #[inline(always)]
-    #[must_use]
     pub fn offset(&self, point: Vec3) -> f32 {
         LEAST_OFFSET + ROUNDING * self.normal.abs().dot(point.abs())
     }

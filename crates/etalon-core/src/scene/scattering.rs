@@ -25,7 +25,6 @@ impl ScatterModel {
     pub const EXACT: Self =
         Self { normals: NormalSampling::Vndf, dielectric: DielectricFresnel::Exact, metal: MetalErrors::NONE };
 
-    /// The formulas of the second report.
     pub const SECOND_REPORT: Self =
         Self { dielectric: DielectricFresnel::SingleCosineSchlick, metal: MetalErrors::ALL, ..Self::EXACT };
 }
@@ -38,7 +37,6 @@ impl Default for ScatterModel {
 
 impl Material {
     /// The scattering functions of the material; with textures, those of its base: see [`super::VaryingBsdf`].
-    #[must_use]
     pub fn bsdf(&self, model: ScatterModel) -> Bsdf {
         match self {
             &Self::Diffuse { albedo } => Bsdf::Diffuse(Diffuse::new(albedo)),
@@ -57,7 +55,6 @@ impl Material {
 
 impl Dielectric {
     /// Whether it has no microfacets, or none that f32 directions resolve: see [`SMOOTH_ALPHA`] and [`is_resolved`].
-    #[must_use]
     pub fn is_smooth(&self) -> bool {
         let alpha = self.alpha[0].min(self.alpha[1]);
         alpha < SMOOTH_ALPHA || !is_resolved(self.alpha, self.eta)
@@ -127,8 +124,6 @@ pub enum VaryingBsdf {
 }
 
 impl VaryingBsdf {
-    /// The BSDFs of a material.
-    #[must_use]
     pub fn new(material: &Material, model: ScatterModel) -> Self {
         match material {
             Material::Textured(textured) => Self::Textured(Arc::clone(textured), model),
@@ -139,8 +134,6 @@ impl VaryingBsdf {
         }
     }
 
-    /// The BSDF at a point.
-    #[must_use]
     pub fn at(&self, uv: Vec2) -> Bsdf {
         match self {
             Self::Constant(bsdf) => bsdf.clone(),

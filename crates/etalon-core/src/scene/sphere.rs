@@ -19,7 +19,6 @@ impl Sphere {
     /// distant spheres, and the nearer root from the farther one by their product. Source: Haines, Günther,
     /// Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", *Ray Tracing Gems*, 2019.
     #[inline(always)]
-    #[must_use]
     pub fn distance(&self, origin: Vec3, direction: Vec3) -> f32 {
         let f = origin - self.centre;
         let b = -f.dot(direction);
@@ -37,7 +36,6 @@ impl Sphere {
     /// Least and largest coordinates. `None` for a sphere on which [`distance`](Self::distance) is of no use: the
     /// square of its radius is not a normal number, or it reaches beyond ±[`Mesh::FARTHEST`], or one of its numbers is
     /// NaN.
-    #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
         let [low, high] = [self.centre - self.radius, self.centre + self.radius];
         let within = |corner: Vec3| corner.abs().cmple(Vec3::splat(Mesh::FARTHEST)).all();

@@ -23,7 +23,6 @@ const TUBE: f32 = 0.365;
 /// Width of the tube over its height.
 const FLAT: f32 = 0.74;
 
-/// Ribs per turn.
 const RIBS: f32 = 30.0;
 
 /// How far the shell is turned to show its mouth.
@@ -43,7 +42,6 @@ const FOOT_ALONG: usize = 56;
 
 /// The statue: some 100 000 triangles, closed and smooth, standing on y = 0 around the y axis, 1 high and less than
 /// 1.1 wide and deep; its front faces +z. Nothing in it is random.
-#[must_use]
 pub fn statue() -> Mesh {
     let mut mesh = Mesh::default();
     shell(&mut mesh);

@@ -40,7 +40,6 @@ pub enum RoughnessScale {
 
 impl RoughnessScale {
     /// The width α for a roughness.
-    #[must_use]
     pub fn alpha(self, roughness: f64) -> f64 {
         match self {
             Self::Alpha => roughness,
@@ -94,7 +93,6 @@ pub struct ImageTexture {
     pub invert: bool,
 }
 
-/// The texels of an image texture.
 #[derive(Clone, PartialEq)]
 pub struct Texels {
     image: Image,
@@ -106,7 +104,6 @@ pub struct Texels {
 
 impl Texels {
     /// The texels of an image of finite values.
-    #[must_use]
     pub fn new(image: Image) -> Self {
         let (mut range, hash) = ([f32::INFINITY, f32::NEG_INFINITY], image.hash());
         for texel in image.pixels() {
@@ -168,7 +165,6 @@ impl ImageTexture {
 
 impl Texture {
     /// The value at a point.
-    #[must_use]
     pub fn at(&self, uv: Vec2) -> Rgb {
         match self {
             &Self::Constant(value) => value,
@@ -190,7 +186,6 @@ impl Texture {
 
     /// Bounds of the values of all channels: no less than the first, and no more than the second. Factors and amounts of
     /// textures in it must not be negative, nor amounts above 1.
-    #[must_use]
     pub fn range(&self) -> [f32; 2] {
         match self {
             Self::Constant(value) => [value.min_element(), value.max_element()],

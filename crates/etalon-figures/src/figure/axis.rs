@@ -9,7 +9,6 @@ pub enum Scale {
     Log10,
 }
 
-/// An axis of a panel.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Axis {
@@ -93,7 +92,6 @@ impl Axis {
         Self { is_silent, ..self }
     }
 
-    /// The number of places that have names.
     pub(super) fn places(&self) -> usize {
         self.names.len()
     }
@@ -189,7 +187,6 @@ impl Span {
     }
 }
 
-/// A tick that is labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
     /// A value of the axis, which [`Axis::ticks`] turns into a position from 0 to 1.
@@ -198,10 +195,8 @@ pub struct Tick {
     pub label: String,
 }
 
-/// The ticks of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticks {
-    /// Those with labels.
     pub major: Vec<Tick>,
     /// Where those without labels are.
     pub minor: Vec<f64>,

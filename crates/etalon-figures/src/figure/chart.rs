@@ -116,7 +116,6 @@ pub(super) struct Sketch<'a> {
     ends: Vec<Point>,
 }
 
-/// A curve that has a name.
 struct Curve {
     label: String,
     stroke: Stroke,

@@ -94,7 +94,6 @@ impl Legend {
         widths
     }
 
-    /// The height of each row.
     fn heights(&self, columns: usize) -> Vec<f64> {
         let lines = |row: &[(String, Vec<Sample>)]| row.iter().map(|(label, _)| self.lines(label).len()).max();
         let height = |row| ROW + LINE * (lines(row).unwrap_or(1).max(1) - 1) as f64;

@@ -194,7 +194,6 @@ impl Page {
         self.add(Item::Image { rect, image });
     }
 
-    /// The page on dark paper.
     pub(super) fn darkened(mut self) -> Self {
         let area = |colour: Colour| match colour {
             Colour { alpha, .. } if colour == Colour::WHITE.with_alpha(alpha) => theme::DARK_PAPER.with_alpha(alpha),

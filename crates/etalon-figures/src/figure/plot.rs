@@ -35,7 +35,6 @@ const EDGE: f64 = 10.0;
 const BETWEEN: f64 = 18.0;
 /// From what stands below a frame to a legend below it.
 const LEGEND_GAP: f64 = 6.0;
-/// Height of a row's heading.
 const HEADING: f64 = 24.0;
 /// Longest colour bar of several heat maps.
 const BAR: f64 = 420.0;

@@ -16,7 +16,6 @@ pub enum Medium {
 }
 
 impl Medium {
-    /// All media, with their names and what they are.
     pub const ALL: [(&str, &str, Self); 3] = [
         ("screen", "As large as its content, for screens and web pages", Self::Screen),
         (
@@ -41,7 +40,6 @@ pub enum Theme {
 }
 
 impl Theme {
-    /// Both themes with their names.
     pub const ALL: [(&str, &str, Self); 2] = [("light", "", Self::Light), ("dark", "", Self::Dark)];
 }
 
@@ -76,7 +74,6 @@ impl Room {
     pub const UNLIMITED: Self = Self { width: f64::INFINITY, height: f64::INFINITY, pixels: None };
 }
 
-/// CSS pixels per millimetre.
 const CSS_PER_MM: f64 = 96.0 / 25.4;
 /// Widths in millimetres: of a column, and of a slide of 13⅓ inches.
 const COLUMN: f64 = 84.0;

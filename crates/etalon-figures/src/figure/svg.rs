@@ -11,7 +11,6 @@ use std::fmt::Write;
 /// DejaVu Sans, or at the viewer's without it Verdana, whose letters are as wide.
 const FONTS: &str = "DejaVu Sans,Verdana,sans-serif";
 
-/// Millimetres per CSS pixel.
 const MM_PER_CSS: f64 = 25.4 / 96.0;
 
 impl Page {

@@ -149,7 +149,6 @@ pub(super) fn in_the_dark(colour: Colour) -> Colour {
     dark.with_alpha(colour.alpha)
 }
 
-/// Every colour of a mark.
 #[cfg(test)]
 pub(super) fn marks() -> Vec<Colour> {
     let mut marks = vec![INK, RED, CYAN, YELLOW, VIOLET];

@@ -35,7 +35,6 @@ pub struct Check {
     pub expected: f64,
     #[serde(deserialize_with = "number_or_nan")]
     pub got: f64,
-    /// The tolerance of `Kind::Within`.
     pub tolerance: Option<f64>,
     /// `None` if it is skipped.
     pub pass: Option<bool>,

@@ -126,7 +126,6 @@ pub struct Content {
     pub errata: Vec<Erratum>,
     /// Claims of the reports that it answers.
     pub claims: Vec<Claim>,
-    /// Numbers that a report prints.
     pub printed: Vec<Printed>,
     /// Numbers that the page shows beside the drawing.
     pub numbers: Numbers,
@@ -189,7 +188,6 @@ impl Numbers {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Printed {
     pub quantity: String,
-    /// As the report prints it.
     pub report: String,
     /// To the digits of the report.
     pub ours: String,
@@ -198,7 +196,6 @@ pub struct Printed {
 /// An error of a report with the evidence for it: a row of "errors in the reports".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Erratum {
-    /// What the report prints.
     pub printed: String,
     pub right: String,
     /// The test that detects the error.

@@ -54,7 +54,6 @@ pub enum Shown {
     Copper,
 }
 
-/// The inputs of all figures.
 pub struct Inputs {
     pub map: NamedMap,
     /// The second report's own scenes; without them, the built-in ones.

@@ -90,7 +90,6 @@ fn cause(found: &Appearance) -> String {
     }
 }
 
-/// A model with its parameters.
 fn named(Model { name, parameters, .. }: &Model) -> String {
     let values: Vec<String> =
         parameters.iter().map(|(name, value)| format!("{name}\u{a0}=\u{a0}{}", rounded(*value, 3))).collect();

@@ -22,7 +22,6 @@ pub struct Check {
     pub seconds: Option<f64>,
 }
 
-/// The checks of one run of a command.
 pub struct Checks {
     pub title: String,
     pub list: Vec<Check>,
@@ -117,7 +116,6 @@ impl Checks {
     }
 }
 
-/// A table with the names of checks.
 fn named<'a>(checks: &'a [&'a Check]) -> Table<'a, &'a Check> {
     Table::of(checks).words("check", |check| markdown(&format!("{}/{}", check.group, check.name)))
 }

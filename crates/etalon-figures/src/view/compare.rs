@@ -73,7 +73,6 @@ pub struct Thumbnail {
 }
 
 impl Thumbnail {
-    #[must_use]
     pub fn new(a: &Image, b: &Image) -> Self {
         let factor = reduction(a, THUMBNAIL);
         let (image, b) = (a.reduced(factor), b.reduced(factor));
@@ -85,7 +84,6 @@ impl Thumbnail {
     }
 
     /// The thumbnail of an image whose size differs from that of the reference: as large as fits in the place of one of equal size.
-    #[must_use]
     pub fn of_another_size(a: &Image, b: &Image) -> Self {
         let room = reduction(b, THUMBNAIL);
         let [width, height] = [b.width(), b.height()].map(|side| (side / room).max(1));
@@ -269,7 +267,6 @@ fn robust_limit(values: &[f64]) -> f64 {
     limit.or(sizes.last().copied()).unwrap_or(0.0)
 }
 
-/// A row for each test, as CSV.
 pub fn csv(compared: &Compared) -> Result<Vec<u8>> {
     let tests = compared.families.iter().flat_map(|family| family.tests.iter().map(move |test| (family, test)));
     let tests: Vec<(&FamilyResult, &Tested)> = tests.collect();
@@ -487,7 +484,6 @@ pub fn where_not_finite(NotFinite { image, column, row, pixels, images }: &NotFi
     format!("{image} is NaN or infinite in column {column}, row {row} (from 0){all}{others}")
 }
 
-/// The verdict in words.
 pub fn sentence(compared: &Compared) -> String {
     let detect = percent(compared.plan.detect);
     let needed = compared.needed.map_or(String::new(), |needed| format!("; {} would find {detect}", sides(&needed)));

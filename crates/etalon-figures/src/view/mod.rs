@@ -4,7 +4,6 @@
 
 pub mod appearance;
 pub mod checks;
-pub mod claims;
 pub mod compare;
 pub mod converge;
 pub mod depth;

@@ -62,7 +62,6 @@ pub fn text(found: &Conclusion, sweep: &Description, replay_by: &str, all: bool)
     text
 }
 
-/// A check for each family and each of its checks.
 pub fn checks(found: &Conclusion) -> Vec<Check> {
     let one = |group: &Group| {
         let failures = found.failures.iter().filter(|of| (&of.family, &of.check) == (&group.family, &group.check));

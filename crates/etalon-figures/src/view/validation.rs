@@ -11,7 +11,6 @@ use etalon_bench::validation::{Tested, Validation};
 use etalon_core::error::Result;
 use etalon_stats::{Outcome, Verdict};
 
-/// A row for each test, as CSV.
 pub fn csv(validation: &Validation) -> Result<Vec<u8>> {
     Table::of(&validation.tests)
         .field("name", |test| &test.name)

@@ -199,7 +199,6 @@ pub fn compared_csv(compared: &Compared) -> Result<Vec<u8>> {
 
 /// What was found over what is expected, by place, the worst marked; and where they differ much, both.
 fn compared_plot(compared: &Compared, counts: Option<&Counts>, wo: Option<[f64; 3]>) -> Plot {
-    /// Dots of a panel.
     const DOTS: usize = 500;
     let is_angle = counts.is_none_or(|counts| counts.axes[0].contains("cos θ"));
     let along = |place: Place| if is_angle { polar(place.into())[0] } else { place.coordinates()[0] };

@@ -7,8 +7,8 @@ use super::job::Job;
 use super::kernel::{Buffers, Pixels, trace, trace_light_paths};
 use super::lanes::{LANES, at};
 use super::light_tracing::SAMPLES_PER_LIGHT_PATH;
-use super::needs::lone_convex_from_outside;
 use super::prepared::PreparedScene;
+use super::prepared::lone_convex_from_outside;
 use super::radiance::{Radiance, Work};
 use super::ray_samples::Streams;
 use super::settings::{Sampling, Settings};
@@ -43,7 +43,6 @@ impl Settings {
         (candidates.first().map_or(fixed, |&first| fixed.with(first)), candidates)
     }
 
-    /// The settings with a candidate.
     fn with(self, (sampling, density): (Sampling, MapSampling)) -> Self {
         Self { sampling, density: Some(density), ..self }
     }
@@ -58,7 +57,6 @@ impl Settings {
     ///   them what is dimmer than the mean of the map. Where most of the light is occluded, light samples are in vain.
     /// - Surfaces that are not diffuse need BSDF samples, and may cast caustics. Light samples alone rarely meet the peak of a glossy BSDF, which
     ///   a trial may not show.
-    #[must_use]
     pub fn candidates(scene: &Scene) -> &'static [Candidate] {
         const LIGHT: Candidate = (Sampling::Light, MapSampling::COSINE);
         const BSDF: Candidate = (Sampling::Bsdf, MapSampling::MAP);
@@ -114,7 +112,6 @@ struct Score {
 
 impl Job<'_> {
     /// The parts that the scene does not need and that are therefore skipped, and the techniques that the render did not choose.
-    #[must_use]
     pub fn left_out(&self) -> Vec<&'static str> {
         let sampling = self.settings.sampling;
         let techniques = [

@@ -85,32 +85,24 @@ impl Film {
         Ok(Self { splats: Some(splats), ..self })
     }
 
-    /// Columns of pixels.
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of pixels.
-    #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
     /// All pixels, row by row from the top.
-    #[must_use]
     pub fn pixels(&self) -> &[Pixel] {
         &self.pixels
     }
 
-    /// The samples that were dropped.
-    #[must_use]
     pub fn dropped(&self) -> Dropped {
         self.dropped
     }
 
     /// The path classes that have sums of their own.
-    #[must_use]
     pub fn classes(&self) -> Option<PathClasses> {
         self.paths.as_ref().map(|p| p.classes)
     }
@@ -136,13 +128,11 @@ impl Film {
     }
 
     /// The mean of the samples of every pixel, and the light splatted to it; black without samples.
-    #[must_use]
     pub fn image(&self) -> Image {
         self.image_of(|estimate| estimate.mean)
     }
 
     /// The standard error of every pixel and channel, see [`Pixel::standard_error`].
-    #[must_use]
     pub fn standard_error(&self) -> Image {
         self.image_of(|estimate| estimate.error)
     }
@@ -177,7 +167,6 @@ impl Film {
 
     /// An upper bound of the share of the light that rounding to the film's unit has taken: 2^-64 of each camera path and channel,
     /// and of light that is too faint for it. 0 where all is black.
-    #[must_use]
     pub fn lost_to_rounding(&self) -> f64 {
         let paths: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.camera_paths)).sum();
         let received = self.splats.iter().flat_map(|splats| &splats.pixels).map(|pixel| pixel.sum);

@@ -51,7 +51,6 @@ impl PathClass {
 
     /// The number of letters between L and E.
     #[inline]
-    #[must_use]
     pub fn scatterings(self) -> u32 {
         self.0.ilog2()
     }
@@ -71,7 +70,6 @@ impl PathClasses {
 
     /// A class for each word of at most `scatterings` letters between L and E (at most [`PathClasses::LONGEST`]), and one
     /// for the rest.
-    #[must_use]
     pub fn up_to(scatterings: u32) -> Self {
         Self { scatterings: scatterings.min(Self::LONGEST), by_length: false }
     }
@@ -83,14 +81,12 @@ impl PathClasses {
     }
 
     /// How many classes there are, the rest included.
-    #[must_use]
     pub fn count(self) -> usize {
         if self.by_length { self.scatterings as usize + 2 } else { 2 << self.scatterings }
     }
 
     /// The number of a word's class: by length, then by alphabet, the rest last.
     #[inline]
-    #[must_use]
     pub fn index(self, word: PathClass) -> usize {
         let index = if self.by_length { word.scatterings() } else { word.0 - 1 };
         (index as usize).min(self.count() - 1)

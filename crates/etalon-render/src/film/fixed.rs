@@ -27,7 +27,6 @@ impl Fixed {
 
     /// `v`, rounded down to a multiple of the unit (exact from 2^-41 on); `v` must lie in [0, [`LIMIT`]).
     #[inline]
-    #[must_use]
     pub fn of(v: f32) -> Self {
         let (mantissa, exponent) = parts(v);
         // v = mantissa · 2^(exponent - 150), counted in units of 2^-64.
@@ -40,7 +39,6 @@ impl Fixed {
     /// `a` times `b`, rounded down to a multiple of the unit (squares are exact from 2^-9 on, 0 below 2^-32); [`Fixed::MAX`]
     /// for what is too large (squares from 2^32 on).
     #[inline]
-    #[must_use]
     pub fn product_of(a: f32, b: f32) -> Self {
         let ((a, exponent_a), (b, exponent_b)) = (parts(a), parts(b));
         let (product, exponent) = (a * b, exponent_a + exponent_b);
@@ -53,20 +51,17 @@ impl Fixed {
 
     /// The number as a count of units.
     #[inline]
-    #[must_use]
     pub fn bits(self) -> u128 {
         u128::from(self.high) << 64 | u128::from(self.low)
     }
 
     /// The number of `bits` units.
     #[inline]
-    #[must_use]
     pub fn from_bits(bits: u128) -> Self {
         Self { high: (bits >> 64) as u64, low: bits as u64 }
     }
 
     /// The nearest double.
-    #[must_use]
     pub fn to_f64(self) -> f64 {
         self.bits() as f64 / TWO_64
     }
@@ -87,28 +82,22 @@ impl std::ops::AddAssign for Fixed {
 pub struct FixedRgb(pub [Fixed; 3]);
 
 impl FixedRgb {
-    /// [`Fixed::of`] each channel.
     #[inline]
-    #[must_use]
     pub fn of(value: Rgb) -> Self {
         Self(value.to_array().map(Fixed::of))
     }
 
-    /// [`Fixed::product_of`] each channel.
     #[inline]
-    #[must_use]
     pub fn product_of(a: Rgb, b: Rgb) -> Self {
         Self(std::array::from_fn(|c| Fixed::product_of(a[c], b[c])))
     }
 
     /// The mean of `n` values from their sum, rounded to f64 and then to f32; black without any.
-    #[must_use]
     pub fn mean(self, n: f64) -> Rgb {
         if n == 0.0 { Rgb::ZERO } else { Rgb::from_array(self.0.map(|sum| (sum.to_f64() / n) as f32)) }
     }
 
     /// The sum over the channels.
-    #[must_use]
     pub fn total(self) -> f64 {
         self.0.into_iter().map(Fixed::to_f64).sum()
     }
@@ -133,7 +122,6 @@ fn parts(v: f32) -> (u64, u32) {
 ///
 /// This difference is where the variance of nearly equal samples is lost in floating point. Here it is formed from
 /// integers of 256 bits, so that equal samples give 0 and not noise.
-#[must_use]
 pub fn spread(n: u32, sum: Fixed, squares: Fixed) -> f64 {
     let n = u64::from(n);
     let [low, high] = [squares.low, squares.high].map(|word| u128::from(word) * u128::from(n));

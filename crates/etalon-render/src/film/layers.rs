@@ -10,7 +10,6 @@ impl Film {
     ///
     /// The layers of a pixel, added in this order in f64 and rounded to f32, give the value of [`Film::image`]
     /// exactly: the largest layer takes the rounding error.
-    #[must_use]
     pub fn path_layers(&self) -> Vec<(String, Image)> {
         let Some(paths) = &self.paths else { return Vec::new() };
         let count = paths.classes.count();

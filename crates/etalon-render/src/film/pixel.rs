@@ -20,14 +20,12 @@ pub struct Pixel {
 impl Pixel {
     /// How many samples the pixel has had, dropped ones included.
     #[inline]
-    #[must_use]
     pub fn samples(&self) -> u32 {
         self.n
     }
 
     /// How many camera paths its samples have had.
     #[inline]
-    #[must_use]
     pub fn camera_paths(&self) -> u32 {
         self.camera_paths
     }
@@ -46,7 +44,6 @@ impl Pixel {
         self.camera_paths += 1;
     }
 
-    /// Adds the samples of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.n = self.n.saturating_add(other.n);
         self.camera_paths = self.camera_paths.saturating_add(other.camera_paths);
@@ -55,7 +52,6 @@ impl Pixel {
     }
 
     /// The mean of the paths; black without a sample.
-    #[must_use]
     pub fn mean(&self) -> Rgb {
         self.sum.mean(self.camera_paths.into())
     }
@@ -65,7 +61,6 @@ impl Pixel {
     /// 0 for equal paths. Infinite when it is not known: from fewer than two paths, and where Σ² has left its range
     /// (2^64). Squares are rounded down to 2^-64, so that the error of light below about 1e-8 is too small. The random
     /// numbers of a stratified stream are not independent: the true error is smaller, the figure is an upper estimate.
-    #[must_use]
     pub fn standard_error(&self) -> Rgb {
         Rgb::from_array(std::array::from_fn(|c| {
             if self.camera_paths < 2 || self.square.0[c] == Fixed::MAX {
@@ -82,7 +77,6 @@ impl Pixel {
 pub struct Dropped {
     /// Infinite, not a number, or from 2^63 on.
     pub nonfinite: u64,
-    /// Samples with a negative channel.
     pub negative: u64,
     /// Samples with light, but in every channel less than 2^-64, which is 0 on the film.
     pub faint: u64,
@@ -103,7 +97,6 @@ impl Dropped {
     pub(super) const FAINT: Self = Self { nonfinite: 0, negative: 0, faint: 1, first_pixel: None };
 
     /// How many samples were dropped because their radiance was impossible.
-    #[must_use]
     pub fn total(&self) -> u64 {
         self.nonfinite.saturating_add(self.negative)
     }

@@ -4,7 +4,6 @@ use std::fmt;
 use std::ops::Range;
 
 /// The samples of shard `i` (from 1) of `n`: as nearly equal numbers as can be, all `spp` samples together.
-#[must_use]
 pub fn shard(i: u32, n: u32, spp: u32) -> Range<u32> {
     let end = |i: u32| (u64::from(i) * u64::from(spp) / u64::from(n.max(1))) as u32;
     end(i.saturating_sub(1).min(n))..end(i.min(n))
@@ -22,43 +21,35 @@ pub struct Ranges {
 
 impl Ranges {
     /// Nothing of a render of `spp` samples.
-    #[must_use]
     pub fn none(spp: u32) -> Self {
         Self { spp, done: Vec::new(), begun: None }
     }
 
     /// The samples of each pixel that make the whole render.
-    #[must_use]
     pub fn spp(&self) -> u32 {
         self.spp
     }
 
     /// The ranges that every pixel has had.
-    #[must_use]
     pub fn done(&self) -> &[Range<u32>] {
         &self.done
     }
 
     /// The range at which an interrupted render was.
-    #[must_use]
     pub fn begun(&self) -> Option<Range<u32>> {
         self.begun.clone()
     }
 
     /// How many samples every pixel has had.
-    #[must_use]
     pub fn samples(&self) -> u32 {
         self.done.iter().map(|r| r.end - r.start).sum()
     }
 
-    /// Whether nothing is missing.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.samples() == self.spp
     }
 
     /// The ranges that some pixel has not had (whole): what is not [`done`](Self::done).
-    #[must_use]
     pub fn missing(&self) -> Vec<Range<u32>> {
         let starts = [0].into_iter().chain(self.done.iter().map(|r| r.end));
         let ends = self.done.iter().map(|r| r.start).chain([self.spp]);
@@ -66,7 +57,6 @@ impl Ranges {
     }
 
     /// Whether every pixel has had all samples of a range.
-    #[must_use]
     pub fn have(&self, range: &Range<u32>) -> bool {
         range.is_empty() || self.done.iter().any(|r| r.start <= range.start && range.end <= r.end)
     }
@@ -97,7 +87,6 @@ impl Ranges {
     }
 
     /// Samples that both hold, or began to.
-    #[must_use]
     pub fn overlap(&self, other: &Self) -> Option<Range<u32>> {
         let held = |ranges: &Self| ranges.done.iter().cloned().chain(ranges.begun()).collect::<Vec<_>>();
         let theirs = held(other);
@@ -154,7 +143,6 @@ fn intersection(a: &Range<u32>, b: &Range<u32>) -> Option<Range<u32>> {
 }
 
 /// Ranges separated by blanks, as in a message.
-#[must_use]
 pub fn list(ranges: &[Range<u32>]) -> String {
     ranges.iter().map(|r| format!("{}..{}", r.start, r.end)).collect::<Vec<_>>().join(" ")
 }

@@ -43,14 +43,12 @@ impl<'a> Row<'a> {
     }
 
     /// The row's number, from the top.
-    #[must_use]
     pub fn y(&self) -> usize {
         self.y
     }
 
     /// How many samples the pixel in column `x` has had, dropped ones included.
     #[inline]
-    #[must_use]
     pub fn samples(&self, x: usize) -> u32 {
         self.pixels[x].n
     }

@@ -87,7 +87,6 @@ impl Splats {
         }
     }
 
-    /// Adds the sums of `other`.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             mine.sum += theirs.sum;

@@ -28,7 +28,6 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// No surface.
     pub const NONE: Self = Self { position: Vec3::ZERO, normal: Vec3::Z, shading: Vec3::Z, offset: 0.0 };
 
     /// The normal, and that for shading.
@@ -101,7 +100,6 @@ struct Tree {
 /// in the BVH.
 const LARGE: f32 = 1.0 / 16.0;
 
-/// Which objects are outside the BVH.
 fn is_outside_bvh(scene: &Scene) -> Vec<bool> {
     let is_solid = |&i: &usize| !matches!(scene.objects[i].shape, Shape::Mesh(_));
     let mut solids: Vec<usize> = (0..scene.objects.len()).filter(is_solid).collect();
@@ -119,7 +117,6 @@ fn is_outside_bvh(scene: &Scene) -> Vec<bool> {
 }
 
 impl<'a> Geometry<'a> {
-    /// Whether a scene has anything that stands in the tree.
     pub fn needs_tree(scene: &Scene) -> bool {
         is_outside_bvh(scene).contains(&false)
     }

@@ -16,7 +16,6 @@ use etalon_core::math::{Frame, Rgb};
 use etalon_core::scene::Ray;
 use std::f32::consts::FRAC_1_PI;
 
-/// The buffers of direct light.
 #[derive(Default)]
 pub struct DirectLight {
     choices: Vec<light_lanes::Choice>,
@@ -30,7 +29,6 @@ pub struct DirectLight {
 enum Source<'a> {
     /// A round of light samples, by its number.
     Lights(usize, Round),
-    /// Light samples of the environment.
     Environment(&'a EnvironmentSampling<'a>),
     /// A strategy that ignores the lights: its rays find emitters.
     Surface(SurfaceSampling),

@@ -137,7 +137,6 @@ impl Vertices<'_> {
         self.shader.kind
     }
 
-    /// The shading frame.
     #[inline(always)]
     pub fn frame(&self, i: usize) -> Frame {
         Frame { x: at(&self.frames.x, i), y: at(&self.frames.y, i), z: at(&self.interactions.ns, i) }

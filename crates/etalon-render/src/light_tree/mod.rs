@@ -21,7 +21,6 @@ use build::{Built, build};
 use glam::Vec3;
 use node::{Importances, Node, WIDTH};
 
-/// A hierarchy of lights.
 #[derive(Debug, Clone)]
 pub struct LightTree {
     /// Parents first. Without lights, the root has no groups.
@@ -36,7 +35,6 @@ impl LightTree {
     pub const LIGHT_BYTES: usize = size_of::<Option<u64>>() + 4 * size_of::<Node>() / 9;
 
     /// The tree of fewer than 2³¹ lights.
-    #[must_use]
     pub fn new(lights: &[LightBounds]) -> Self {
         let Built { nodes, trails } = build(lights);
         Self { nodes, trails }
@@ -45,7 +43,6 @@ impl LightTree {
     /// The tree as seen from a point. With a normal, only light from its side matters; without one, light from
     /// everywhere.
     #[inline(always)]
-    #[must_use]
     pub fn at(&self, point: Vec3, normal: Option<Vec3>) -> LightTreeAt<'_> {
         LightTreeAt { tree: self, point, normal, root: self.nodes[0].importances(point, normal) }
     }
@@ -97,7 +94,6 @@ impl LightTreeAt<'_> {
     /// Each light belongs to one interval of `u`, and neighbouring intervals to neighbouring lights. Stratified `u`
     /// therefore gives samples stratified over the lights.
     #[inline(always)]
-    #[must_use]
     pub fn sample(&self, u: f32) -> Option<(u32, f32)> {
         let mut descent = Descent::new(u);
         loop {
@@ -155,7 +151,6 @@ impl LightTreeAt<'_> {
 
     /// The probability that [`sample`](Self::sample) selects a light; 0 only if the light does not reach the point.
     #[inline(always)]
-    #[must_use]
     pub fn pmf(&self, light: u32) -> f32 {
         let Some(mut trail) = self.tree.trails[light as usize] else { return 0.0 };
         let (mut node, mut importances, mut probability) = (&self.tree.nodes[0], self.root, 1.0);

@@ -23,7 +23,6 @@ use triangle::TriangleLight;
 /// Factor on the length of a ray to a point, so that rounding does not move a surface there in its way.
 pub const SHORT: f32 = 1.0 - 8.0 * f32::EPSILON;
 
-/// A light that can be sampled.
 #[derive(Debug, Clone)]
 pub struct SampledLight {
     pub kind: LightKind,

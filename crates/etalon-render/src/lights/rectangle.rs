@@ -21,7 +21,6 @@ pub struct RectangleLight {
 }
 
 impl RectangleLight {
-    /// The light on a rectangle.
     pub fn new(rectangle: &Rectangle, radiance: Rgb, two_sided: bool) -> Self {
         let [x, y] = rectangle.half_sides();
         let half = [x.length(), y.length()];

@@ -10,7 +10,6 @@ use etalon_core::scene::Sphere;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// An emissive sphere.
 #[derive(Debug, Clone, Copy)]
 pub struct SphereLight {
     sphere: Sphere,
@@ -19,7 +18,6 @@ pub struct SphereLight {
 }
 
 impl SphereLight {
-    /// The light on a sphere.
     pub fn new(sphere: Sphere, radiance: Rgb, two_sided: bool) -> Self {
         Self { sphere, radiance, two_sided }
     }

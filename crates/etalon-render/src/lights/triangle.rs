@@ -9,7 +9,6 @@ use etalon_core::scene::Plane;
 use etalon_core::scene::Ray;
 use glam::Vec3;
 
-/// An emissive triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleLight {
     corner: Vec3,

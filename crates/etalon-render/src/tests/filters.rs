@@ -146,7 +146,7 @@ fn films_of_other_filters_are_others() {
     let (mut scene, request) = builtin::cornell_spheres();
     let mut fingerprint = |filter: &str| {
         scene.camera.filter = filter.parse().unwrap();
-        fingerprint::of(&scene, &request, &Settings::default())
+        crate::job::fingerprint(&scene, &request, &Settings::default())
     };
     let plain = fingerprint("box");
     assert_eq!(plain, fingerprint("box:0.5"));

@@ -1,6 +1,5 @@
 //! Renders against exact answers, and against each other.
 
-mod adaptive;
 mod choice;
 mod filters;
 mod light_tracing;

@@ -160,7 +160,7 @@ fn a_plane_in_a_furnace_has_the_means_of_its_texture() {
 #[test]
 fn a_texel_and_the_turn_of_a_sphere_tell_renders_apart() {
     let (mut scene, request) = plane(image_texture(texels(), 1.0));
-    let print = |scene: &Scene| fingerprint::of(scene, &request, &Settings::default());
+    let print = |scene: &Scene| crate::job::fingerprint(scene, &request, &Settings::default());
     let before = print(&scene);
     assert_eq!(before, print(&plane(image_texture(texels(), 1.0)).0));
     let mut other = texels();

@@ -39,7 +39,6 @@ pub fn ask<T>(
     if values.len() == count { Ok(values) } else { Err(wrong(format!("it answered only {} lines", values.len()))) }
 }
 
-/// An error of the program called `name`.
 pub fn protocol_error(name: &str, message: impl Into<String>) -> Error {
     Error::input(Path::new(name), message)
 }
@@ -62,25 +61,20 @@ pub struct Answer {
 
 impl Answer {
     /// An empty response of at most `most` lines, and then `end`.
-    #[must_use]
     pub fn new(most: usize) -> Self {
         Self { most, bytes: Vec::new(), start: 0, lines: 0 }
     }
 
     /// Whether nothing has arrived.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
-    /// The number of lines that have arrived.
-    #[must_use]
     pub fn lines(&self) -> usize {
         self.lines
     }
 
     /// What has arrived, for a message: how many lines, and the last one.
-    #[must_use]
     pub fn progress(&self) -> String {
         let lines = match self.lines {
             1 => "1 line".to_owned(),

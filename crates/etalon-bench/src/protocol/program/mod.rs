@@ -49,7 +49,6 @@ pub fn start(command: &str, space: Option<Space>, limit: Duration) -> Result<Ext
 }
 
 /// Whether a name is that of a Python file, whose functions [`start_file`] serves.
-#[must_use]
 pub fn is_python_file(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("py"))
 }

@@ -18,7 +18,6 @@ pub struct Greeting {
     first: String,
     /// Its keys and their values.
     pub keys: Vec<(String, String)>,
-    /// The lines below.
     pub lines: Vec<String>,
 }
 
@@ -61,7 +60,6 @@ impl Greeting {
         Some(self.keys.remove(at).1)
     }
 
-    /// An error about the line.
     pub fn wrong(&self, message: &str) -> Error {
         protocol_error(&self.program, format!("its greeting {} {message}", quote(&self.first)))
     }
@@ -77,7 +75,6 @@ impl Greeting {
 }
 
 /// What is known of a kind of subject by its name; `None` if it has no meaning.
-#[must_use]
 pub fn of_kind(kind: &str) -> Option<Properties> {
     match kind {
         "bsdf" => Some(Properties { map: None, ..Properties::default() }),
@@ -101,14 +98,12 @@ pub fn declared(known: Properties, greeting: &Greeting) -> Result<Properties> {
 }
 
 /// Whether the map, if there is one, is of two different random numbers of a sample.
-#[must_use]
 pub fn has_sound_map(properties: &Properties) -> bool {
     let in_range = |axis: usize| axis < properties.dimension;
     properties.map.is_none_or(|[a, b]| a != b && in_range(a) && in_range(b))
 }
 
 /// Declares a property by its key; `None` where key or value has no meaning.
-#[must_use]
 pub fn declare(properties: &mut Properties, key: &str, value: &str) -> Option<()> {
     let yes = || match value {
         "yes" => Some(true),

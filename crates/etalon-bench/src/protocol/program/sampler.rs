@@ -329,8 +329,6 @@ impl Client {
         Ok(Self { connection, description, parameters, atoms, space })
     }
 
-    /// Its parameters.
-    #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
@@ -350,13 +348,10 @@ impl Client {
     }
 
     /// The name that the program gives its sampler.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.description.name
     }
 
-    /// The domain.
-    #[must_use]
     pub fn space(&self) -> Space {
         self.space.clone()
     }

@@ -24,40 +24,33 @@ impl Space {
     }
 
     /// The names of all domains, in a sentence.
-    #[must_use]
     pub fn known() -> String {
         known()
     }
 
-    /// The domain itself.
-    #[must_use]
     pub fn domain(&self) -> &dyn Domain {
         &*self.domain
     }
 
     /// Names of the coordinates of a point: those that are used between programs, and for directions their angles.
-    #[must_use]
     pub fn names(&self) -> Vec<Vec<&'static str>> {
         let angles = self.domain.at_angles([0.0; 2]).map(|_| vec!["theta", "phi"]);
         [self.domain.names()].into_iter().chain(angles).collect()
     }
 
     /// The number of coordinates of a point between programs.
-    #[must_use]
     pub fn width(&self) -> usize {
         self.domain.names().len()
     }
 
     /// The point with coordinates of one of the lists of [`names`](Self::names); `None` if their number is
     /// another, or an index is not an integer. The point need not lie in the domain.
-    #[must_use]
     pub fn point(&self, coordinates: &[f64]) -> Option<Point> {
         let at_angles = || self.domain.at_angles(coordinates.try_into().ok()?);
         self.domain.point(coordinates).or_else(at_angles)
     }
 
     /// [`point`](Self::point) from the fields of a line, of the first list of [`names`](Self::names).
-    #[must_use]
     pub fn read(&self, words: &[&str]) -> Option<Point> {
         let numbers: Vec<f64> = words.iter().map(|word| number(word)).collect::<Option<_>>()?;
         self.domain.point(&numbers)

@@ -93,7 +93,6 @@ pub const AGAIN: &[(&str, &str, &str, Seen, &str)] = &[
     ),
 ];
 
-/// All of them.
 pub fn all() -> Vec<Exhibit> {
     let again = |fault: PlantedFault| {
         let (name, _, source, seen, story) = AGAIN.iter().find(|(_, of, ..)| *of == fault.name)?;

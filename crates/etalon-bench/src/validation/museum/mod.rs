@@ -100,7 +100,6 @@ impl Shown {
     }
 }
 
-/// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Museum {
     /// Probability that any of the twins is rejected.

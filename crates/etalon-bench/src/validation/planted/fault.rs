@@ -53,7 +53,6 @@ impl PlantedFault {
     }
 }
 
-/// What detected a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum By {
     /// A deterministic check: an integral, a value, a sample outside the support, an inverse.
@@ -77,7 +76,6 @@ impl By {
         }
     }
 
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -87,10 +85,8 @@ impl By {
     }
 }
 
-/// The result of one planted fault.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
-    /// Name of the fault.
     pub name: &'static str,
     pub mistake: &'static str,
     /// Result of the test with the mistake.
@@ -109,7 +105,6 @@ pub struct Finding {
     pub sound_remark: Option<String>,
 }
 
-/// The results of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Findings {
     /// Probability that any of the tests without a mistake is rejected.

@@ -8,21 +8,18 @@ pub(super) mod maps;
 mod renders;
 mod surfaces;
 pub(super) mod warps;
-mod weights;
 
-#[cfg(test)]
 #[cfg(test)]
 pub(crate) use bsdf::{faulty, rough};
 pub use fault::PlantedFault;
 pub use fault::{By, Finding, Findings, run, run_pair};
 
-/// All planted faults, family by family.
 pub fn all() -> Vec<PlantedFault> {
     [
         warps::numbers(),
         warps::hemispheres(),
         warps::domains(),
-        weights::weights(),
+        warps::weights(),
         lights::lights(),
         lights::light_paths(),
         renders::importance(),

@@ -5,7 +5,7 @@
 //! projected solid angle, v sampled by the adjoint BSDF, times the factor of shading normals). The means must be equal.
 
 use super::super::case::Case;
-use super::inputs::{boundary, bsdf, metal, short};
+use super::{boundary, bsdf, metal, short};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Scatter, families};
 use etalon_core::error::Result;
 use etalon_core::interrupt;
@@ -21,7 +21,6 @@ use std::time::Instant;
 /// An estimator: of random numbers, pair by pair.
 pub type Estimator = Box<dyn Fn([[f64; 2]; 3]) -> f64 + Send + Sync>;
 
-/// How light paths scatter.
 #[derive(Clone, Copy)]
 pub struct LightPaths {
     /// Samples the direction in which a light path continues.
@@ -38,7 +37,6 @@ pub fn glass() -> Bsdf {
     bsdf("dielectric", &[1.5])
 }
 
-/// The cases.
 pub fn cases() -> Vec<Case> {
     let mut bsdfs = vec![
         ("diffuse", bsdf("diffuse", &[0.5])),

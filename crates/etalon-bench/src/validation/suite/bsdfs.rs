@@ -6,7 +6,7 @@
 //! f64 and in their textbook form, independently of the materials' code.
 
 use super::super::families::Scattering;
-use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, boundary, bsdf, in_lanes, metal, short, towards};
+use super::{ALPHAS, DEGREES, DISTRIBUTIONS, boundary, bsdf, in_lanes, metal, short, towards};
 use crate::validation::case::{Case, direction_density};
 use etalon_core::bsdf::{Bsdf, BsdfSample, Mixture, NormalSampling, Scatter, families};
 use etalon_core::math::Rgb;

@@ -5,7 +5,7 @@
 //! camera rays sample film positions around a pixel, and light paths are weighted with the pdf.
 
 use super::super::case::Case;
-use super::inputs::in_lanes;
+use super::in_lanes;
 use etalon_core::scene::{Camera, PixelFilter, Projection};
 use etalon_render::probe::{Lane, PreparedCamera, Rays, at};
 use etalon_stats::{Sample, Square, density};
@@ -18,12 +18,10 @@ pub const CAMERA: CameraPdf = |cos, area| cos / area;
 
 /// Columns and rows of the film.
 const FILM: [usize; 2] = [7, 3];
-/// Distance of the wall.
 const DEPTH: f64 = 2.0;
 /// Rounding may move points that are so close to the edge of a pixel, in pixels, to the next.
 const EDGE: f32 = 1e-4;
 
-/// The cameras of the suite.
 pub fn cameras() -> Vec<Case> {
     let perspective = |tan_half_width| Projection::Perspective { tan_half_width, tan_half_height: 0.5 };
     let parallel = Projection::Orthographic { half_width: 1.5, half_height: 0.5 };
@@ -100,7 +98,6 @@ pub const FILTER: FilterPdf = |prepared, [x, y]| {
     weight
 };
 
-/// The filters of the suite.
 pub fn filters() -> Vec<Case> {
     let filters = ["box:1.25", "triangle:2", "gaussian:1.5,0.5", "gaussian:2x1,0.7", "gaussian:0.4,2"];
     filters.map(|name| positions(format!("filter/{name}"), name, FILTER)).into()

@@ -90,7 +90,6 @@ fn area_and_probability(scene: &PreparedScene) -> (f64, f64) {
     of_lights.first().map_or((0.0, 0.0), |first| (first.1, power(first) / of_lights.iter().map(power).sum::<f64>()))
 }
 
-/// The cases.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape) in shapes() {

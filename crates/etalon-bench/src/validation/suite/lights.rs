@@ -3,7 +3,7 @@
 
 use super::super::case::Case;
 use super::super::whole;
-use super::inputs::{in_lanes, short};
+use super::{in_lanes, short};
 use etalon_core::error::Error;
 use etalon_core::math::circular::Circular;
 use etalon_core::math::{Real, Rgb};

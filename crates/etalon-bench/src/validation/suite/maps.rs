@@ -112,7 +112,6 @@ fn is_black(map: &EnvMap) -> bool {
     map.image().pixels().iter().all(|p| *p == Rgb::ZERO)
 }
 
-/// The cuts of the suite.
 pub fn cuts() -> Vec<Case> {
     let mut cases = Vec::new();
     for split in Split::ALL {

@@ -42,7 +42,6 @@ pub enum Truth {
     SameAs(Settings),
 }
 
-/// An image to be tested.
 #[derive(Clone)]
 pub struct RenderTest {
     pub scene: Scene,
@@ -50,7 +49,6 @@ pub struct RenderTest {
     pub request: Request,
     /// Settings of the renderer; seed and random numbers follow from the protocol.
     pub settings: Settings,
-    /// What the image is compared with.
     pub truth: Truth,
     /// A fault in how the image is put together.
     pub plant: Option<Plant>,
@@ -75,7 +73,6 @@ const COARSEST: f64 = 0.1;
 const HEAVY: f64 = 10.0;
 
 impl RenderTest {
-    /// The test of this image.
     pub fn case(self, name: impl Into<String>) -> Case {
         let is_sphere = matches!(self.truth, Truth::Sphere);
         let case = Case::new(name, move |protocol, round| self.examine(protocol, round, |_| ()));
@@ -191,7 +188,6 @@ impl RenderTest {
     }
 }
 
-/// What a comparison has found.
 struct Found {
     comparison: ImageComparison,
     /// Differences up to this do not count.
@@ -243,7 +239,6 @@ pub fn inside(max_depth: u32, settings: Settings) -> RenderTest {
     RenderTest { scene, request: request(16, max_depth), settings, truth, plant: None }
 }
 
-/// Roughness of the metal.
 const ALPHA: f64 = 0.5;
 /// Angle between its normal and the view, in degrees.
 const SEEN_AT: f64 = 60.0;
@@ -319,7 +314,6 @@ fn cornell_box(settings: Settings, other: Settings) -> RenderTest {
     }
 }
 
-/// The images of the suite.
 pub fn cases() -> Vec<Case> {
     let by = |sampling, density| Settings { sampling, density: Some(density), ..Settings::default() };
     let bsdf = by(Sampling::Bsdf, MapSampling::COSINE);

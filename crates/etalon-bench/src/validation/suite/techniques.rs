@@ -21,7 +21,6 @@ use std::sync::Arc;
 /// Share of the detectable error of other tests that these detect.
 pub const FINE: f64 = 0.25;
 
-/// A rectangle of a material.
 fn rectangle(centre: Vec3, half: [Vec3; 2], material: Material) -> Object {
     let rectangle = Rectangle::new(centre, half[0], half[1]).expect("the sides are perpendicular");
     Object::new(Shape::Rectangle(rectangle), material)
@@ -127,7 +126,6 @@ pub fn adaptive_image(scene: Scene) -> RenderTest {
     image(scene, Settings { adaptive: true, ..uniform }, uniform)
 }
 
-/// The images of the suite.
 pub fn cases() -> Vec<Case> {
     let by = |sampling| Settings { sampling, ..Settings::default() };
     let reference = Settings { kernel: Kernel::Reference, ..by(Sampling::Mis) };

@@ -2,7 +2,7 @@
 //! are made of; tabulated distributions in one and two dimensions with their guides; microfacet normals in f64 and in f32.
 
 use super::super::case::{Case, direction_density, direction_sampler};
-use super::inputs::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
+use super::{ALPHAS, DEGREES, DISTRIBUTIONS, short, towards};
 use etalon_core::math::Real;
 use etalon_core::math::circular::Circular;
 use etalon_core::optics::microfacet::{Beckmann, Distribution, Ggx};

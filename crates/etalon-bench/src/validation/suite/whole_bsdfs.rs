@@ -6,7 +6,7 @@
 use super::super::case::Case;
 use super::super::families::Scattering;
 use super::super::whole;
-use super::inputs::{DISTRIBUTIONS, boundary, bsdf, metal, towards};
+use super::{DISTRIBUTIONS, boundary, bsdf, metal, towards};
 use etalon_core::bsdf::{Bsdf, Mixture, Scatter, examples};
 use etalon_core::optics::metals::SILVER;
 use etalon_stats::Outcome;
@@ -28,7 +28,6 @@ fn directions(degrees: &[f64]) -> Vec<Direction> {
     degrees.iter().map(turned).collect()
 }
 
-/// The cases.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for example in examples().into_iter().map(Arc::new) {

@@ -6,7 +6,6 @@ use crate::math::Rgb;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// An entry of the registry.
 pub struct Entry {
     /// Name at the command line; the number of regions follows that of fixed lights: `median-cut-64`.
     pub name: &'static str,
@@ -20,25 +19,21 @@ pub struct Entry {
     pub invertible: bool,
     /// Memory of its tables.
     pub bytes_per_texel: usize,
-    /// How it is made.
     pub method: Method,
 }
 
 impl Entry {
     /// Whether fixed lights stand for the map, one for each region of a cut.
-    #[must_use]
     pub const fn has_fixed_lights(&self) -> bool {
         matches!(self.method, Method::FixedLights(_))
     }
 
     /// The name, with `K` for the number of regions.
-    #[must_use]
     pub fn name_with_k(&self) -> String {
         format!("{}{}", self.name, if self.has_fixed_lights() { "-K" } else { "" })
     }
 }
 
-/// Makes a sampler of a map.
 type Build = fn(Arc<EnvMap>) -> Box<dyn SurfaceSampler>;
 
 /// The kinds of samplers, each with what makes it.
@@ -90,7 +85,6 @@ pub trait SurfaceSampler: Send + Sync {
         }
     }
 
-    /// The map that is sampled.
     fn map(&self) -> &EnvMap;
 
     /// Pdf of [`SurfaceSampler::sample_for`] per solid angle.

@@ -17,8 +17,6 @@ pub struct ErrataSampler {
 }
 
 impl ErrataSampler {
-    /// The tables of a map.
-    #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let (width, height) = (map.geometry().width(), map.geometry().height());
         let table = Table2::new(width, height, |x, y| map.mean_rgb(x, y) * images::row_weight(y, height));

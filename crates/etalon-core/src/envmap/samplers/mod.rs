@@ -22,7 +22,6 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Every sampler.
 pub const ALL: &[&Entry] =
     &[texels::ENTRY, cosine::ENTRY, cosine::COMPENSATED, cut_lights::MEDIAN_CUT, cut_lights::VARIANCE_CUT];
 
@@ -43,43 +42,34 @@ impl MapSampling {
     pub const COSINE_COMPENSATED: Self = Self::new(cosine::COMPENSATED);
 
     /// A sampler that takes no number of regions (or, if it does, cannot be built).
-    #[must_use]
     pub const fn new(entry: &'static Entry) -> Self {
         Self { entry, regions: 0 }
     }
 
     /// A sampler of n regions, if it takes a number of them.
-    #[must_use]
     pub const fn with_regions(entry: &'static Entry, regions: RegionCount) -> Self {
         Self { entry, regions: if entry.has_fixed_lights() { regions } else { 0 } }
     }
 
-    /// Its entry in the registry.
-    #[must_use]
     pub const fn entry(self) -> &'static Entry {
         self.entry
     }
 
     /// The number of its regions; 0 where there are none.
-    #[must_use]
     pub const fn regions(self) -> RegionCount {
         self.regions
     }
 
     /// Whether it looks at the surface's normal.
-    #[must_use]
     pub fn needs_normal(self) -> bool {
         matches!(self.entry.method, Method::ForNormal(_))
     }
 
-    /// Whether fixed lights stand for the map.
-    #[must_use]
     pub fn has_fixed_lights(self) -> bool {
         self.entry.has_fixed_lights()
     }
 
     /// The name of its density, with the number of regions.
-    #[must_use]
     pub fn density(self) -> String {
         self.numbered(self.entry.density)
     }
@@ -121,7 +111,6 @@ impl MapSampling {
     }
 
     /// The names of all samplers, `K` standing for a number of regions.
-    #[must_use]
     pub fn names() -> Vec<String> {
         ALL.iter().map(|entry| entry.name_with_k()).collect()
     }

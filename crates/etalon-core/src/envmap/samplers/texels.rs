@@ -6,7 +6,6 @@ use crate::sampling::table::Table2;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Its entry in the registry.
 pub const ENTRY: &Entry = &Entry {
     name: "cdf",
     density: "map",
@@ -27,8 +26,6 @@ pub struct TexelSampler {
 }
 
 impl TexelSampler {
-    /// The sampler of a map.
-    #[must_use]
     pub fn new(map: Arc<EnvMap>) -> Self {
         let g = map.geometry();
         let table = Table2::new(g.width(), g.height(), |x, y| map.energy(x, y));

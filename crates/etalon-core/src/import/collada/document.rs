@@ -35,7 +35,6 @@ pub struct Document<'a> {
     warnings: RefCell<Vec<String>>,
 }
 
-/// Parses the text of the file at `path`.
 pub fn parse<'a>(text: &'a str, path: &Path) -> Result<Xml<'a>> {
     // A tag has no "<" inside it, so this counts at least its attributes. Comments and the like start with "!".
     let equal_signs = |piece: &str| piece.bytes().filter(|&byte| byte == b'=').count();
@@ -211,7 +210,6 @@ pub fn course_profile<'a>(node: Element<'a>) -> Option<Element<'a>> {
     techniques.find(|technique| technique.attribute("profile") == Some("CGL"))
 }
 
-/// Whether an element has this name.
 pub fn is(node: Element, name: &str) -> bool {
     node.tag_name().name() == name
 }

@@ -11,7 +11,6 @@ use crate::scene::{
 };
 use glam::{DMat4, DVec3, Vec3};
 
-/// The material of a surface, and its emission.
 pub type Surface = (Material, Option<Emission>);
 
 const GREY: Surface = (Material::Diffuse { albedo: Rgb::splat(0.5) }, None);

@@ -228,7 +228,6 @@ impl Scalar {
     }
 }
 
-/// The types by their names.
 const SCALARS: [([&str; 2], Scalar); 8] = [
     (["char", "int8"], Scalar::new(1, |b| f64::from(b[0] as i8))),
     (["uchar", "uint8"], Scalar::new(1, |b| f64::from(b[0]))),
@@ -254,7 +253,6 @@ struct Property {
 struct Element {
     /// For example `vertex`.
     name: String,
-    /// How many there are.
     count: usize,
     /// In the order of the file.
     properties: Vec<Property>,

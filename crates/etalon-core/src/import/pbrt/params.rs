@@ -80,7 +80,6 @@ impl Params {
         self.given.get(name).is_some_and(|param| param.type_name == type_name)
     }
 
-    /// Whether the file gives this parameter.
     pub fn has(&self, name: &str) -> bool {
         self.given.contains_key(name)
     }
@@ -163,7 +162,6 @@ impl Params {
         }
     }
 
-    /// A list of strings.
     pub fn texts(&self, name: &'static str) -> Result<Option<&[String]>> {
         Ok(self.find(name, &["string"])?.map(|param| param.texts.as_slice()))
     }

@@ -87,7 +87,6 @@ struct Block {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads the scene at `path`.
     pub fn scene(path: &Path, options: &'a SceneOptions<'a>) -> Result<Imported> {
         let mut reader = Self {
             options,

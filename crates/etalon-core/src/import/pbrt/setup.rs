@@ -111,7 +111,6 @@ impl Setup {
         p.finish(&["diagonal", "display", "savefp16"], warnings)
     }
 
-    /// `PixelFilter`.
     pub fn filter(&mut self, p: &Params, warnings: &mut Vec<String>) -> Result<()> {
         self.filter = Some(Filter::read(p, warnings)?);
         Ok(())

@@ -205,7 +205,6 @@ fn out_of_range(p: &Params, name: &str, [low, high]: [f32; 2]) -> Error {
 /// Most pixels in a scene's images for textures, all together: 3 GiB.
 pub const MAX_TEXTURE_PIXELS: u64 = 1 << 28;
 
-/// The textures so far.
 pub struct Textures {
     pub named: HashMap<(Values, String), Named>,
     /// The images that have been read.

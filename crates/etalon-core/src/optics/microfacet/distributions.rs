@@ -19,13 +19,11 @@ pub struct Beckmann<T> {
 
 impl<T: Real> Beckmann<T> {
     /// The isotropic distribution of width `alpha` > 0.
-    #[must_use]
     pub fn new(alpha: T) -> Self {
         Self::anisotropic([alpha; 2])
     }
 
     /// The distribution of widths `alpha` > 0 along x and y.
-    #[must_use]
     pub fn anisotropic(alpha: [T; 2]) -> Self {
         Self { alpha: Widths::new(alpha) }
     }
@@ -83,13 +81,11 @@ pub struct Ggx<T> {
 
 impl<T: Real> Ggx<T> {
     /// The isotropic distribution of width `alpha` > 0.
-    #[must_use]
     pub fn new(alpha: T) -> Self {
         Self::anisotropic([alpha; 2])
     }
 
     /// The distribution of widths `alpha` > 0 along x and y.
-    #[must_use]
     pub fn anisotropic(alpha: [T; 2]) -> Self {
         Self { alpha: Widths::new(alpha) }
     }

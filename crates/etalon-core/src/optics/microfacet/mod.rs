@@ -14,7 +14,6 @@ pub mod smith;
 pub use distributions::{Beckmann, Ggx};
 pub use smith::{Microfacet, Widths};
 
-/// The distribution of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Distribution {
     /// [`Beckmann`].

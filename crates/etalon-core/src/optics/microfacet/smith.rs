@@ -96,14 +96,12 @@ impl<T: Real> Widths<T> {
 
     /// αx and αy.
     #[inline]
-    #[must_use]
     pub fn both(&self) -> [T; 2] {
         [self.x, self.y]
     }
 
     /// αx, the width of the isotropic surface.
     #[inline(always)]
-    #[must_use]
     pub fn along_x(&self) -> T {
         self.x
     }
@@ -123,7 +121,6 @@ impl<T: Real> Widths<T> {
     /// The component along y of a direction towards the anisotropic surface, of that towards the isotropic one: y/r. A
     /// slope along y of the isotropic surface becomes one of the anisotropic surface by the same product.
     #[inline(always)]
-    #[must_use]
     pub fn stretch<U: Real>(&self, y: U) -> U {
         U::from_f64(self.inverse) * y
     }
@@ -134,7 +131,6 @@ impl<T: Real> Widths<T> {
 /// (3.535a + 2.181a²)/(1 + 2.276a + 2.577a²) for a < 1.6, else 1. Its error is up to 0.32 % (at a = 1.34), and it exceeds
 /// 1 by 6·10⁻⁵ just below a = 1.6, so that a pdf built on it does not integrate to 1. Source: Walter et al., EGSR
 /// 2007, eq. 27.
-#[must_use]
 pub fn g1_rational<T: Real>(a: T) -> T {
     if a >= T::from_f64(1.6) {
         return T::one();

@@ -196,7 +196,6 @@ impl ExrFile {
 
     /// The text attributes to which the format gives no meaning of its own, in their order: what
     /// [`write_exr`](super::write_exr) was given as metadata.
-    #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
@@ -216,7 +215,6 @@ impl ExrFile {
     }
 
     /// The names of all layers in the part of the file that holds the image, of any channels; empty for none.
-    #[must_use]
     pub fn layer_names(&self) -> Vec<String> {
         let part = choose(&self.file.path, self.file.headers()).map_or(0, |choice| choice.part);
         let names = self.file.headers()[part].channels.list.iter().map(|channel| channel.name.to_string());
@@ -257,7 +255,6 @@ impl ExrFile {
     }
 
     /// Whether the first part of the file has a channel of unsigned integers with this name.
-    #[must_use]
     pub fn counts(&self, name: &str) -> bool {
         let mut channels = self.file.headers()[0].channels.list.iter();
         channels.any(|channel| channel.sample_type == SampleType::U32 && channel.name == *name)

@@ -159,7 +159,6 @@ pub enum Samples<'a> {
 
 impl<'a> Layer<'a> {
     /// The layer's three channels.
-    #[must_use]
     pub fn channels(&self, precision: Precision) -> [Channel<'a>; 3] {
         let image = self.image;
         [0, 1, 2].map(|component| {

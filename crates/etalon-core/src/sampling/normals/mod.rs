@@ -32,13 +32,11 @@ pub trait SampleNormals<T: Real>: Microfacet<T> {
         self.g1_over_cos(wo)
     }
 
-    /// Pdf of [`sample_ndf`](Self::sample_ndf).
     #[inline(always)]
     fn pdf_ndf(&self, wm: [T; 3]) -> T {
         self.d(wm) * wm[2]
     }
 
-    /// Pdf of [`sample_vndf`](Self::sample_vndf).
     #[inline(always)]
     fn pdf_vndf(&self, wo: [T; 3], wm: [T; 3]) -> T {
         let facing = wo[0] * wm[0] + wo[1] * wm[1] + wo[2] * wm[2];

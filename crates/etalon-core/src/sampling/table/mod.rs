@@ -162,7 +162,6 @@ pub struct Table1 {
 
 impl Table1 {
     /// From at least one weight, all finite and ≥ 0.
-    #[must_use]
     pub fn new(weights: &[f64]) -> Self {
         debug_assert!(weights.iter().all(|w| w.is_finite() && *w >= 0.0));
         let mut cdf = vec![0.0; cdf_len(weights.len())];
@@ -179,27 +178,23 @@ impl Table1 {
 
     /// Sum of the weights; when it is 0 nothing can be sampled.
     #[inline]
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.total
     }
 
     /// The cell for `u` in \[0, 1) and the position inside it; `None` when all weights are 0.
     #[inline]
-    #[must_use]
     pub fn sample(&self, u: f64) -> Option<CellSample> {
         (self.total > 0.0).then(|| self.view().sample(u))
     }
 
     /// Probability of a cell (not per length).
     #[inline]
-    #[must_use]
     pub fn probability(&self, cell: usize) -> f64 {
         self.view().probability(cell)
     }
 
     /// The `u` that [`Table1::sample`] maps to this place.
-    #[must_use]
     pub fn invert(&self, cell: usize, offset: f64) -> f64 {
         self.view().invert(cell, offset)
     }
@@ -217,7 +212,6 @@ pub struct GridSample {
 impl GridSample {
     /// Probability of the cell: the very product that [`Table2::probability`] returns.
     #[inline]
-    #[must_use]
     pub fn probability(&self) -> f64 {
         self.y.probability * self.x.probability
     }
@@ -239,7 +233,6 @@ impl Table2 {
     pub const BYTES: usize = size_of::<f64>() + 2 * size_of::<u16>();
 
     /// From `width * height` weights (finite, ≥ 0) given row by row through `weight(x, y)`.
-    #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64 + Sync) -> Self {
         let (stride, guide_stride) = (cdf_len(width), guide_len(width));
         let mut cdf = vec![0.0; stride * height];
@@ -263,7 +256,6 @@ impl Table2 {
 
     /// Sum of the weights; when it is 0 nothing can be sampled.
     #[inline]
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.rows.total()
     }
@@ -279,7 +271,6 @@ impl Table2 {
 
     /// Samples the row with `u[0]`, then the column with `u[1]`, both in \[0, 1); `None` when all weights are 0.
     #[inline]
-    #[must_use]
     pub fn sample(&self, u: [f64; 2]) -> Option<GridSample> {
         let y = self.rows.sample(u[0])?;
         Some(GridSample { x: self.row(y.cell).sample(u[1]), y })
@@ -287,13 +278,11 @@ impl Table2 {
 
     /// Probability of a cell (not per area).
     #[inline]
-    #[must_use]
     pub fn probability(&self, x: usize, y: usize) -> f64 {
         self.rows.probability(y) * self.row(y).probability(x)
     }
 
     /// The `u` that [`Table2::sample`] maps to this place in cell (x, y).
-    #[must_use]
     pub fn invert(&self, (x, y): (usize, usize), (fx, fy): (f64, f64)) -> [f64; 2] {
         [self.rows.invert(y, fy), self.row(y).invert(x, fx)]
     }

@@ -25,7 +25,6 @@ impl ShortTables {
 
     /// `count` tables from weights (finite, ≥ 0) of their cells, written by `weights(table, cells)`; and the sums of their
     /// weights.
-    #[must_use]
     pub fn new(cells: usize, count: usize, weights: impl Fn(usize, &mut [f64]) + Sync) -> (Self, Vec<f64>) {
         let stride = cells.next_multiple_of(LANES);
         let mut ends = vec![f32::INFINITY; stride * count];
@@ -51,7 +50,6 @@ impl ShortTables {
 
     /// The cell of a table for `u` in \[0, 1) and the position inside it; a probability of 0 when all weights are 0.
     #[inline(always)]
-    #[must_use]
     pub fn sample(&self, table: usize, u: f64) -> CellSample {
         let ends = self.of(table);
         // What is at most u is at most u rounded down; where rounding to the nearest went up, the result is positive.
@@ -68,9 +66,7 @@ impl ShortTables {
         CellSample { cell, offset: inside((u - start) / (end - start)), probability: end - start }
     }
 
-    /// Probability of a cell of a table.
     #[inline]
-    #[must_use]
     pub fn probability(&self, table: usize, cell: usize) -> f64 {
         let [start, end] = bounds(self.of(table), cell);
         end - start

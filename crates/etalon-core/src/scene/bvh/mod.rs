@@ -33,7 +33,6 @@ pub struct Bvh {
 
 impl Bvh {
     /// About the memory that building a tree takes for a shape.
-    #[must_use]
     pub fn bytes(shape: &Shape) -> usize {
         128 + 256 * shape.triangles()
     }
@@ -43,7 +42,6 @@ impl Bvh {
     ///
     /// # Panics
     /// With 2²⁹ spheres and triangles or more.
-    #[must_use]
     pub fn build(shapes: &[&Shape]) -> Self {
         let mut items = Vec::new();
         for (number, &shape) in (0..).zip(shapes) {
@@ -72,7 +70,6 @@ impl Bvh {
 
     /// The nearest hit with 0 < t < `t_max`, for spheres also with t = 0; of equally near ones that of the first shape,
     /// and of its first triangle.
-    #[must_use]
     pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
         let mut hit = [None];
         self.nearest_many(single(ray, &t_max), &mut hit);
@@ -80,7 +77,6 @@ impl Bvh {
     }
 
     /// Whether there is a hit as [`nearest`](Self::nearest) counts them.
-    #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
         let mut hit = [false];
         self.occluded_many(single(ray, &t_max), &mut hit);
@@ -100,7 +96,6 @@ impl Bvh {
     /// The surface at a [`Hit`] of a triangle, from its [`place`](Hit::place), `u` and `v`: the same as
     /// [`Mesh::surface`](super::Mesh::surface), faster.
     #[inline]
-    #[must_use]
     pub fn surface(&self, place: u32, u: f32, v: f32) -> Surface {
         let (pack, i) = self.at(place);
         let of = |rows: &[[f32; WIDTH]; 3]| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
@@ -111,7 +106,6 @@ impl Bvh {
     /// The plane of the triangle at a [`Hit`], from its [`place`](Hit::place), and its [error](Plane::error). On which side of the triangle
     /// a ray starts is certain if it starts [`Plane::offset`] away, and of its neighbours if also more than the error.
     #[inline]
-    #[must_use]
     pub fn plane(&self, place: u32) -> (Plane, f32) {
         let (pack, i) = self.at(place);
         (Plane { normal: Vec3::from(pack.normal.map(|axis| axis[i])), height: pack.height[i] }, pack.error[i])
@@ -119,7 +113,6 @@ impl Bvh {
 
     /// [`Hit::triangle`] from the hit's [`place`](Hit::place).
     #[inline]
-    #[must_use]
     pub fn triangle(&self, place: u32) -> u32 {
         let (pack, i) = self.at(place);
         pack.triangle[i]
@@ -203,7 +196,6 @@ fn trace_each<L: Lanes, const ANY: bool, const N: usize, T>(
     }
 }
 
-/// One ray as a batch.
 fn single<'a>(ray: &'a Ray, t_max: &'a f32) -> Rays<'a> {
     let components = |v: &'a Vec3| [&v.x, &v.y, &v.z].map(std::slice::from_ref);
     Rays { origin: components(&ray.origin), direction: components(&ray.direction), t_max: std::slice::from_ref(t_max) }
@@ -260,15 +252,12 @@ pub struct FirstHit<'a> {
 }
 
 impl<'a> FirstHit<'a> {
-    /// Builds the tree.
-    #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
         let shapes: Vec<&Shape> = scene.objects.iter().map(|object| &object.shape).collect();
         Self { objects: &scene.objects, bvh: Bvh::build(&shapes) }
     }
 
     /// The object that the ray meets first; `None` when it meets none.
-    #[must_use]
     pub fn along(&self, ray: &Ray) -> Option<&'a Object> {
         self.bvh.nearest(ray, f32::INFINITY).map(|hit| &self.objects[hit.shape as usize])
     }

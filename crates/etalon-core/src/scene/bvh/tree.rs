@@ -116,7 +116,6 @@ impl Tree {
         tree
     }
 
-    /// Prefetches a node or pack.
     #[inline(always)]
     pub fn prefetch(&self, child: u32) {
         let number = (child & NUMBER) as usize;

@@ -1,16 +1,18 @@
 //! The environment map: importance samples of it (`envmap-samples-64`, `-256`, `-1024` and `-only-256`); its median cut
 //! (`median-cut-2`, `-4`, `-16`, `-64` and `median-cut-radiance-64`), and the error of fixed lights in place of a map, over their
-//! number (`median-cut-error`).
+//! number (`median-cut-error`); inversion with uniform and with Gaussian random numbers (`proposal`).
 
 use super::error_time::{biased, plan, sphere_curves, sphere_scene, unless_stopped};
 use crate::figure::{Axis, Drawing, Marker, Panel, Plot, Stroke, theme};
 use crate::gallery::prelude::*;
 use crate::view::converge::{self, guide, with_band};
 use crate::view::map::Display;
+use crate::view::proposal as proposal_view;
 use etalon_bench::converge::curve::{Curve, Level};
 use etalon_bench::converge::{CUTS, Convergence, cuts};
 use etalon_bench::map_samples::{self, SampleRow};
 use etalon_bench::median_cut::{self, Centroid, RegionRow};
+use etalon_bench::proposal::{self, Proposal, RowBin};
 use etalon_core::envmap::cut::{SideRule, Split};
 use etalon_core::envmap::samplers::TexelSampler;
 use glam::DVec3;
@@ -31,7 +33,7 @@ pub fn figures() -> Vec<Maker> {
     });
     let samples = [64, 256, 1024].map(on_the_map).into_iter().chain([alone]);
     let cuts = [2, 4, 16, 64].map(partition).into_iter().chain([radiance, maker("median-cut-error", error_of_lights)]);
-    samples.chain(cuts).collect()
+    samples.chain(cuts).chain([maker("proposal", proposal_content)]).collect()
 }
 
 fn samples(
@@ -127,4 +129,29 @@ const SAMPLED: [&str; 2] = ["light", "light-cosine"];
 /// K of "median-cut-K".
 fn number_of_lights(curve: &Curve, cut: &str) -> Option<f64> {
     curve.strategy.strip_prefix(cut)?.strip_prefix('-')?.parse().ok()
+}
+
+/// Rows that are sampled with uniform and with Gaussian random numbers.
+const ROWS: usize = 100_000;
+/// A p-value this near to either end is evidence: of a wrong distribution, or of one that fits too well.
+const LEVEL: f64 = 1e-3;
+
+/// Both histograms, if the map has light in enough rows.
+pub fn proposal(inputs: &Inputs, studies: &mut Studies) -> Result<Rc<Option<Proposal>>> {
+    studies.get("proposal", || proposal::compare(&inputs.map.map, ROWS, inputs.seed))
+}
+
+fn proposal_content(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
+    let tested = proposal(inputs, studies)?;
+    let Some(result) = tested.as_ref() else {
+        let check = Check::is_true("sampled rows against the map's distribution", false);
+        let check = check.unless(Some("the map has light in too few rows for a test"));
+        return Content::new(proposal_view::nothing_to_test(), &[] as &[RowBin], vec![check]);
+    };
+    let checks = vec![
+        Check::at_least("p-value with uniform random numbers", result.uniform.p, LEVEL),
+        Check::at_most("p-value with uniform random numbers (no suspiciously good fit)", result.uniform.p, 1.0 - LEVEL),
+        Check::at_most("p-value with Gaussian random numbers", result.gaussian.p, 1e-6),
+    ];
+    Content::new(proposal_view::drawing(result), &result.bins, checks)
 }

@@ -10,9 +10,7 @@ use etalon_stats::{
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// A sampler with a mistake.
 struct Mistaken {
-    /// What is wrong.
     mistake: &'static str,
     domain: Box<dyn Domain>,
     sampler: Box<dyn Sampler>,

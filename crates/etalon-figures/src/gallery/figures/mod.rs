@@ -14,12 +14,9 @@ mod error_time_roughness;
 mod fresnel;
 mod metals_table;
 mod mistakes;
-mod multiple_scattering;
-mod proposal;
 mod rough_glass;
 mod roughness;
 mod sampling;
-mod scaling;
 mod sphere;
 mod stability;
 mod validation;
@@ -41,7 +38,6 @@ pub struct Maker {
     make: Box<Make>,
 }
 
-/// The maker of the figure of that id.
 pub fn maker(id: impl Into<String>, make: impl Fn(&Inputs, &mut Studies) -> Result<Content> + 'static) -> Maker {
     Maker { id: id.into(), make: Box::new(make) }
 }
@@ -59,12 +55,9 @@ fn makers() -> Vec<Maker> {
         fresnel::figures(),
         metals_table::figures(),
         mistakes::figures(),
-        multiple_scattering::figures(),
-        proposal::figures(),
         rough_glass::figures(),
         roughness::figures(),
         sampling::figures(),
-        scaling::figures(),
         sphere::figures(),
         stability::figures(),
         validation::figures(),

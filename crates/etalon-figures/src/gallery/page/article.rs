@@ -83,7 +83,6 @@ impl<'a> Article<'a> {
 }
 
 impl Shown<'_> {
-    /// The number of failed checks.
     pub fn failed(&self) -> usize {
         self.record.checks.iter().filter(|c| c.failed()).count()
     }

@@ -24,7 +24,6 @@ pub fn checks(checks: &[Check]) -> String {
     if checks.is_empty() { String::new() } else { table.html("cards checks") }
 }
 
-/// The numbers behind a figure.
 pub fn numbers(numbers: &Numbers) -> String {
     let Numbers { headings, rows } = numbers;
     if rows.is_empty() {

@@ -21,9 +21,7 @@ pub enum Change<M> {
     /// The pdf, and not the weights.
     Pdf(Value<M>),
     PdfAndWeight(Value<M>),
-    /// The pdf that samples carry.
     CarriedPdf(Value<M>),
-    /// Weights alone.
     Weight(Weight<M>),
     /// Samples.
     Sample(fn(&M, Direction, &[f64]) -> Option<BsdfSample>),

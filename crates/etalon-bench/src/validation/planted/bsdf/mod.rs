@@ -1,7 +1,6 @@
 //! Mistakes in whole BSDFs, phase functions and lights: a right one of the textbook in f64, and one thing changed; and mistakes at limits, where a BSDF
 //! should become another one.
 
-mod claims;
 mod coated;
 pub(crate) mod compensated;
 mod conductor;
@@ -15,17 +14,17 @@ pub(crate) mod smooth;
 
 use super::super::case::Case;
 use super::fault::PlantedFault;
+use crate::likeness::Claim;
 use compensated::Compensated;
-use etalon_stats::bsdf::{BatchBsdf, same_light, same_values};
+use etalon_stats::bsdf::{BatchBsdf, Bsdf, same_light, same_values};
 use etalon_stats::{Outcome, Protocol, Result};
-use faulty::towards;
+use faulty::{Change, Faulty, towards};
 use rough::{Facets, Rough};
 use smooth::{Glass, Lambertian};
 
-/// All of them.
 pub fn faults() -> Vec<PlantedFault> {
     [
-        claims::faults(),
+        claims(),
         dielectric::faults(),
         conductor::faults(),
         smooth::faults(),
@@ -86,6 +85,38 @@ fn limits() -> Vec<PlantedFault> {
                 same_light(&rough, other, towards(50.0), 1e-9, protocol)
             },
             "compensation that stays on where it is switched off",
+        ),
+    ]
+}
+
+const ALPHA: f64 = 0.3;
+
+fn metal(alpha: f64) -> Rough {
+    Rough { alpha: [alpha; 2], facets: Facets::Conductor(0.7) }
+}
+
+/// BSDFs that are consistent in themselves and not the model that they claim to be.
+fn claims() -> Vec<PlantedFault> {
+    let fault = |name: &'static str, wrong: Faulty<Rough>, mistake| {
+        let case = |kind: &str, bsdf: Faulty<Rough>| {
+            let claim = move || Claim::new("ggx", &[("alpha".to_owned(), ALPHA)])?.of_bsdf(&bsdf);
+            Case::new(format!("{kind}/{name}"), move |_, _| claim())
+        };
+        let right = Faulty { right: metal(ALPHA), change: None };
+        PlantedFault { name, mistake, faulty: case("planted", wrong), sound: case("sound", right) }
+    };
+    let separable =
+        Change::ValueAndWeight(|m: &Rough, wo, wi| Bsdf::eval(m, wo, wi, &[])[0] * m.g1(wo) * m.g1(wi) / m.g2(wo, wi));
+    vec![
+        fault(
+            "whole/like/separable-masking",
+            Faulty { right: metal(ALPHA), change: Some(separable) },
+            "G₁ G₁ in values and weights for Smith's G₂ of correlated heights",
+        ),
+        fault(
+            "whole/like/alpha-squared",
+            Faulty { right: metal(ALPHA * ALPHA), change: None },
+            "a roughness that is squared once more",
         ),
     ]
 }

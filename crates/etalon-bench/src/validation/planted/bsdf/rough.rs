@@ -133,7 +133,6 @@ impl Rough {
         self.g1(wo) * self.d(pair.m) * pair.cos_o / wo[2].abs()
     }
 
-    /// A visible normal.
     pub fn sample_normal(&self, wo: Direction, [u, v]: [f64; 2]) -> DVec3 {
         let [ax, ay] = self.alpha;
         let side = wo[2].signum();
