@@ -7,7 +7,7 @@ use crate::domain::{Domain, Place, Point};
 use crate::error::{Cancelled, Result, poll};
 use crate::exact::{Carried, Repeats, carries_another, invalid_pdf, is_beyond_charts, is_infinite, outside};
 use crate::extremes::Extremes;
-use crate::grid::{Parts, Subdivision};
+use crate::grid::{Grid, Parts, Subdivision};
 use crate::hash::{mix32, mix64};
 use crate::leaves::Leaves;
 use crate::looks::Looks;
@@ -39,6 +39,9 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
     let first = 2 * (round * (ATTEMPTS + 1) + attempt);
     [first, first + 1]
 }
+
+/// The first of the streams of samples by which mistakes are named, one for each round.
+const FOR_NAMES: u64 = 1 << 7;
 
 /// What is to be counted.
 pub struct Counting<'a> {
@@ -478,6 +481,26 @@ impl Source<'_> {
         at_infinity.filter(|(_, point)| is_infinite(point)).for_each(|(density, _)| *density = 0.0);
         self.domain.per_chart_area(charts, &mut densities)?;
         Ok((pdfs, PerArea::Each(densities)))
+    }
+
+    /// Counts samples by which a mistake is named, in cells, at atoms and of "no sample", without the pdf.
+    pub fn counts(&self, round: u64, count: u64, grid: &Grid, atoms: &[Atom]) -> Result<Vec<u64>> {
+        let add_batch = |mut counts: Vec<u64>, batch| {
+            let (_, samples) = self.batch(FOR_NAMES + round, batch, count)?;
+            let (none, cells) = (grid.len() + atoms.len(), grid.len());
+            counts[none] += samples.iter().filter(|sample| sample.is_none()).count() as u64;
+            let (at_atoms, spread): (Vec<Sample>, Vec<Sample>) = samples.into_iter().flatten().partition(|s| s.atom);
+            let charts = self.domain.charts(&spread.into_iter().map(|sample| sample.point).collect::<Vec<_>>())?;
+            charts.into_iter().filter(|at| !at[0].is_nan()).for_each(|at| counts[grid.find(at)] += 1);
+            let atom = |sample: &Sample| atoms.iter().position(|atom| self.domain.same(atom.point, sample.point));
+            at_atoms.iter().filter_map(atom).for_each(|i| counts[cells + i] += 1);
+            Ok(counts)
+        };
+        let plus = |mut all: Vec<u64>, other: Vec<u64>| {
+            all.iter_mut().zip(other).for_each(|(sum, n)| *sum += n);
+            all
+        };
+        sum(0..count.div_ceil(BATCH), || vec![0; grid.len() + atoms.len() + 1], add_batch, plus)
     }
 
     /// Counts a range of samples in cells, in their parts and at atoms, and what the integration misses at them. The range

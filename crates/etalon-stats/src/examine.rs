@@ -11,7 +11,7 @@ use crate::grid::{Cell, Grid, Subdivision};
 use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
-use crate::mistakes::{self, Clearness, Kinds, Named};
+use crate::mistakes::{self, Kinds};
 use crate::multiple::sidak;
 use crate::named_mistake::NamedMistake;
 use crate::outcome::{Counts, Outcome, decide};
@@ -20,7 +20,7 @@ use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
 use crate::weights;
-use std::cell::{LazyCell, RefCell};
+use std::cell::LazyCell;
 use std::time::Instant;
 
 /// How many samples a test takes.
@@ -237,6 +237,8 @@ pub fn examine(
     let test = Test {
         domain,
         is_in_leaves: leaves.is_some(),
+        source: &source,
+        round,
         density,
         protocol,
         pilot: &pilot,
@@ -259,30 +261,19 @@ pub fn examine(
         risk: RISK * protocol.own_level() / looks.count(),
         looks,
     };
-    // What explains most of the counts of the first look that rejects
-    let named: RefCell<Option<Option<Named>>> = RefCell::new(None);
     let rejects = |counted: &Counted| {
-        let Findings { p, violation, is_mass_wrong, counts, samples, beyond, .. } = test.find(counted, false);
+        let Findings { p, violation, is_mass_wrong, counts, beyond, .. } = test.find(counted, false);
         match violation {
             _ if beyond.is_some() => true,
             Some(_) if !is_mass_wrong => true,
             // A wrong mass ends the test when counts tell what else is wrong.
             Some(_) if !mistakes::is_clear(&counts) => false,
             None if p.is_none_or(|p| p >= protocol.own_level()) => false,
-            // The test goes on where few samples leave it open whether what explains most is the mistake, as they do with an amount.
-            _ => {
-                let clearness = mistakes::clearness(&counts, looks.samples());
-                let kinds = if clearness == Clearness::Certain { Kinds::All } else { Kinds::Early };
-                let found = || test.mistake(&counts, kinds).unwrap_or_default();
-                let is_settled = |named: &Named| clearness == Clearness::Certain && !named.is_fitted;
-                let mut named = named.borrow_mut();
-                let mut is_told = || named.get_or_insert_with(found).as_ref().is_none_or(is_settled);
-                clearness != Clearness::Open && (samples >= mistakes::TOLD || is_told())
-            }
+            _ => !mistakes::is_open(&counts, looks.samples()),
         }
     };
     let counted = counting.run(&pilot, round, rejects)?;
-    let outcome = test.outcome(counted, named.into_inner().is_some_and(|named| named.is_none()))?;
+    let outcome = test.outcome(counted)?;
     Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
@@ -294,6 +285,9 @@ struct Test<'a> {
     domain: &'a dyn Domain,
     /// Whether the domain has more than two dimensions.
     is_in_leaves: bool,
+    source: &'a Source<'a>,
+    /// The round of the test.
+    round: u64,
     density: &'a dyn Density,
     protocol: &'a Protocol,
     pilot: &'a [Probe],
@@ -346,8 +340,24 @@ impl Test<'_> {
         self.density.mass() == Mass::Unknown
     }
 
-    /// The mistake that explains most of the counts. In more than two dimensions none is tried: each takes integrals of its own.
-    fn mistake(&self, counts: &Counts, kinds: Kinds) -> Result<Option<Named>> {
+    /// The counts, with those of so many more samples that a mistake can be named, if samples are not at hand: they have no part in the
+    /// verdict, which is fixed before.
+    fn with_more(&self, counts: &Counts) -> Result<Counts> {
+        let mut all = counts.clone();
+        let known = counts.observed.iter().sum::<u64>();
+        if known < mistakes::TOLD && !self.is_in_leaves && self.source.sampler.finite_len().is_none() {
+            let mut fresh = self.source.counts(self.round, mistakes::TOLD - known, &counts.grid, self.atoms)?;
+            // "No sample" is left out where its probability is not known.
+            fresh.last_mut().filter(|_| self.is_normalized()).into_iter().for_each(|none| *none = 0);
+            all.observed.iter_mut().zip(fresh).for_each(|(n, more)| *n += more);
+            let growth = all.observed.iter().sum::<u64>() as f64 / known as f64;
+            all.expected.iter_mut().for_each(|expected| *expected *= growth);
+        }
+        Ok(all)
+    }
+
+    /// The mistake that explains the counts. In more than two dimensions none is tried: each takes integrals of its own.
+    fn mistake(&self, counts: &Counts, kinds: Kinds) -> Result<Option<NamedMistake>> {
         if self.is_in_leaves {
             return Ok(None);
         }
@@ -355,7 +365,7 @@ impl Test<'_> {
             let names = self.domain.coordinates();
             let (y, x) = (names[i], names[1 - i]);
             let words = format!("samples have {y} as a function of {x}, as if one random number were used for both");
-            return Ok(Some(Named { what: NamedMistake::from(words), is_fitted: false }));
+            return Ok(Some(NamedMistake::from(words)));
         }
         mistakes::of_counts(self.domain, self.density, counts, self.others.as_ref(), NAMES, kinds)
     }
@@ -478,8 +488,8 @@ impl Test<'_> {
         }
     }
 
-    /// The outcome of the look at which the test ended, its verdict still open; `is_unnamed` if no mistake explains the counts.
-    fn outcome(&self, counted: Counted, is_unnamed: bool) -> Result<Outcome> {
+    /// The outcome of the look at which the test ended, its verdict still open.
+    fn outcome(&self, counted: Counted) -> Result<Outcome> {
         let Self { domain, density, protocol, pilot, pilots, corners, looks, .. } = *self;
         let Findings { mut counts, samples, mass, test, noise, certain, structure, p, mut violation, beyond, .. } =
             self.find(&counted, true);
@@ -544,14 +554,14 @@ impl Test<'_> {
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
         let [mut coordinates, mut widths] = [None, None];
         if is_suspect && mass.is_some() {
-            let mistake = match is_unnamed {
-                true => None,
-                false => self.mistake(&counts, Kinds::All)?,
-            };
+            let mut mistake = self.mistake(&counts, Kinds::Certain)?;
+            if mistake.is_none() {
+                mistake = self.mistake(&self.with_more(&counts)?, Kinds::All)?;
+            }
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
-            mistakes.extend(mistake.map(|named| named.what));
+            mistakes.extend(mistake);
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);

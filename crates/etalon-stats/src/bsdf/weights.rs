@@ -237,7 +237,7 @@ pub fn check(subject: &Subject) -> Result<Option<Outcome>> {
                 ["weights", subject.properties.kind.integrand()],
                 Kinds::Local,
             )?;
-            mistake = named.map(|named| named.what.with_suffix(&subject.channel(*channel)));
+            mistake = named.map(|named| named.with_suffix(&subject.channel(*channel)));
         }
     }
     Ok(Some(Outcome {

@@ -28,10 +28,10 @@ const LEFT: f64 = 0.002;
 /// errors; and what chance may hide beside a factor.
 const MOST: f64 = 0.1;
 const MOST_FITTED: f64 = 0.02;
-/// Samples after which an excess within chance says that the shape is right, and a clear one names the mistake or has none.
+/// Samples after which an excess within chance says that the shape is right, and by which mistakes are named.
 pub const TOLD: u64 = 1 << 16;
-/// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from which
-/// there is something to explain; and those from which more samples tell nothing more.
+/// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from
+/// which there is something to explain; and those from which there is no doubt.
 const CHANCE: f64 = 2.5;
 const LEFT_BY_CHANCE: f64 = 3.5;
 const CLEAR: f64 = 10.0;
@@ -98,26 +98,9 @@ pub fn of_counts(
     others: Option<&Counts>,
     [samples, of]: [&str; 2],
     kinds: Kinds,
-) -> Result<Option<Named>> {
-    let explained = Table::new(domain, density, counts, POINTS).and_then(|table| {
-        let is_early = kinds == Kinds::Early;
-        Table { is_early, confirming: others.filter(|_| !is_early), ..table }.explained([samples, of], kinds)
-    });
-    unless_cancelled(explained)
-}
-
-/// What explains counts.
-pub struct Named {
-    /// What samples follow.
-    pub what: NamedMistake,
-    /// Whether it has an amount that was fitted, so that few samples may follow it by chance.
-    pub is_fitted: bool,
-}
-
-impl Named {
-    fn new(words: String) -> Self {
-        Self { what: NamedMistake::from(words), is_fitted: false }
-    }
+) -> Result<Option<NamedMistake>> {
+    let table = Table::new(domain, density, counts, POINTS);
+    unless_cancelled(table.and_then(|table| Table { confirming: others, ..table }.explained([samples, of], kinds)))
 }
 
 /// In words, where no mistake explains that samples and pdf differ: which of two coordinates is wrong; and how wide both are.
@@ -140,8 +123,8 @@ pub fn facts(
 pub enum Kinds {
     /// All.
     All,
-    /// All, where more samples follow: what explains most of the counts may be the mistake.
-    Early,
+    /// Those without an amount, of counts that leave no doubt: what they leave open more samples tell.
+    Certain,
     /// Those that change values where they are: of counts that are no numbers of independent samples.
     Local,
 }
@@ -156,33 +139,23 @@ pub fn is_clear(counts: &Counts) -> bool {
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
 
-/// How clearly counts differ from the pdf: not clearly enough to name a mistake; clearly; or so that more samples would name no other.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Clearness {
-    Open,
-    Clear,
-    Certain,
-}
-
-/// How clearly counts differ from the pdf; open is what up to `most` samples in all may make clear, as the excess grows with the samples.
-pub fn clearness(counts: &Counts, most: u64) -> Clearness {
+/// Whether up to `most` samples in all may make clear what differs from the pdf, as the excess grows with the samples.
+pub fn is_open(counts: &Counts, most: u64) -> bool {
     let cells = counts.grid.len();
     let (observed, shares) = (&counts.observed[..cells], shares_of(&counts.expected[..cells]));
     let all = observed.iter().sum::<u64>();
     // What chance hides of the shape must be little beside a factor, too.
     let is_factor = (counts.expected[..cells].iter().sum::<f64>() / all as f64 - 1.0).abs() > MOST_FITTED;
     let growth = most as f64 / all as f64;
-    match excess(observed, &shares, 1) {
-        Some([excess, spread]) if all < TOLD && excess <= CHANCE * spread && is_factor => Clearness::Open,
-        Some([excess, spread]) if excess < CLEAR * spread && excess * growth >= CLEAR * spread => Clearness::Open,
-        Some([excess, spread]) if all < TOLD && excess < CERTAIN * spread => Clearness::Clear,
-        _ => Clearness::Certain,
-    }
+    excess(observed, &shares, 1).is_some_and(|[excess, spread]| {
+        all < TOLD && excess <= CHANCE * spread && is_factor
+            || excess < CLEAR * spread && excess * growth >= CLEAR * spread
+    })
 }
 
 /// Whether nothing is expected: counts are compared with the smallest number in place of 0.
 fn is_zero(expected: f64) -> bool {
-    expected <= f64::MIN_POSITIVE
+    expected < 1e-300
 }
 
 /// The shares that the density expects.
@@ -268,8 +241,6 @@ struct Table<'a> {
     places: Vec<(usize, f64)>,
     /// The pdf there.
     pdfs: Vec<f64>,
-    /// Whether mistakes may leave more, as more samples follow.
-    is_early: bool,
     /// Counts of other samples, which a mistake must explain, too.
     confirming: Option<&'a Counts>,
 }
@@ -304,20 +275,7 @@ impl<'a> Table<'a> {
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        Ok(Self {
-            domain,
-            density,
-            counts,
-            observed,
-            expected,
-            others,
-            total,
-            points,
-            places,
-            pdfs,
-            is_early: false,
-            confirming: None,
-        })
+        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs, confirming: None })
     }
 
     /// Whether a density with the values that are `of` a table's points explains the other samples, by their cells and by their rows, as
@@ -364,13 +322,9 @@ impl<'a> Table<'a> {
         (0..of_values.len()).map(known).collect()
     }
 
-    /// What shares leave unexplained, if that is as little as chance leaves, or little of `of_pdf`, the excess of the pdf.
-    fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2]) -> bool {
-        if self.is_early {
-            return left <= (FIRST_LOOK * of_pdf).at_least(CHANCE * spread);
-        }
-        let most = (LEFT_BY_CHANCE * spread).at_most(MOST * of_pdf).at_least(LEFT * of_pdf.at_most(self.total));
-        left <= most
+    /// Whether what is left unexplained is as little as chance leaves, and at most the share `most` of `of_pdf`, the excess of the pdf.
+    fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2], most: f64) -> bool {
+        left <= (LEFT_BY_CHANCE * spread).at_most(most * of_pdf).at_least(LEFT * of_pdf.at_most(self.total))
     }
 
     /// What a mistake leaves unexplained by the points of a first look, if more points may show that it explains the counts.
@@ -398,7 +352,8 @@ impl<'a> Table<'a> {
 
     /// The same of shares of cells.
     fn explained_by(&self, shares: Vec<Option<f64>>, of_pdf: f64, rank: usize, name: String) -> Option<Explained> {
-        let found = self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left));
+        let found =
+            self.excess(&shares).filter(|left| self.held(&shares) >= HELD && self.is_explained(of_pdf, *left, MOST));
         found.map(|[left, spread]| Explained { left, spread, rank, name, shares })
     }
 
@@ -500,7 +455,7 @@ impl<'a> Table<'a> {
 
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name. `few` has few points, for
     /// a first look.
-    fn fitted(&self, few: &Table, mistake: &Mistake, most: f64, of: &str) -> Result<Option<(f64, String)>> {
+    fn fitted(&self, few: &Table, mistake: &Mistake, of_pdf: f64, of: &str) -> Result<Option<(f64, String)>> {
         let best = match few.family(mistake)? {
             Some(family) => few.best_step(&family)?,
             None => None,
@@ -546,7 +501,9 @@ impl<'a> Table<'a> {
             _ => Some(with_error(amount, error)),
         };
         let Some(text) = text else { return Ok(None) };
-        let left = self.excess(&self.shares_with(&family, amount)?).filter(|left| is_fitted(*left, most));
+        let left = self
+            .excess(&self.shares_with(&family, amount)?)
+            .filter(|left| self.is_explained(of_pdf, *left, MOST_FITTED));
         let of_amount = |table: &Table| match table.family(mistake)? {
             Some(family) => (family.values)(amount),
             None => Ok(vec![f64::NAN; table.points.len()]),
@@ -564,7 +521,7 @@ impl<'a> Table<'a> {
     }
 
     /// The axis of the samples, if the pdf's counts are explained by a turn of its axis to there.
-    fn turned(&self, from: Axis, most: f64, of: &str) -> Result<Option<String>> {
+    fn turned(&self, from: Axis, of_pdf: f64, of: &str) -> Result<Option<String>> {
         // The samples of a cell lie in it evenly, to begin with, and then as the turned pdf does.
         let (mut to, mut values) = (None, vec![1.0; self.points.len()]);
         for _ in 0..TURNS {
@@ -582,7 +539,8 @@ impl<'a> Table<'a> {
         }
         let Some(to) = to else { return Ok(None) };
         let shares = self.shares(&values, false);
-        let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_fitted(*left, most));
+        let is_explained = |left: &[f64; 2]| self.is_explained(of_pdf, *left, MOST_FITTED);
+        let found = self.excess(&shares).filter(|left| self.held(&shares) >= MOST_HELD && is_explained(left));
         if found.is_some() && !self.is_confirmed(|table| table.turned_values(from, to))? {
             return Ok(None);
         }
@@ -671,9 +629,9 @@ impl<'a> Table<'a> {
         held.map(|(_, n)| *n as f64).sum::<f64>() / self.total
     }
 
-    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<Named>> {
+    fn explained(&self, [samples, of]: [&str; 2], kinds: Kinds) -> Result<Option<NamedMistake>> {
         let all_of = shares_of(self.expected);
-        let of_draws = || self.of_draws([samples, of]).filter(|_| kinds != Kinds::Local).map(Named::new);
+        let of_draws = || self.of_draws([samples, of]).filter(|_| kinds != Kinds::Local).map(NamedMistake::from);
         let Some([of_pdf, spread]) = excess(self.observed, &all_of, 1).filter(|_| !self.points.is_empty()) else {
             // Where atoms and "no sample" are all there is, their probabilities are all that can be wrong.
             return Ok(if self.total == 0.0 { of_draws() } else { None });
@@ -691,15 +649,13 @@ impl<'a> Table<'a> {
             let text = if ratio < 0.1 { format!("{ratio:.1e}") } else { format!("{ratio:.3}") };
             let told =
                 || format!("{samples} follow {of} up to a factor: {of} is {text} times as large as {samples} say");
-            let told = of_draws().or_else(|| is_factor.then(told).map(Named::new));
+            let told = of_draws().or_else(|| is_factor.then(told).map(NamedMistake::from));
             // Without atoms, the rest of the draws has what the factor lacks.
             let has_atoms = self.others.len() > 1;
-            let with_factor =
-                |Named { what, is_fitted }| Named { what: what.with_factor([samples, of], ratio), is_fitted };
+            let with_factor = |named: NamedMistake| named.with_factor([samples, of], ratio);
             return Ok(if has_atoms { told } else { told.map(with_factor) });
         }
-        let clear = if self.is_early { CHANCE } else { CLEAR };
-        if of_pdf.is_nan() || of_pdf < clear * spread {
+        if of_pdf.is_nan() || of_pdf < if kinds == Kinds::Certain { CERTAIN } else { CLEAR } * spread {
             return Ok(None);
         }
         let mut all = all(self.domain, self.density);
@@ -716,9 +672,8 @@ impl<'a> Table<'a> {
         let (known, others): (Vec<Mistake>, Vec<Mistake>) = others.into_iter().partition(Mistake::is_known);
         let (places, asked): (Vec<Mistake>, Vec<Mistake>) =
             others.into_iter().partition(|mistake| matches!(mistake.follows, Follows::At(_)));
-        let named = |names: Vec<Vec<String>>, is_fitted: bool| {
-            let what = NamedMistake::one_of(&format!("{samples} follow "), names, &format!(", not {of}"));
-            Ok(what.map(|what| Named { what, is_fitted }))
+        let named = |names: Vec<Vec<String>>| {
+            Ok(NamedMistake::one_of(&format!("{samples} follow "), names, &format!(", not {of}")))
         };
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;
         for (group, is_place, is_last) in [(known, false, false), (places, true, false), (asked, false, true)] {
@@ -742,7 +697,7 @@ impl<'a> Table<'a> {
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
             // Places that a symmetry makes equal are named together, and densities of the first rank that differ.
             if is_place && !found.is_empty() {
-                return named(found.into_iter().map(|explained| vec![explained.name]).collect(), false);
+                return named(found.into_iter().map(|explained| vec![explained.name]).collect());
             }
             let rank = found.iter().map(|explained| explained.rank).min();
             found.retain(|explained| Some(explained.rank) == rank);
@@ -756,24 +711,25 @@ impl<'a> Table<'a> {
                 }
             }
             if !different.is_empty() {
-                return named(different.into_iter().map(|(_, names)| names).collect(), false);
+                return named(different.into_iter().map(|(_, names)| names).collect());
             }
         }
-        let most = of_pdf * if self.is_early { FIRST_LOOK } else { MOST_FITTED };
-        let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, most, of)));
+        if kinds == Kinds::Certain {
+            return Ok(None);
+        }
+        let fitted = families.iter().map(|family| unless_cancelled(self.fitted(&few, family, of_pdf, of)));
         let mut fitted: Vec<(f64, String)> = fitted.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
         if !fitted.is_empty() {
-            // Those that explain as much as the best
-            fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let best = fitted[0].0;
+            // Those that explain as much as the best, the usual one first
+            let best = fitted.iter().map(|(left, _)| *left).fold(f64::INFINITY, f64::at_most);
             fitted.retain(|(left, _)| *left <= best + CHANCE * spread);
-            return named(fitted.into_iter().map(|(_, name)| vec![name]).collect(), true);
+            return named(fitted.into_iter().map(|(_, name)| vec![name]).collect());
         }
         let turned = match own_axis.filter(|_| kinds != Kinds::Local) {
-            Some(from) => self.turned(from, most, of)?,
+            Some(from) => self.turned(from, of_pdf, of)?,
             None => None,
         };
-        named(turned.into_iter().map(|name| vec![name]).collect(), true)
+        named(turned.into_iter().map(|name| vec![name]).collect())
     }
 
     /// The axis about which the pdf is symmetric, if there is one.
@@ -919,11 +875,6 @@ fn significant(x: f64, digits: i32) -> String {
     let text = format!("{x:.*}", after.within(0.0, 9.0) as usize);
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Whether amounts, which can be had for many errors, leave so little: they must explain more than what has none.
-fn is_fitted([left, spread]: [f64; 2], most: f64) -> bool {
-    left <= (LEFT_BY_CHANCE * spread).at_most(most)
 }
 
 /// Points that fill a cell evenly: each axis has a different one of as many midpoints.
