@@ -59,7 +59,8 @@ pub use mistakes::{Follows, Mistake, Variable};
 pub use named_mistake::NamedMistake;
 pub use outcome::{Compared, Counts, Finer, Outcome, Verdict, decide};
 pub use sampler::{
-    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
+    Atom, Density, DensityFn, Elsewhere, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density,
+    sampler, target,
 };
 pub use scales::Scale;
 
