@@ -731,7 +731,7 @@ mod tests {
         let laplace = |b: f64| density(move |x: f64| (-x.abs() / b).exp() / (2.0 * b));
         let sample = |u: f64| if u < 0.5 { 2.0 * (2.0 * u).ln() } else { -2.0 * (2.0 - 2.0 * u).ln() };
         let svg = svg(&RealLine::UNIT, &sampler(1, move |u| Some(Sample::new(sample(u[0])))), &laplace(1.0));
-        has(&svg, &["−10", "10"]);
+        has(&svg, &["−5", "10"]);
         assert!(svg.contains("(not shown: ") && !svg.contains("×10"), "{svg}");
     }
 
