@@ -40,10 +40,8 @@ pub fn streams(round: u64, attempt: u64) -> [u64; 2] {
     [first, first + 1]
 }
 
-/// The number of the random stream of the samples by which mistakes are named.
-pub fn stream_for_names(round: u64) -> u64 {
-    (1 << 7) + round
-}
+/// The first of the streams of samples by which mistakes are named, one for each round.
+const FOR_NAMES: u64 = 1 << 7;
 
 /// What is to be counted.
 pub struct Counting<'a> {
@@ -488,7 +486,7 @@ impl Source<'_> {
     /// Counts samples by which a mistake is named, in cells, at atoms and of "no sample", without the pdf.
     pub fn counts(&self, round: u64, count: u64, grid: &Grid, atoms: &[Atom]) -> Result<Vec<u64>> {
         let add_batch = |mut counts: Vec<u64>, batch| {
-            let (_, samples) = self.batch(stream_for_names(round), batch, count)?;
+            let (_, samples) = self.batch(FOR_NAMES + round, batch, count)?;
             let (none, cells) = (grid.len() + atoms.len(), grid.len());
             counts[none] += samples.iter().filter(|sample| sample.is_none()).count() as u64;
             let (at_atoms, spread): (Vec<Sample>, Vec<Sample>) = samples.into_iter().flatten().partition(|s| s.atom);

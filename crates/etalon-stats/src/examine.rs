@@ -1,6 +1,6 @@
 //! One test of a sampler against a density: exact checks first, then counts in cells.
 
-use crate::counting::{Counted, Counting, Source, stream_for_names, streams};
+use crate::counting::{Counted, Counting, Source, streams};
 use crate::cubature::{InvalidPdf, NOISE, Probe};
 use crate::diagnosis::{diagnose, tuple};
 use crate::domain::Domain;
@@ -16,7 +16,7 @@ use crate::multiple::sidak;
 use crate::named_mistake::NamedMistake;
 use crate::outcome::{Counts, Outcome, decide};
 use crate::power::{ChiSquare, FEWEST, POWER, chi_square_below, chi_square_of_uncertain, detectable, samples_for};
-use crate::sampler::{Atom, Density, Elsewhere, Mass, Sampler};
+use crate::sampler::{Atom, Density, Mass, Sampler};
 use crate::serial::Labels;
 use crate::structure::{self, CELLS, Structure};
 use crate::weights;
@@ -344,9 +344,9 @@ impl Test<'_> {
     /// verdict, which is fixed before.
     fn with_more(&self, counts: &Counts) -> Result<Counts> {
         let mut all = counts.clone();
-        let (known, wanted) = (counts.observed.iter().sum::<u64>(), mistakes::samples_for_name(counts));
-        if known < wanted && !self.is_in_leaves && self.source.sampler.finite_len().is_none() {
-            let mut fresh = self.source.counts(self.round, wanted - known, &counts.grid, self.atoms)?;
+        let known = counts.observed.iter().sum::<u64>();
+        if known < mistakes::TOLD && !self.is_in_leaves && self.source.sampler.finite_len().is_none() {
+            let mut fresh = self.source.counts(self.round, mistakes::TOLD - known, &counts.grid, self.atoms)?;
             // "No sample" is left out where its probability is not known.
             fresh.last_mut().filter(|_| self.is_normalized()).into_iter().for_each(|none| *none = 0);
             all.observed.iter_mut().zip(fresh).for_each(|(n, more)| *n += more);
@@ -368,14 +368,6 @@ impl Test<'_> {
             return Ok(Some(NamedMistake::from(words)));
         }
         mistakes::of_counts(self.domain, self.density, counts, self.others.as_ref(), NAMES, kinds)
-    }
-
-    /// The mistake that explains the samples in another domain of the density.
-    fn mistake_elsewhere(&self) -> Result<Option<NamedMistake>> {
-        let Some(Elsewhere { name, domain, place, density }) = self.density.elsewhere() else { return Ok(None) };
-        let drawn = self.source.drawn(stream_for_names(self.round), mistakes::TOLD)?;
-        let charts = domain.charts(&drawn.into_iter().filter_map(place).collect::<Vec<_>>())?;
-        mistakes::of_samples(&*domain, &*density, &charts, [name, NAMES[1]])
     }
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
@@ -565,9 +557,6 @@ impl Test<'_> {
             let mut mistake = self.mistake(&counts, Kinds::Certain)?;
             if mistake.is_none() {
                 mistake = self.mistake(&self.with_more(&counts)?, Kinds::All)?;
-            }
-            if mistake.is_none() {
-                mistake = self.mistake_elsewhere()?;
             }
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;

@@ -59,8 +59,7 @@ pub use mistakes::{Follows, Mistake, Variable};
 pub use named_mistake::NamedMistake;
 pub use outcome::{Compared, Counts, Finer, Outcome, Verdict, decide};
 pub use sampler::{
-    Atom, Density, DensityFn, Elsewhere, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density,
-    sampler, target,
+    Atom, Density, DensityFn, Mass, NoInverse, SINGLE_PRECISION, Sample, Sampler, SamplerFn, density, sampler, target,
 };
 pub use scales::Scale;
 

@@ -1,6 +1,6 @@
 //! What is tested: samplers, the code under test, with their samples; and densities, the pdf that samples are tested against.
 
-use crate::domain::{Domain, Point};
+use crate::domain::Point;
 use crate::error::{Error, Result};
 use crate::mistakes::{Mistake, Variable};
 
@@ -219,27 +219,10 @@ pub trait Density: Sync {
         Vec::new()
     }
 
-    /// Another domain, in which mistakes may be plainer; asked for where none explains the samples.
-    fn elsewhere(&self) -> Option<Elsewhere<'_>> {
-        None
-    }
-
     /// Usual mistakes of samplers of such a pdf, which are tried where samples do not follow it.
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         Vec::new()
     }
-}
-
-/// Samples and their pdf in another domain, such as that of half vectors.
-pub struct Elsewhere<'a> {
-    /// What the samples become: "half vectors".
-    pub name: &'static str,
-    /// The other domain.
-    pub domain: Box<dyn Domain>,
-    /// Where a sample is in it.
-    pub place: Box<dyn Fn(Point) -> Option<Point> + 'a>,
-    /// The pdf there.
-    pub density: Box<dyn Density + 'a>,
 }
 
 /// A [`Density`] made of a function; see [`density`].

@@ -1,10 +1,10 @@
 //! Usual mistakes of BSDFs, by which a pdf or a value differs from what it should be.
 
 use super::contract::{Direction, Hit, Kind, Pair};
-use super::subject::{Subject, channel_of, directions, dot, length, same_side, sphere};
+use super::subject::{Subject, channel_of, cross, directions, dot, length, same_side, sphere};
 use crate::domain::Point;
 use crate::error::Result;
-use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs, solve};
+use crate::mistakes::{EQUAL, Mistake, Pair as Compared, Variable, number, of_one_variable, of_pairs};
 use crate::named_mistake::NamedMistake;
 use crate::sampler::Density;
 
@@ -169,11 +169,16 @@ fn of_normals(function: &[[f64; 2]]) -> String {
             ([1.0, c, -c * root], root)
         })
         .collect();
-    // The normal equations
+    // The normal equations, by Cramer's rule
     let sum = |i: usize, j: usize| rows.iter().map(|(row, _)| row[i] * row[j]).sum::<f64>();
     let matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| sum(i, j)));
     let right = [0, 1, 2].map(|i| rows.iter().map(|(row, root)| row[i] * root).sum::<f64>());
-    let [k, m, p] = solve(matrix, right);
+    let of = |m: [Direction; 3]| dot(m[0], cross(m[1], m[2]));
+    let [k, m, p] = [0, 1, 2].map(|column| {
+        let mut other = matrix;
+        (0..3).for_each(|row| other[row][column] = right[row]);
+        of(other) / of(matrix)
+    });
     // Three numbers fit any function that hardly bends: what is fitted must be nearly exact, over much of the range, and parameters.
     let is_exact = rows.iter().all(|(row, root)| (dot(*row, [k, m, p]) - root).abs() <= 0.1 * EQUAL * root);
     let [least, most] = [rows.first(), rows.last()].map(|row| row.map_or(f64::NAN, |(row, _)| row[1]));

@@ -4,15 +4,15 @@
 
 use super::contract::{BsdfSample, Density as Probability, Direction, Kind, Pair, PdfKind};
 use super::mistakes::{self, PDF};
-use super::subject::{Comparison, Subject, cross, directions, dot, length, same_side, sphere};
+use super::subject::{Comparison, Subject, cross, directions, length, sphere};
 use crate::diagnosis::tuple;
-use crate::domain::{Directions, Domain, Point, Pole, around};
+use crate::domain::{Domain, Point, around};
 use crate::error::Result;
 use crate::examine::{Protocol, examine};
 use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, Mistake, Variable, common_factor, number};
 use crate::outcome::Outcome;
-use crate::sampler::{Atom, Density, Elsewhere, Mass, Sample, Sampler};
+use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
 use rand::RngExt;
 use std::collections::BTreeMap;
 use std::iter::repeat_n;
@@ -60,42 +60,8 @@ impl Density for Scattering<'_> {
         self.0.delta_names()
     }
 
-    fn elsewhere(&self) -> Option<Elsewhere<'_>> {
-        let Subject { wo, properties, .. } = self.0;
-        (properties.kind == Kind::Surface && !properties.transmission).then(|| Elsewhere {
-            name: "half vectors",
-            domain: Box::new(Directions::hemisphere(Pole::Z)),
-            place: Box::new(move |wi| {
-                let wi = Direction::from(wi);
-                let sum = [0, 1, 2].map(|i| wo[i] + wi[i]);
-                same_side(*wo, wi).then(|| sum.map(|x| x * wo[2].signum() / length(sum)).into())
-            }),
-            density: Box::new(HalfVectors(self)),
-        })
-    }
-
     fn mistakes(&self) -> Vec<Mistake<'_>> {
         mistakes::of_pdf(self.0)
-    }
-}
-
-/// The pdf of reflection as one of half vectors: times |∂ωi/∂ωm| = 4 (ωo · ωm).
-struct HalfVectors<'a>(&'a Scattering<'a>);
-
-impl Density for HalfVectors<'_> {
-    fn pdf(&self, points: &[Point], out: &mut Vec<f64>) -> Result<()> {
-        let wo = self.0.0.wo;
-        let cosines: Vec<f64> = points.iter().map(|&wm| dot(wo, wm.into()).abs()).collect();
-        let reflected = |(&wm, cos): (&Point, &f64)| {
-            let wm = Direction::from(wm).map(|x| x * wo[2].signum());
-            [0, 1, 2].map(|i| 2.0 * cos * wm[i] - wo[i])
-        };
-        let wis: Vec<Direction> = points.iter().zip(&cosines).map(reflected).collect();
-        let first = out.len();
-        self.0.pdf(&wis.iter().map(|&wi| wi.into()).collect::<Vec<_>>(), out)?;
-        let of_wm = out[first..].iter_mut().zip(&wis).zip(&cosines);
-        of_wm.for_each(|((pdf, wi), cos)| *pdf = if same_side(wo, *wi) { 4.0 * cos * *pdf } else { 0.0 });
-        Ok(())
     }
 }
 

@@ -1,7 +1,5 @@
 //! Right BSDFs are accepted by all checks, and each check rejects what it is there for.
 
-use super::sampling::sampling;
-use super::subject::Subject;
 use super::{
     ALL, Bsdf, BsdfSample, DeltaLobe, Density, Direction, Energy, Properties, Spectrum, same_light, same_values, test,
 };
@@ -232,44 +230,6 @@ fn usual_mistakes_of_bsdfs_are_named() {
         assert!(names.iter().all(|name| text.contains(name)), "{names:?}: {text}");
         assert_eq!(names.is_empty(), text.contains("0 reject"), "{text}");
     }
-}
-
-/// Facets whose normals are sampled with α = 0.5, where the pdf has this α.
-struct OtherAlpha(f64);
-
-impl Bsdf for OtherAlpha {
-    fn properties(&self) -> Properties {
-        Properties::default()
-    }
-
-    fn eval(&self, _: Direction, wi: Direction, _: &[f64]) -> Spectrum {
-        [0.5 * wi[2].max(0.0) / PI; 3]
-    }
-
-    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
-        let wm = half(wo, wi);
-        if wi[2] > 0.0 { ggx_visible_pdf(wo, self.0, wm) / (4.0 * dot(wo, wm)) } else { 0.0 }
-    }
-
-    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
-        let wm = ggx_visible(wo, 0.5, [u[0], u[1]]);
-        let wi = combine([(2.0 * dot(wo, wm), wm), (-1.0, wo), (0.0, wm)]);
-        let weight = self.eval(wo, wi, u).map(|f| f * wi[2] / self.pdf(wo, wi));
-        (wi[2] > 0.0).then(|| BsdfSample::new(wi, weight, Density::Unknown))
-    }
-}
-
-#[test]
-fn mistakes_of_half_vectors_are_named() {
-    let text = |alpha| {
-        let (bsdf, protocol) = (OtherAlpha(alpha), Protocol::default());
-        let subject = Subject::new(&bsdf, towards(0.0), &protocol, 0).unwrap();
-        sampling(&subject).unwrap().unwrap().mistake.map_or(String::new(), |mistake| mistake.to_string())
-    };
-    assert_eq!(text(0.5), "");
-    assert!(
-        text(0.25).contains("half vectors follow the pdf with slopes about its axis (0.00, 0.00, 1.00) that are 2.0")
-    );
 }
 
 /// A Lambertian surface that is said to transmit.

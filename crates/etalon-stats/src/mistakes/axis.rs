@@ -70,22 +70,6 @@ pub fn mean(directions: impl Iterator<Item = (Direction, f64)>) -> Option<(Direc
     (length > 0.0).then(|| (sum.map(|x| x / length), length / all))
 }
 
-/// Whether a domain has directions.
-pub fn is_of_directions(domain: &dyn Domain) -> bool {
-    let is_unit = |w: Direction| (dot(w, w) - 1.0).abs() < SAME;
-    [[0.0; 2], [0.5; 2]].into_iter().all(|chart| is_unit(domain.point_at(chart).into()))
-}
-
-/// The solution of three linear equations, by Cramer's rule.
-pub fn solve(matrix: [Direction; 3], right: Direction) -> Direction {
-    let of = |m: [Direction; 3]| dot(m[0], cross(m[1], m[2]));
-    [0, 1, 2].map(|column| {
-        let mut other = matrix;
-        (0..3).for_each(|row| other[row][column] = right[row]);
-        of(other) / of(matrix)
-    })
-}
-
 /// The axis of a pdf that has the `masses` near `points`, if it is symmetric about the mean direction. `pdf` is asked for the pdf,
 /// NaN outside of the domain.
 pub fn of<E>(
@@ -94,10 +78,11 @@ pub fn of<E>(
     masses: &[f64],
     pdf: impl Fn(&[Point]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Axis>, E> {
-    if !is_of_directions(domain) {
+    let [pole, other] = [[0.0; 2], [0.5; 2]].map(|chart| Direction::from(domain.point_at(chart)));
+    let is_unit = |w: &Direction| (dot(*w, *w) - 1.0).abs() < SAME;
+    if ![pole, other].iter().all(is_unit) {
         return Ok(None);
     }
-    let pole = Direction::from(domain.point_at([0.0; 2]));
     let all = points.iter().map(|&point| Direction::from(point)).zip(masses.iter().copied());
     let Some((mut direction, _)) = mean(all).filter(|(_, length)| *length > CLEAR) else { return Ok(None) };
     // More precisely, by points of the cap that holds the pdf

@@ -30,7 +30,6 @@ const MOST: f64 = 0.1;
 const MOST_FITTED: f64 = 0.02;
 /// Samples after which an excess within chance says that the shape is right, and by which mistakes are named.
 pub const TOLD: u64 = 1 << 16;
-const MOST_TOLD: u64 = 1 << 18;
 /// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from
 /// which there is something to explain; and those from which there is no doubt.
 const CHANCE: f64 = 2.5;
@@ -65,8 +64,7 @@ const WRONG: f64 = 5.0;
 const TOLD_SHARES: usize = 3;
 /// Fewer degrees of freedom are explained by too many densities.
 const FEWEST: usize = 5;
-/// Samples for which the cells are made in which a name is tried again, at most; and columns of their rows.
-const MOST_OTHERS: usize = 1 << 13;
+/// Columns of the rows in which a name is tried again.
 const COLUMNS: usize = 8;
 
 /// Samples that were not counted, by their chart coordinates: half of them make cells in which as many lie, the other half is counted
@@ -77,10 +75,7 @@ const COLUMNS: usize = 8;
 pub fn of_others(domain: &dyn Domain, charts: &[[f64; 2]]) -> Option<Counts> {
     let half = |first: usize| charts.iter().skip(first).step_by(2).copied().collect::<Vec<_>>();
     let (places, counted) = (half(0), half(1));
-    let shape = [
-        (2.0 * (counted.len().min(MOST_OTHERS) as f64).powf(0.4)) as usize,
-        if domain.is_plane() { COLUMNS } else { 1 },
-    ];
+    let shape = [(2.0 * (counted.len() as f64).powf(0.4)) as usize, if domain.is_plane() { COLUMNS } else { 1 }];
     if shape[0] <= FEWEST {
         return None;
     }
@@ -106,27 +101,6 @@ pub fn of_counts(
 ) -> Result<Option<NamedMistake>> {
     let table = Table::new(domain, density, counts, POINTS);
     unless_cancelled(table.and_then(|table| Table { confirming: others, ..table }.explained([samples, of], kinds)))
-}
-
-/// The mistake that explains samples at these chart coordinates, as [`of_counts`], up to a factor: by cells that hold equally many each.
-///
-/// # Errors
-/// As [`of_counts`].
-pub fn of_samples(
-    domain: &dyn Domain,
-    density: &dyn Density,
-    charts: &[[f64; 2]],
-    names: [&str; 2],
-) -> Result<Option<NamedMistake>> {
-    let Some(counts) = of_others(domain, charts) else { return Ok(None) };
-    let explained = Table::new(domain, density, &counts, POINTS).and_then(|table| {
-        let table = table.within_support();
-        let sums = table.sums(table.pdfs.iter().copied());
-        let scale = table.total / sums.iter().sum::<f64>();
-        let expected: Vec<f64> = sums.into_iter().map(|sum| scale * sum).collect();
-        Table { expected: &expected, others: Vec::new(), ..table }.explained(names, Kinds::All)
-    });
-    unless_cancelled(explained)
 }
 
 /// In words, where no mistake explains that samples and pdf differ: which of two coordinates is wrong; and how wide both are.
@@ -177,16 +151,6 @@ pub fn is_open(counts: &Counts, most: u64) -> bool {
         all < TOLD && excess <= CHANCE * spread && is_factor
             || excess < CLEAR * spread && excess * growth >= CLEAR * spread
     })
-}
-
-/// Samples that leave no doubt of a mistake by which these counts differ from the pdf, within limits.
-pub fn samples_for_name(counts: &Counts) -> u64 {
-    let cells = counts.grid.len();
-    let observed = &counts.observed[..cells];
-    let needed = excess(observed, &shares_of(&counts.expected[..cells]), 1).map_or(0.0, |[excess, spread]| {
-        2.0 * CERTAIN * spread / excess.at_least(spread) * observed.iter().sum::<u64>() as f64
-    });
-    (needed as u64).clamp(TOLD, MOST_TOLD)
 }
 
 /// Whether nothing is expected: counts are compared with the smallest number in place of 0.
@@ -277,8 +241,6 @@ struct Table<'a> {
     places: Vec<(usize, f64)>,
     /// The pdf there.
     pdfs: Vec<f64>,
-    /// Whether points are where the pdf is positive alone.
-    is_within: bool,
     /// Counts of other samples, which a mistake must explain, too.
     confirming: Option<&'a Counts>,
 }
@@ -313,30 +275,7 @@ impl<'a> Table<'a> {
         }
         let pdfs = asked(density, &points)?;
         let total = observed.iter().sum::<u64>() as f64;
-        Ok(Self {
-            domain,
-            density,
-            counts,
-            observed,
-            expected,
-            others,
-            total,
-            points,
-            places,
-            pdfs,
-            is_within: false,
-            confirming: None,
-        })
-    }
-
-    /// The same without points where the pdf is 0, as no sample can be there.
-    fn within_support(mut self) -> Self {
-        let is_within: Vec<bool> = self.pdfs.iter().map(|pdf| *pdf > 0.0).collect();
-        let mut kept = is_within.iter().cycle().copied();
-        self.points.retain(|_| kept.next() == Some(true));
-        self.places.retain(|_| kept.next() == Some(true));
-        self.pdfs.retain(|_| kept.next() == Some(true));
-        Self { is_within: true, ..self }
+        Ok(Self { domain, density, counts, observed, expected, others, total, points, places, pdfs, confirming: None })
     }
 
     /// Whether a density with the values that are `of` a table's points explains the other samples, by their cells and by their rows, as
@@ -437,14 +376,10 @@ impl<'a> Table<'a> {
         match &mistake.follows {
             Follows::Moved { limits: all, rest: own_rest, place } => {
                 (limits, rest, own) = (*all, *own_rest, String::new());
-                let is_shift = rest == 0.0 && !self.domain.is_plane();
-                values = Box::new(move |amount: f64| {
+                values = Box::new(|amount: f64| {
                     let (places, factors): (Vec<Point>, Vec<f64>) =
                         self.points.iter().map(|&at| place(amount, at)).unzip();
-                    // A shift of numbers may need the pdf outside of them, where it has values.
-                    let outside = if is_shift { asked(self.density, &places).ok() } else { None };
-                    let pdfs = outside.map_or_else(|| self.pdf_at(&places), Ok)?;
-                    Ok(pdfs.into_iter().zip(factors).map(|(pdf, factor)| pdf * factor).collect())
+                    Ok(self.pdf_at(&places)?.into_iter().zip(factors).map(|(pdf, factor)| pdf * factor).collect())
                 });
             }
             Follows::Mixed(parts) => {
@@ -614,82 +549,6 @@ impl<'a> Table<'a> {
         Ok(found.map(|_| name()))
     }
 
-    /// The cosines with some direction, such as the normal of a light, that the pdf lacks, or has besides, also in place of cos θ: those
-    /// that explain the counts.
-    fn cosines(&self, of: &str) -> Result<Vec<String>> {
-        if !axis::is_of_directions(self.domain) {
-            return Ok(Vec::new());
-        }
-        let pole: Direction = self.domain.point_at([0.0; 2]).into();
-        let cos = |point: Point| axis::dot(point.into(), pole).abs();
-        let (mut found, mut least) = (Vec::new(), f64::INFINITY);
-        for (name, power, of_cos) in [
-            ("times cos γ", 1, 0),
-            ("divided by cos γ", -1, 0),
-            ("times cos γ/cos θ", 1, -1),
-            ("times cos θ/cos γ", -1, 1),
-        ] {
-            let Some(normal) = self.normal(power, |point| cos(point).powi(of_cos)) else { continue };
-            let values = |table: &Table| {
-                let both = table.points.iter().zip(&table.pdfs);
-                let of_point = |(&point, pdf): (&Point, &f64)| {
-                    let factor = axis::dot(point.into(), normal).powi(power) * cos(point).powi(of_cos);
-                    // Integrals of cells at an edge of the pdf are not exact enough.
-                    if *pdf > 0.0 && factor > 0.0 { pdf * factor } else { f64::NAN }
-                };
-                Ok(both.map(of_point).collect::<Vec<f64>>())
-            };
-            let shares = self.shares(&values(self)?, true);
-            let of_pdf = shares_of(self.expected).into_iter().zip(&shares).map(|(own, share)| share.and(own));
-            let both = self.excess(&of_pdf.collect::<Vec<_>>()).zip(self.excess(&shares));
-            let both = both.filter(|([of_pdf, spread], _)| self.held(&shares) >= HELD && *of_pdf >= CLEAR * spread);
-            let explained = both.filter(|(of_pdf, left)| self.is_explained(of_pdf[0], *left, MOST_FITTED));
-            if let Some((_, [left, spread])) = explained
-                && self.is_confirmed(values)?
-            {
-                least = least.at_most(left + CHANCE * spread);
-                found.push((left, format!("{of} {name}, γ the angle with {}", axis::name(normal))));
-            }
-        }
-        found.retain(|(left, _)| *left <= least);
-        Ok(found.into_iter().map(|(_, name)| name).collect())
-    }
-
-    /// The direction of which the pdf times `factor` lacks the cosine, to the `power` 1 or -1, by weighted least squares. Counts are linear in
-    /// it, or nearly one over that: Newton's method does the rest.
-    fn normal(&self, power: i32, factor: impl Fn(Point) -> f64) -> Option<Direction> {
-        let base: Vec<f64> = self.points.iter().zip(&self.pdfs).map(|(&point, pdf)| pdf * factor(point)).collect();
-        let sums = |of: &dyn Fn(Direction) -> f64| {
-            self.sums(
-                self.points
-                    .iter()
-                    .zip(&base)
-                    .map(|(&at, base)| if *base > 0.0 { base * of(at.into()) } else { f64::NAN }),
-            )
-        };
-        let all = sums(&|_| 1.0);
-        let solved = |row: &dyn Fn(usize, f64) -> Direction, value: &dyn Fn(usize, f64) -> f64| {
-            let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
-            for (cell, &n) in self.observed.iter().enumerate().filter(|(cell, n)| **n > 0 && all[*cell] > 0.0) {
-                let (row, value) = (row(cell, n as f64), value(cell, n as f64));
-                (0..3).for_each(|i| right[i] += row[i] * value / n as f64);
-                (0..9).for_each(|i| matrix[i / 3][i % 3] += row[i / 3] * row[i % 3] / n as f64);
-            }
-            axis::solve(matrix, right)
-        };
-        let slopes = [0, 1, 2].map(|i| sums(&|w| w[i]));
-        let scale = |cell: usize, n: f64| if power == 1 { 1.0 } else { (n / all[cell]).powi(2) };
-        let mut normal = solved(&|cell, n| slopes.each_ref().map(|of| scale(cell, n) * of[cell]), &|_, n| n);
-        for _ in 0..if power == 1 { 0 } else { TURNS } {
-            let cos = |w: Direction| axis::dot(w, normal);
-            let now = sums(&|w| 1.0 / cos(w));
-            let slopes = [0, 1, 2].map(|i| sums(&|w| w[i] / cos(w).powi(2)));
-            normal = solved(&|cell, _| slopes.each_ref().map(|of| of[cell]), &|cell, n| 2.0 * now[cell] - n);
-        }
-        let length = axis::dot(normal, normal).sqrt();
-        Some(normal.map(|x| x / length)).filter(|normal| normal.iter().all(|x| x.is_finite()))
-    }
-
     /// Whether as many samples as expected lie outside of a part of the domain, by the cells that have no point in it, and clearly others
     /// would if the factor inside were that of a wrong share of the part.
     fn is_right_outside(&self, is_inside: impl Fn(Point) -> bool, factor: f64) -> bool {
@@ -817,7 +676,6 @@ impl<'a> Table<'a> {
             Ok(NamedMistake::one_of(&format!("{samples} follow "), names, &format!(", not {of}")))
         };
         let few = Table::new(self.domain, self.density, self.counts, FEW_POINTS)?;
-        let few = if self.is_within { few.within_support() } else { few };
         for (group, is_place, is_last) in [(known, false, false), (places, true, false), (asked, false, true)] {
             let mut found = Vec::new();
             for mistake in &group {
@@ -871,8 +729,7 @@ impl<'a> Table<'a> {
             Some(from) => self.turned(from, of_pdf, of)?,
             None => None,
         };
-        let cosines = if turned.is_none() { self.cosines(of)? } else { Vec::new() };
-        named(turned.into_iter().chain(cosines).map(|name| vec![name]).collect())
+        named(turned.into_iter().map(|name| vec![name]).collect())
     }
 
     /// The axis about which the pdf is symmetric, if there is one.
