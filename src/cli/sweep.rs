@@ -210,6 +210,9 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
 
 /// `held` if it is of the same sweep.
 fn continued(held: Part, plan: &Plan, path: &std::path::Path) -> Result<Part> {
+    if let Some((number, ..)) = held.rows().find(|(number, ..)| *number >= plan.len()) {
+        return Err(Error::input(path, format!("the sweep has no configuration {number}")));
+    }
     match held.description().difference(&plan.description) {
         None => Ok(held),
         Some(difference) => Err(Error::input(path, format!("the file is of another sweep ({difference})"))

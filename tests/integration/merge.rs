@@ -277,11 +277,13 @@ fn sweeps_go_on_where_they_were_and_bad_ones_are_refused() {
     let text = std::fs::read_to_string(dir.path().join("whole.csv")).unwrap();
     let some: Vec<&str> = text.lines().take(6).collect();
     std::fs::write(dir.path().join("state.csv"), some.join("\n")).unwrap();
+    std::fs::write(dir.path().join("beyond.csv"), text.replacen("\n8,", "\n99,", 1)).unwrap();
     let resumed = json(dir.path(), &[&sweep[..], &["-t", "2", "--resume", "state.csv", "-o", "again.csv"]].concat());
     assert_eq!(resumed["groups"], whole["groups"]);
     assert_eq!(std::fs::read_to_string(dir.path().join("again.csv")).unwrap(), text);
     for (args, expected) in [
         (&["sweep", "mirror", "--resume", "whole.csv"][..], "another sweep (configurations: 100 here, 9 there)"),
+        (&["sweep", "mirror", "--configurations", "9", "--resume", "beyond.csv"], "has no configuration 99"),
         (&["sweep", "miror"], "there is no family \"miror\""),
         (&["sweep", "mirror", "--configurations", "0"], "--configurations"),
         (&["sweep", "mirror", "--detect", "2"], "--detect"),

@@ -141,7 +141,7 @@ pub struct Label {
 /// The errors of one strategy at several numbers of samples per pixel.
 pub struct Series {
     pub label: Label,
-    /// What the default is on this map.
+    /// The strategy that the default chose on this map; `None` for others.
     pub chosen: Option<Strategy>,
     /// In the order of the numbers of samples.
     pub rows: Vec<SphereRow>,

@@ -376,8 +376,8 @@ pub fn render(scene: &Scene, request: &Request, settings: &Settings, control: &d
     })
 }
 
-/// Tells whether two renders have the same samples, so that only such are merged: a hash of all that a sample depends on: this build of the program, the scene to the last bit, the settings, and of the request all but the
-/// number of samples.
+/// A hash of all that a sample depends on: this build, the scene to the last bit, the settings, and the request except the number of
+/// samples. Only renders of equal fingerprints are merged.
 pub(super) fn fingerprint(scene: &Scene, request: &Request, settings: &Settings) -> String {
     let mut hash = Hash(0);
     hash.text(&Build::current().id());

@@ -308,6 +308,9 @@ struct Test<'a> {
 /// What is counted, and what it is compared with.
 const NAMES: [&str; 2] = ["samples", "the pdf"];
 
+/// Samples that are drawn for a name, at most as many times those that were counted: external programs may be slow.
+const MOST_MORE: u64 = 8;
+
 /// What counts show.
 struct Findings {
     counts: Counts,
@@ -340,20 +343,24 @@ impl Test<'_> {
         self.density.mass() == Mass::Unknown
     }
 
-    /// The counts, with those of so many more samples that a mistake can be named, if samples are not at hand: they have no part in the
-    /// verdict, which is fixed before.
-    fn with_more(&self, counts: &Counts) -> Result<Counts> {
+    /// The counts, with those of more samples, [`mistakes::SAMPLES_TO_NAME`] in all, unless all samples are given. The verdict is fixed
+    /// before, and they have no part in it: a sampler that fails now, or a test that is interrupted, has no name of its mistake.
+    fn with_more(&self, counts: &Counts) -> Counts {
         let mut all = counts.clone();
         let known = counts.observed.iter().sum::<u64>();
-        if known < mistakes::TOLD && !self.is_in_leaves && self.source.sampler.finite_len().is_none() {
-            let mut fresh = self.source.counts(self.round, mistakes::TOLD - known, &counts.grid, self.atoms)?;
-            // "No sample" is left out where its probability is not known.
-            fresh.last_mut().filter(|_| self.is_normalized()).into_iter().for_each(|none| *none = 0);
-            all.observed.iter_mut().zip(fresh).for_each(|(n, more)| *n += more);
-            let growth = all.observed.iter().sum::<u64>() as f64 / known as f64;
-            all.expected.iter_mut().for_each(|expected| *expected *= growth);
+        let wanted = mistakes::SAMPLES_TO_NAME.min(known.saturating_mul(MOST_MORE));
+        if known == 0 || known >= wanted || self.is_in_leaves || self.source.sampler.finite_len().is_some() {
+            return all;
         }
-        Ok(all)
+        let Ok(mut fresh) = self.source.counts(self.round, wanted - known, &counts.grid, self.atoms) else {
+            return all;
+        };
+        // "No sample" is left out where its probability is not known.
+        fresh.last_mut().filter(|_| self.is_normalized()).into_iter().for_each(|none| *none = 0);
+        all.observed.iter_mut().zip(fresh).for_each(|(n, more)| *n += more);
+        let growth = all.observed.iter().sum::<u64>() as f64 / known as f64;
+        all.expected.iter_mut().for_each(|expected| *expected *= growth);
+        all
     }
 
     /// The mistake that explains the counts. In more than two dimensions none is tried: each takes integrals of its own.
@@ -556,7 +563,7 @@ impl Test<'_> {
         if is_suspect && mass.is_some() {
             let mut mistake = self.mistake(&counts, Kinds::Certain)?;
             if mistake.is_none() {
-                mistake = self.mistake(&self.with_more(&counts)?, Kinds::All)?;
+                mistake = self.mistake(&self.with_more(&counts), Kinds::All)?;
             }
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;

@@ -188,7 +188,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     }
     let sampled = grid.0[main].sampled_energy(b, &|x, y| a.get(x, y), Rgb::INFINITY);
     let pair = Pair { b, grid: &grid, stored, before, main, sampled, mse: mse(a, b) };
-    // A that is clipped where B is not has a mistake, which is named
+    // If A is clipped and B is not, the clipping is the mistake
     let of_stored = |is_clipped: bool| if is_clipped { WHITE } else { f32::INFINITY };
     let clip = Clip { a: of_stored(stored == [true; 2]), b: of_stored(stored[1]) };
     let is_open = |found: &Option<Found>| {

@@ -1,8 +1,7 @@
 //! Special directions: every function of optics, of microfacets and of warps, and every BSDF, at inputs where a
 //! root, a quotient or a comparison may fail.
 
-use super::family::{ErrorRow, Precision, STABLE};
-use super::family::{Family, of_cosine};
+use super::family::{ErrorRow, Family, Precision, STABLE, of_cosine};
 use super::sweep::Sweep;
 use super::{BoundCheck, REGISTRY};
 use crate::validation::families as bsdfs;

@@ -1,8 +1,7 @@
 //! A family swept over its grids: every variant in every precision against the exact value at the rounded input; one input, the
 //! errors of all variants there, and how much of them rounding of the input alone would explain.
 
-use super::family::ErrorRow;
-use super::family::Family;
+use super::family::{ErrorRow, Family};
 use super::number::{Formula, Number, Precise, Precision, Value, dot};
 use rayon::prelude::*;
 

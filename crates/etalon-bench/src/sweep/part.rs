@@ -1,4 +1,4 @@
-//! What is computed of a sweep as a file: a line of JSON that says of which sweep, then CSV with a row for each configuration.
+//! The file of a sweep: a line of JSON that identifies the sweep, then CSV with a row for each computed configuration.
 
 use super::plan::{Description, Plan};
 use csv::StringRecord;
@@ -21,8 +21,7 @@ struct Header {
 }
 
 const FORMAT: u32 = 2;
-pub const MOST: u64 = 2_000_000;
-/// Most bytes of a part: twice those of all its configurations.
+/// Most bytes of a file: twice those of as many configurations as a sweep may have.
 const LARGEST: u64 = 600 << 20;
 /// Memory of a row besides its text and the ends of its fields.
 const ROW_BYTES: usize = 128;
@@ -54,7 +53,7 @@ const STATES: [(&str, State); 4] = [
 ];
 
 impl Part {
-    /// A part without configurations yet.
+    /// The same without configurations yet.
     pub fn new(plan: &Plan) -> Self {
         Self { description: plan.description.clone(), rows: BTreeMap::new() }
     }
@@ -150,15 +149,15 @@ impl Part {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file that is no part of a sweep, of another version, or damaged; [`Error::Io`].
+    /// [`Error::Input`] for a file that is not of a sweep, of another version, or damaged; [`Error::Io`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = files::read_bounded(path, LARGEST)?;
-        let refuse = |message: &str| Error::input(path, message).with_hint("parts are written by `etalon sweep`");
+        let refuse = |message: &str| Error::input(path, message).with_hint("`etalon sweep` writes such files");
         let (first, rest) = text.split_at(text.iter().position(|b| *b == b'\n').unwrap_or(text.len()));
-        let Some(json) = first.strip_prefix(b"# ") else { return Err(refuse("this is no part of a sweep")) };
-        let header: Header = serde_json::from_slice(json).map_err(|_| refuse("this is no part of a sweep"))?;
+        let Some(json) = first.strip_prefix(b"# ") else { return Err(refuse("this is no file of a sweep")) };
+        let header: Header = serde_json::from_slice(json).map_err(|_| refuse("this is no file of a sweep"))?;
         if header.sweep != FORMAT {
-            return Err(refuse("this part of a sweep is of another version"));
+            return Err(refuse("this file of a sweep is of another version"));
         }
         let mut reader = csv::Reader::from_reader(rest);
         let damaged = |what: String| refuse(&format!("the table is damaged: {what}"));
@@ -203,12 +202,8 @@ const SAVE: Duration = Duration::from_secs(60);
 /// process is asked to stop, what is finished is saved; the part then lacks the rest.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a part that is too large; those of the checks, except interruption, and of `save`.
+/// Those of the checks, except interruption, and of `save`.
 pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
-    if plan.len() > MOST {
-        return Err(Error::parameter("configurations", format!("{} configurations of all families", plan.len()))
-            .with_hint(format!("a sweep has at most {MOST}")));
-    }
     let missing: Vec<u64> = (0..plan.len()).filter(|&number| !part.has(number)).collect();
     let mut saved = Instant::now();
     for batch in missing.chunks(BATCH) {

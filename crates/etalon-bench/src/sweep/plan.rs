@@ -32,7 +32,8 @@ pub struct Description {
     checks: Vec<String>,
 }
 
-const MOST: u64 = 100_000_000;
+/// Most configurations of all families: what a file and the memory hold.
+const MOST: u64 = 2_000_000;
 const STRATEGIES: [(&str, Strategy); 3] =
     [("grid", Strategy::Grid), ("random", Strategy::Random), ("edges", Strategy::Edges)];
 
@@ -51,7 +52,7 @@ impl Description {
     ) -> Result<Self> {
         if configurations == 0 || configurations.saturating_mul(families.len() as u64) > MOST {
             return Err(Error::parameter("configurations", format!("{configurations} configurations of each family"))
-                .with_hint("use 1 to 10^8 of all families together"));
+                .with_hint(format!("use 1 to {MOST} of all families together")));
         }
         if !(1e-3..=0.5).contains(&detect) {
             return Err(Error::parameter("detect", format!("error {detect}"))

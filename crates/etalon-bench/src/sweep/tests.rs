@@ -118,7 +118,7 @@ fn damaged_files_and_those_of_other_sweeps_are_told() {
         (text.replace(",ok,", ",ok"), "the table is damaged"),
         (format!("{text}{row}\n"), "is there twice"),
         (text.replace("\"sweep\":2", "\"sweep\":1"), "another version"),
-        (String::new(), "no part of a sweep"),
+        (String::new(), "no file of a sweep"),
     ] {
         let found = read(bad).unwrap_err().to_string();
         assert!(found.contains(expected) && found.contains("damaged.csv"), "{found}");

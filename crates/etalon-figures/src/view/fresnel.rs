@@ -29,7 +29,7 @@ pub fn dielectric(curves: &DielectricCurves, media: [&str; 2]) -> Drawing {
     Plot::new([shares(curves, media), absolute, relative]).frame_size(380.0, 310.0).draw()
 }
 
-/// The angles that a panel of an interface shows, up to some beyond the critical angle, where nothing changes any more.
+/// The angles that a panel of an interface shows: to `beyond` degrees past the critical angle, after which nothing changes, rounded up to 5°.
 fn shown_angles(curves: &DielectricCurves, beyond: f64) -> (Axis, f64) {
     match curves.critical_deg.map(|critical| ((critical + beyond) / 5.0).ceil() * 5.0) {
         Some(end) if end < 90.0 => {

@@ -67,7 +67,7 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     plot.draw().headed("Largest relative error in single precision (f32)", lines)
 }
 
-/// The number of panels in a row that leaves the fewest places empty: three if that is one of them.
+/// The smallest number of panels in a row, from 3 to [`MOST_COLUMNS`], that leaves the fewest places empty.
 fn columns(panels: usize) -> usize {
     (3..=MOST_COLUMNS).min_by_key(|columns| panels.next_multiple_of(*columns) - panels).unwrap_or(MOST_COLUMNS)
 }

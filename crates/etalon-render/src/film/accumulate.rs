@@ -75,7 +75,7 @@ impl Film {
         is_possible.then_some(()).ok_or_else(|| wrong().with_hint("at least 1x1 and at most 2^28 pixels"))
     }
 
-    /// The same film with sums for [`Row::splat`], which only a film of the whole image can have: any row may splat to any
+    /// The same film with sums for [`Row::splat`]: any row may splat to any
     /// other.
     ///
     /// # Errors

@@ -44,10 +44,15 @@ fn integrals(subject: &Subject, pilot: &Pilot, power: bool) -> Result<(Grid, Vec
 /// Errors of a ratio above this leave its constant unknown.
 const PRECISE: f64 = 2e-3;
 
-/// ", π times it", where a ratio with that `error` is a known constant.
-fn times(ratio: f64, error: f64) -> String {
-    let name = constant(ratio, error.at_least(1e-5)).filter(|_| error < PRECISE);
-    name.map_or(String::new(), |name| format!(", {name} times it"))
+/// ", π times it", where a ratio with that `error` is a known constant; or the cosine of `wo` of a surface, or one over it.
+fn times(subject: &Subject, ratio: f64, error: f64) -> String {
+    let (cos, most) = (subject.wo[2].abs(), error.at_least(1e-5));
+    let cosines = [(cos, "cos θo"), (1.0 / cos, "1/cos θo")].into_iter();
+    let cosine = cosines
+        .filter(|_| subject.properties.kind == Kind::Surface)
+        .find(|(known, _)| (ratio / known - 1.0).abs() <= most);
+    let names: Vec<&str> = constant(ratio, most).into_iter().chain(cosine.map(|(_, name)| name)).collect();
+    if names.is_empty() || error >= PRECISE { String::new() } else { format!(", {} times it", names.join(" or ")) }
 }
 
 /// What the BSDF says of an albedo.
@@ -132,7 +137,7 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
                 if claim.is_upper_bound {
                     String::new()
                 } else {
-                    times(value / albedo, error / albedo + CHANCE * deviation)
+                    times(subject, value / albedo, error / albedo + CHANCE * deviation)
                 }
             )
         };
@@ -238,7 +243,7 @@ pub fn agreement(subject: &Subject) -> Result<Option<Outcome>> {
                 "{}: weights have the mean {mean:.5}, {error:+.1} % of ∫ {} = {expected:.5}{}",
                 subject.from(),
                 subject.properties.kind.integrand(),
-                times(mean / expected, (deviation * CHANCE + explained) / expected)
+                times(subject, mean / expected, (deviation * CHANCE + explained) / expected)
             )
         };
         if least.as_ref().is_none_or(|(largest, _)| z.may_exceed(*largest)) {

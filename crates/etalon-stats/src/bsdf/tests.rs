@@ -232,6 +232,37 @@ fn usual_mistakes_of_bsdfs_are_named() {
     }
 }
 
+/// A mirror whose throughput has a cosine too many.
+struct DimMirror;
+
+impl Bsdf for DimMirror {
+    fn properties(&self) -> Properties {
+        Mirror.properties()
+    }
+
+    fn eval(&self, wo: Direction, wi: Direction, u: &[f64]) -> Spectrum {
+        Mirror.eval(wo, wi, u)
+    }
+
+    fn pdf(&self, wo: Direction, wi: Direction) -> f64 {
+        Mirror.pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: Direction, u: &[f64]) -> Option<BsdfSample> {
+        Mirror.sample(wo, u).map(|sample| BsdfSample { weight: [wo[2]; 3], ..sample })
+    }
+
+    fn delta_lobes(&self, wo: Direction) -> Vec<DeltaLobe> {
+        Mirror.delta_lobes(wo).into_iter().map(|lobe| DeltaLobe { throughput: [wo[2]; 3], ..lobe }).collect()
+    }
+}
+
+#[test]
+fn a_cosine_too_many_is_named_by_the_energy() {
+    let text = test("dim", &DimMirror, &[towards(50.0)], &quick()).unwrap().to_string();
+    assert!(text.contains("the albedo is 0.64279") && text.contains("cos θo times it"), "{text}");
+}
+
 /// A Lambertian surface that is said to transmit.
 struct SaidToTransmit;
 

@@ -29,7 +29,7 @@ const LEFT: f64 = 0.002;
 const MOST: f64 = 0.1;
 const MOST_FITTED: f64 = 0.02;
 /// Samples after which an excess within chance says that the shape is right, and by which mistakes are named.
-pub const TOLD: u64 = 1 << 16;
+pub const SAMPLES_TO_NAME: u64 = 1 << 16;
 /// Standard deviations of the statistic that count as chance; those that a density which explains the counts may leave; those from
 /// which there is something to explain; and those from which there is no doubt.
 const CHANCE: f64 = 2.5;
@@ -123,7 +123,7 @@ pub fn facts(
 pub enum Kinds {
     /// All.
     All,
-    /// Those without an amount, of counts that leave no doubt: what they leave open more samples tell.
+    /// Those without an amount, where counts are beyond doubt; else more samples decide.
     Certain,
     /// Those that change values where they are: of counts that are no numbers of independent samples.
     Local,
@@ -134,7 +134,7 @@ pub fn is_clear(counts: &Counts) -> bool {
     let cells = counts.grid.len();
     let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
     let shares = shares_of(expected);
-    let is_told = observed.iter().sum::<u64>() >= TOLD;
+    let is_told = observed.iter().sum::<u64>() >= SAMPLES_TO_NAME;
     excess(observed, &shares, FEWEST)
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
@@ -148,7 +148,7 @@ pub fn is_open(counts: &Counts, most: u64) -> bool {
     let is_factor = (counts.expected[..cells].iter().sum::<f64>() / all as f64 - 1.0).abs() > MOST_FITTED;
     let growth = most as f64 / all as f64;
     excess(observed, &shares, 1).is_some_and(|[excess, spread]| {
-        all < TOLD && excess <= CHANCE * spread && is_factor
+        all < SAMPLES_TO_NAME && excess <= CHANCE * spread && is_factor
             || excess < CLEAR * spread && excess * growth >= CLEAR * spread
     })
 }
@@ -322,7 +322,8 @@ impl<'a> Table<'a> {
         (0..of_values.len()).map(known).collect()
     }
 
-    /// Whether what is left unexplained is as little as chance leaves, and at most the share `most` of `of_pdf`, the excess of the pdf.
+    /// Whether what is left unexplained is as little as chance leaves, and at most the share `most` of `of_pdf`, the excess of the pdf; or
+    /// [`LEFT`] of it, as integrals are not exact.
     fn is_explained(&self, of_pdf: f64, [left, spread]: [f64; 2], most: f64) -> bool {
         left <= (LEFT_BY_CHANCE * spread).at_most(most * of_pdf).at_least(LEFT * of_pdf.at_most(self.total))
     }
@@ -655,7 +656,8 @@ impl<'a> Table<'a> {
             let with_factor = |named: NamedMistake| named.with_factor([samples, of], ratio);
             return Ok(if has_atoms { told } else { told.map(with_factor) });
         }
-        if of_pdf.is_nan() || of_pdf < if kinds == Kinds::Certain { CERTAIN } else { CLEAR } * spread {
+        let clear = if kinds == Kinds::Certain { CERTAIN } else { CLEAR };
+        if of_pdf.is_nan() || of_pdf < clear * spread {
             return Ok(None);
         }
         let mut all = all(self.domain, self.density);

@@ -10,7 +10,7 @@ pub mod curve;
 mod marginals;
 mod pairs;
 
-pub use counts::{Kinds, TOLD, facts, is_clear, is_open, of_counts, of_others};
+pub use counts::{Kinds, SAMPLES_TO_NAME, facts, is_clear, is_open, of_counts, of_others};
 pub use pairs::{EQUAL, FEWEST_PAIRS, Pair, common_factor, of_one_variable, of_pairs};
 
 use crate::domain::{Domain, Point};

@@ -96,7 +96,7 @@ struct PairRender {
 }
 
 /// Renders `builtin::brushed_metal` or a scene like it, with one disc (a mesh) and one sphere of metal, for a pair of widths;
-/// and to compare it with a thirty-second of the samples by the reference path tracer, and as many with other tangents.
+/// and for comparison 1/32 of the samples with the reference path tracer, and as many with other tangents.
 ///
 /// # Errors
 /// Those of the renders.

@@ -5,9 +5,9 @@ use crate::gallery::prelude::*;
 use crate::view::depth as view;
 use etalon_bench::depth::{self, DEPTHS, Depths, RadianceRow};
 use etalon_bench::object_ids::{Kind, ObjectIdBuffer, PixelMean};
-use etalon_core::error::Result;
+use etalon_core::error::{Error, Result};
 use etalon_core::raster::ToneMap;
-use etalon_core::scene::{Material, Request, builtin};
+use etalon_core::scene::{Material, Request, Scene, builtin};
 use etalon_render::{Sampling, Settings, Silent, render};
 
 /// One render, decomposed by path class: a quarter of the pixels and four times the samples of the report, and light paths, which find
@@ -32,7 +32,7 @@ pub fn figures() -> Vec<Maker> {
 fn content(inputs: &Inputs, studies: &mut Studies, place: usize) -> Result<Content> {
     let m = DEPTHS[place];
     let (scene, request) = inputs.spheres();
-    let result = studies.get("depths", || depth::series(&scene, &request, &with_light_paths(inputs)))?;
+    let result = studies.get("depth series", || depth::series(&scene, &request, &with_light_paths(inputs)))?;
     let mean = |place: usize| depth::mean(&result.images[place]);
     let mut checks = vec![Check::equal("dropped samples", 0.0, result.dropped.total() as f64)];
     if let Some(before) = place.checked_sub(1) {
@@ -73,7 +73,24 @@ fn differences(inputs: &Inputs, studies: &mut Studies) -> Result<Content> {
         let name = format!("share of the classes of depth {} (the difference from depth {})", pair[1], pair[0]);
         checks.push(Check::within(name, added, result.share(|r| r.depth == pair[1]), 1e-6));
     }
+    let z = by_light_paths(&inputs.settings(), &inputs.spheres())?;
+    checks.push(Check::within(
+        "all light of a small render, minus that without light paths (standard errors)",
+        0.0,
+        z,
+        4.0,
+    ));
     Content::new(view::differences(&result), &result.classes, checks)
+}
+
+/// The mean of a small render with light paths minus that of one without, in standard errors.
+fn by_light_paths(settings: &Settings, (scene, request): &(Scene, Request)) -> Result<f64> {
+    let request = Request { width: 60, height: 45, spp: 256, max_depth: DEPTHS[DEPTHS.len() - 1], ..*request };
+    let mean = |sampling: Sampling, seed: u64| {
+        let rendered = render(scene, &request, &Settings { sampling, seed, ..*settings }, &Silent)?;
+        Ok::<_, Error>(PixelMean::of(rendered.part.film.estimates(), &vec![true; request.width * request.height]))
+    };
+    Ok(mean(Sampling::MisLt, settings.seed)?.z(&mean(Sampling::Mis, settings.seed.wrapping_add(1))?))
 }
 
 fn white(sphere: &FurnaceSphere) -> Check {

@@ -132,7 +132,7 @@ fn with_alpha(scene: &Scene, alpha: f32) -> Scene {
     scene
 }
 
-/// Renders the scene with glass of roughness `alpha`, and with a sixteenth of the samples by the reference path tracer.
+/// Renders the scene with glass of roughness `alpha`, and 1/16 of the samples with the reference path tracer.
 ///
 /// # Errors
 /// Those of the renders.
