@@ -78,6 +78,14 @@ impl Target {
         Ok(stem)
     }
 
+    /// The path of a result that is one file, as [`stem`](Self::stem).
+    ///
+    /// # Errors
+    /// As `stem`.
+    pub fn file(&self, name: &str, suffix: &str, extension: &str) -> Result<PathBuf> {
+        Ok(with_extension(&self.stem(name, suffix, &[extension])?, extension))
+    }
+
     /// The first name for a result that neither another command nor another result of this one has.
     fn free(&self, name: &str, suffix: &str, extensions: &[&str]) -> String {
         let whole = format!("{name}{suffix}");

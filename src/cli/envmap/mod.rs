@@ -228,7 +228,7 @@ impl Make {
         interrupt::check()?;
         let target = global.target();
         let format = output::image_format(global.out.as_deref())?.unwrap_or("exr");
-        let path = output::with_extension(&target.stem(synthetic.name(), "", &[format])?, format);
+        let path = target.file(synthetic.name(), "", format)?;
         let metadata = Metadata::default().with("map", synthetic.name());
         let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
         raster::write_with(&path, &image, &metadata, options)?;

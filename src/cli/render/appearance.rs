@@ -98,8 +98,7 @@ impl Render {
         let target = global.target();
         let name = output::file_name(&format!("{}-{}", scene.name, program.name()));
         let stem = target.stem(&name, "", &["svg", "png", "pdf", "exr"])?;
-        let other =
-            |suffix: &str| Ok::<_, Error>(output::with_extension(&target.stem(&name, suffix, &["exr"])?, "exr"));
+        let other = |suffix: &str| target.file(&name, suffix, "exr");
         let [of_values, of_model] = [other("-values")?, other("-model")?];
         let style = self.style.style()?;
         let bar = console.progress(3 * u64::from(request.spp), "render", "samples");

@@ -214,7 +214,7 @@ fn draw_counts(tested: &Tested, wanted: &mut Wanted, target: &output::Target) ->
 /// Writes the counts of the only test, if it has any.
 fn write_counts(tested: &Tested, name: &str, target: &output::Target) -> Result<Vec<PathBuf>> {
     let Some(counts) = &tested.outcome.counts else { return Ok(Vec::new()) };
-    let csv = output::with_extension(&target.stem(name, "-counts", &["csv"])?, "csv");
+    let csv = target.file(name, "-counts", "csv")?;
     files::write_bytes(&csv, &output::csv(&cells::rows(counts))?)?;
     Ok(vec![csv])
 }

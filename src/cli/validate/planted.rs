@@ -31,7 +31,7 @@ pub fn run(
 ) -> Result<Verdict> {
     reports.check()?;
     let target = global.target();
-    let path = output::with_extension(&target.stem(&output::name_of_run("planted", names), "", &["csv"])?, "csv");
+    let path = target.file(&output::name_of_run("planted", names), "", "csv")?;
     let bar = console.progress(2 * faults.len() as u64, "planted faults", "runs");
     let findings = planted::run(faults, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
@@ -126,7 +126,7 @@ pub fn run_museum(
 ) -> Result<Verdict> {
     reports.check()?;
     let target = global.target();
-    let path = output::with_extension(&target.stem(&output::name_of_run("museum", names), "", &["csv"])?, "csv");
+    let path = target.file(&output::name_of_run("museum", names), "", "csv")?;
     let bar = console.progress(2 * exhibits.len() as u64, "museum", "runs");
     let museum = museum::run(exhibits, protocol, &|_| bar.inc(1))?;
     bar.finish_and_clear();
