@@ -127,7 +127,7 @@ impl Sweep {
         // Where the part goes, checked before it is computed.
         let target = global.target();
         let name = output::name_of_run("sweep", &subjects);
-        let path = output::with_extension(&target.stem(&name, "", &["csv"])?, "csv");
+        let path = target.file(&name, "", "csv")?;
         files::check_writable(&path)?;
         let mut part = Part::new(&plan);
         if let Some(state) = self.resume.as_deref().filter(|state| state.exists()) {
@@ -157,7 +157,7 @@ impl Sweep {
             bar.inc(count);
         })?;
         bar.finish_and_clear();
-        let survivors = output::with_extension(&target.stem(&name, "-survivors", &["csv"])?, "csv");
+        let survivors = target.file(&name, "-survivors", "csv")?;
         files::write_bytes(&survivors, &output::csv(&found.rows)?)?;
         let checks = Checks { title: TITLE.into(), list: view::checks(&found), seconds: start.elapsed().as_secs_f64() };
         let written = target.written([vec![path, survivors], self.reports.write(&checks)?].concat());
@@ -210,7 +210,7 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
 
 /// `held` if it is of the same sweep.
 fn continued(held: Part, plan: &Plan, path: &std::path::Path) -> Result<Part> {
-    if let Some((number, ..)) = held.rows().find(|(number, ..)| *number >= plan.len()) {
+    if let Some(number) = held.last().filter(|number| *number >= plan.len()) {
         return Err(Error::input(path, format!("the sweep has no configuration {number}")));
     }
     match held.description().difference(&plan.description) {

@@ -343,18 +343,19 @@ impl Test<'_> {
         self.density.mass() == Mass::Unknown
     }
 
-    /// The counts, with those of more samples, [`mistakes::SAMPLES_TO_NAME`] in all, unless all samples are given. The verdict is fixed
-    /// before, and they have no part in it: a sampler that fails now, or a test that is interrupted, has no name of its mistake.
-    fn with_more(&self, counts: &Counts) -> Counts {
-        let mut all = counts.clone();
+    /// The number of samples that the counts lack to name a mistake: none if all samples are given.
+    fn missing(&self, counts: &Counts) -> u64 {
         let known = counts.observed.iter().sum::<u64>();
         let wanted = mistakes::SAMPLES_TO_NAME.min(known.saturating_mul(MOST_MORE));
-        if known == 0 || known >= wanted || self.is_in_leaves || self.source.sampler.finite_len().is_some() {
-            return all;
-        }
-        let Ok(mut fresh) = self.source.counts(self.round, wanted - known, &counts.grid, self.atoms) else {
-            return all;
-        };
+        if self.is_in_leaves || self.source.sampler.finite_len().is_some() { 0 } else { wanted.saturating_sub(known) }
+    }
+
+    /// The counts, with those of the samples that they lack. The verdict is fixed before, and these have no part in it: a sampler that
+    /// fails now, or a test that is interrupted, has no name of its mistake.
+    fn with_more(&self, counts: &Counts, missing: u64) -> Counts {
+        let mut all = counts.clone();
+        let known = counts.observed.iter().sum::<u64>();
+        let Ok(mut fresh) = self.source.counts(self.round, missing, &counts.grid, self.atoms) else { return all };
         // "No sample" is left out where its probability is not known.
         fresh.last_mut().filter(|_| self.is_normalized()).into_iter().for_each(|none| *none = 0);
         all.observed.iter_mut().zip(fresh).for_each(|(n, more)| *n += more);
@@ -561,10 +562,13 @@ impl Test<'_> {
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
         let [mut coordinates, mut widths] = [None, None];
         if is_suspect && mass.is_some() {
-            let mut mistake = self.mistake(&counts, Kinds::Certain)?;
-            if mistake.is_none() {
-                mistake = self.mistake(&self.with_more(&counts), Kinds::All)?;
-            }
+            let mistake = match self.missing(&counts) {
+                0 => self.mistake(&counts, Kinds::All)?,
+                missing => match self.mistake(&counts, Kinds::Certain)? {
+                    None => self.mistake(&self.with_more(&counts, missing), Kinds::All)?,
+                    certain => certain,
+                },
+            };
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }

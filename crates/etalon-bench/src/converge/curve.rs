@@ -179,6 +179,11 @@ impl Curve {
         self.runs.iter().all(|run| run.chosen.as_ref() == Some(first)).then_some(first)
     }
 
+    /// Whether the replicates of the default do not all do the same.
+    pub fn is_chosen_differently(&self) -> bool {
+        self.contender.is_default() && self.runs.windows(2).any(|pair| pair[0].chosen != pair[1].chosen)
+    }
+
     /// Whether it has replicates enough to say that no bias is found.
     pub fn is_tested(&self) -> bool {
         self.replicates >= REPLICATES_FOR_VERDICT || self.verdict == CurveVerdict::Biased

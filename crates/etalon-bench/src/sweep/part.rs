@@ -66,6 +66,11 @@ impl Part {
         self.rows.contains_key(&number)
     }
 
+    /// The largest number of a configuration.
+    pub fn last(&self) -> Option<u64> {
+        self.rows.keys().next_back().copied()
+    }
+
     pub fn len(&self) -> usize {
         self.rows.len()
     }

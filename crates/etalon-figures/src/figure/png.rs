@@ -42,8 +42,8 @@ impl Page {
                 let has_shades = self.items.iter().any(|item| matches!(item, Item::Image { .. }));
                 let file = indexed(&image, has_shades);
                 // Shades keep their colours where a palette saves little: in images without noise, or enlarged
-                let exact = if has_shades { image.chart_png() } else { Vec::new() };
-                if (1..=file.len() + file.len() / 4).contains(&exact.len()) { exact } else { file }
+                let exact = has_shades.then(|| image.chart_png());
+                exact.filter(|exact| 4 * exact.len() <= 5 * file.len()).unwrap_or(file)
             }
             Some(first) if covers(first) => image.png().to_vec(),
             _ => image.chart_png(),

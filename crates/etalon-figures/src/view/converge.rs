@@ -261,7 +261,7 @@ pub fn label(strategy: &str) -> String {
 pub fn shown(curve: &Curve) -> String {
     let name = match (&curve.contender, curve.chosen()) {
         (_, Some(chosen)) => format!("{} (default)", label(&chosen.name)),
-        (Contender::Strategy(_), None) if curve.contender.is_default() => {
+        (Contender::Strategy(_), None) if curve.is_chosen_differently() => {
             "default (replicates chose differently)".into()
         }
         (Contender::Strategy(strategy), None) => label(&strategy.name),
