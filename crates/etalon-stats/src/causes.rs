@@ -135,6 +135,28 @@ fn law_of_wo(factors: &[(f64, f64)], is_same: impl Fn(f64, f64) -> bool) -> Opti
 /// A line for each cause for which tests do not accept, rejections with a name first.
 #[must_use]
 pub fn causes(findings: &[Finding]) -> Vec<String> {
+    let mut causes = gathered(findings);
+    causes.sort_by_key(Cause::rank);
+    causes.into_iter().map(Cause::line).collect()
+}
+
+/// What explains each finding: of several for one direction alone, those that explain all findings of its cause.
+#[must_use]
+pub fn explanations(findings: &[Finding]) -> Vec<Option<NamedMistake>> {
+    let causes = gathered(findings);
+    let common = |finding: &Finding, own: &NamedMistake| {
+        let is_its = |cause: &&Cause| cause.findings.iter().any(|other| std::ptr::eq(*other, finding));
+        causes.iter().find(is_its)?.explanation.as_ref()?.common(own)
+    };
+    let explained = |finding: &Finding| {
+        let own = finding.outcome.mistake.as_ref()?;
+        Some(common(finding, own).unwrap_or_else(|| own.clone()))
+    };
+    findings.iter().map(explained).collect()
+}
+
+/// The causes for which tests do not accept.
+fn gathered<'a>(findings: &'a [Finding<'a>]) -> Vec<Cause<'a>> {
     let mut causes: Vec<Cause> = Vec::new();
     let failed = || findings.iter().filter(|finding| !finding.outcome.is_accepted());
     let has_factor = |finding: &&Finding| finding.outcome.mistake.as_ref().is_some_and(|told| told.factor().is_some());
@@ -151,8 +173,7 @@ pub fn causes(findings: &[Finding]) -> Vec<String> {
             causes.push(Cause { findings: vec![finding], explanation: finding.outcome.mistake.clone() });
         }
     }
-    causes.sort_by_key(Cause::rank);
-    causes.into_iter().map(Cause::line).collect()
+    causes
 }
 
 #[cfg(test)]

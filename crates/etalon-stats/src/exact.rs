@@ -45,16 +45,17 @@ pub fn relative_difference(a: f64, b: f64) -> f64 {
     if relative.is_nan() { f64::INFINITY } else { relative }
 }
 
-/// The ordinary one of cases in which two numbers have these ratios: the one that is nearest to the median, the first where several are about as near.
+/// The ordinary one of cases in which two numbers have these ratios: the one whose distance from 1, up or down, is nearest to the median, the
+/// first where several are about as near.
 pub fn ordinary(ratios: impl Iterator<Item = f64>) -> Option<usize> {
-    /// Ratios that differ by less are about the same.
+    /// Logarithms that differ by less are about the same.
     const ABOUT: f64 = 0.01;
-    let all: Vec<f64> = ratios.collect();
+    let size = |ratio: f64| if ratio > 0.0 { ratio.ln().abs() } else { f64::INFINITY };
+    let all: Vec<f64> = ratios.map(size).collect();
     let mut sorted = all.clone();
     sorted.sort_unstable_by(f64::total_cmp);
     let median = *sorted.get(all.len() / 2)?;
-    let distance = |ratio: f64| if ratio == median { 0.0 } else { ((ratio / median).ln().abs() / ABOUT).floor() };
-    let far = |ratio: f64| if distance(ratio).is_nan() { f64::INFINITY } else { distance(ratio) };
+    let far = |size: f64| if size == median { 0.0 } else { ((size - median).abs() / ABOUT).floor() };
     (0..all.len()).min_by(|&a, &b| far(all[a]).total_cmp(&far(all[b])))
 }
 

@@ -378,6 +378,30 @@ impl Test<'_> {
         mistakes::of_counts(self.domain, self.density, counts, self.others.as_ref(), NAMES, kinds)
     }
 
+    /// The mistake: as clear counts name it; then as the map from random numbers to samples does, which takes few of them; then as more
+    /// counts do.
+    fn named(&self, counts: &Counts) -> Result<Option<NamedMistake>> {
+        let missing = self.missing(counts);
+        let kinds = if missing == 0 { Kinds::All } else { Kinds::Certain };
+        if let Some(named) = self.mistake(counts, kinds)? {
+            return Ok(Some(named));
+        }
+        let (domain, density, names) = (self.domain, self.density, ["the density of samples", "the pdf"]);
+        let charts: Vec<[f64; 2]> = self.pilot.iter().map(|probe| probe.at).collect();
+        let pairs = match self.is_in_leaves {
+            true => None,
+            false => mistakes::map::of(domain, self.source.sampler, density, &charts, self.protocol.seed)?,
+        };
+        let pairs = pairs.unwrap_or_default();
+        let mut named = mistakes::of_samples(domain, density, &pairs, NAMES)?;
+        if named.is_none() && missing > 0 {
+            named = self.mistake(&self.with_more(counts, missing), Kinds::All)?;
+        }
+        named = named.or_else(|| mistakes::of_side(domain, &pairs, names));
+        named = named.or_else(|| mistakes::of_power(&pairs, names));
+        Ok(named.or_else(|| mistakes::of_one_variable(domain, density, &pairs, names)))
+    }
+
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.
     fn find(&self, counted: &Counted, states_power: bool) -> Findings {
         let Self { domain, density, protocol, corners, subdivision, labels, atoms, looks, .. } = *self;
@@ -562,17 +586,17 @@ impl Test<'_> {
         let is_suspect = p.is_some_and(|p| p < SUSPECT);
         let [mut coordinates, mut widths] = [None, None];
         if is_suspect && mass.is_some() {
-            let mistake = match self.missing(&counts) {
-                0 => self.mistake(&counts, Kinds::All)?,
-                missing => match self.mistake(&counts, Kinds::Certain)? {
-                    None => self.mistake(&self.with_more(&counts, missing), Kinds::All)?,
-                    certain => certain,
-                },
-            };
+            let mistake = self.named(&counts)?;
             if mistake.is_none() && !self.is_in_leaves {
                 [coordinates, widths] = mistakes::facts(domain, density, &counts, NAMES)?;
             }
             mistakes.extend(mistake);
+        }
+        // Beside a mistake that is no factor, the integral is a known constant by chance.
+        if let (Some(mass), Some(text)) = (mass, violation.as_mut())
+            && mistakes.iter().any(|mistake: &NamedMistake| mistake.factor().is_none())
+        {
+            *text = text.replacen(&constant(mass), "", 1);
         }
         if let Some(violation) = violation.as_mut().filter(|_| tally.carried.violation().is_some()) {
             let is_followed = p.is_some_and(|p| p >= SUSPECT);

@@ -16,6 +16,7 @@ pub mod bsdf;
 mod causes;
 mod counting;
 pub mod cubature;
+mod derivative;
 mod diagnosis;
 mod domain;
 mod error;
@@ -42,7 +43,7 @@ pub mod sweep;
 mod weights;
 pub mod welch;
 
-pub use causes::{Finding, causes};
+pub use causes::{Finding, causes, explanations};
 pub use diagnosis::{UNSEEN, assert_samples_follow_pdf, assert_samples_follow_pdf_by, explain};
 pub use domain::{
     Axis, Barycentric, Chart, ChartFunctions, Circle, Cube, DOMAINS, Directions, Discrete, Disk, Domain, Entry,

@@ -27,6 +27,8 @@ struct Entry {
     result: std::result::Result<Done, Error>,
     /// A file before it with the same pixels.
     same_as: Option<String>,
+    /// The limits that it exceeds, and what else rejects it.
+    rejections: Vec<Rejection>,
 }
 
 struct Done {
@@ -36,8 +38,13 @@ struct Done {
     hash: u64,
     notes: Vec<String>,
     is_clipped: bool,
-    /// The limits that it exceeds, and what else rejects it.
-    rejections: Vec<Rejection>,
+}
+
+impl Done {
+    /// Whether nothing is wrong except that integers end at 1.
+    fn is_only_clipped(&self, explanation: &Explanation) -> bool {
+        explanation.is_clip_alone && self.is_clipped
+    }
 }
 
 /// Why an image is rejected.
@@ -47,6 +54,7 @@ enum Rejection {
     Reason(Reason),
     NotFinite,
     Size,
+    Unreadable,
 }
 
 impl Rejection {
@@ -57,6 +65,7 @@ impl Rejection {
             Self::Reason(reason) => REASONS.iter().find(|(.., known)| *known == reason).map_or("", |(name, ..)| *name),
             Self::NotFinite => "finite",
             Self::Size => "size",
+            Self::Unreadable => "unreadable",
         }
     }
 
@@ -64,10 +73,11 @@ impl Rejection {
     fn text(self) -> String {
         match self {
             Self::Limit(limit) => format!("{} above {}", limit.metric.title, limit.most),
-            Self::Reason(Reason::Mistake) => "not only noise".into(),
+            Self::Reason(Reason::Mistake) => "differs by more than noise".into(),
             Self::Reason(Reason::Copy) => "a copy".into(),
             Self::NotFinite => "pixels that are not finite".into(),
             Self::Size => "another size".into(),
+            Self::Unreadable => "cannot be read".into(),
         }
     }
 }
@@ -77,12 +87,8 @@ impl Entry {
         self.result.as_ref().ok()?.measured.as_ref().ok()
     }
 
-    fn rejections(&self) -> &[Rejection] {
-        self.result.as_ref().map_or(&[], |done| &done.rejections)
-    }
-
     fn is_rejected(&self) -> bool {
-        !self.rejections().is_empty()
+        !self.rejections.is_empty()
     }
 
     /// Why it has no metrics.
@@ -169,18 +175,18 @@ impl Compare {
         let is_other = |entry: &&Entry| entry.result.as_ref().is_ok_and(|done| done.is_clipped != b.is_clipped);
         let others: Vec<&str> = entries.iter().filter(is_other).map(|entry| entry.file.as_str()).collect();
         if !others.is_empty() {
-            let (those, the_reference) =
-                if b.is_clipped { ("linear light", "integer values") } else { ("integer values", "linear light") };
             let more = match others.len().saturating_sub(NAMED) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
-            console.warn(&format!(
-                "{}{more} {} {those}, and {} has {the_reference}: what is clipped at 1 differs; use a reference of the same kind",
-                others[..others.len().min(NAMED)].join(", "),
-                if others.len() == 1 { "has" } else { "have" },
-                reference.display()
-            ));
+            let names = others[..others.len().min(NAMED)].join(", ");
+            let reference = reference.display();
+            console.warn(&match b.is_clipped {
+                true => format!("{names}{more}: linear light, compared up to 1, where {reference} is clipped"),
+                false => format!(
+                    "{names}{more}: integer values, clipped at 1, where {reference} is not: no mistake, but metrics are larger by that"
+                ),
+            });
         }
         let mut saving = Saving::default();
         let cells: Vec<Shown> = entries.iter().map(|entry| shown(entry, &entries, self)).collect();
@@ -209,7 +215,7 @@ impl Compare {
         // What could not be compared is told after the results of all others
         let failed = |entry: Entry| match entry.result {
             Err(error) => Some(error),
-            Ok(Done { measured: Err(other), rejections, .. }) if rejections.is_empty() => {
+            Ok(Done { measured: Err(other), .. }) if entry.rejections.is_empty() => {
                 Some(other.error(entry.file.as_ref(), reference))
             }
             Ok(_) => None,
@@ -223,16 +229,23 @@ impl Compare {
     /// Compares one image; of it, only what the sheet shows is kept.
     fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
+            let is_clipped = a.is_clipped;
+            let a = if b.is_clipped { a.clipped() } else { a };
             let measured = measure(path, &a, reference, b)?;
-            let (rejections, thumbnail) = match &measured {
-                Ok(measured) => (self.rejections(measured), Thumbnail::new(&a.image, &b.image)),
-                Err(_) if !self.judges() => (Vec::new(), Thumbnail::of_another_size(&a.image, &b.image)),
-                Err(_) => (vec![Rejection::Size], Thumbnail::of_another_size(&a.image, &b.image)),
+            let thumbnail = match &measured {
+                Ok(_) => Thumbnail::new(&a.image, &b.image),
+                Err(_) => Thumbnail::of_another_size(&a.image, &b.image),
             };
-            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped: a.is_clipped, rejections })
+            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped })
         });
         bar.inc(1);
-        Entry { file: path.display().to_string(), result, same_as: None }
+        let rejections = match &result {
+            Ok(Done { measured: Ok(measured), .. }) => self.rejections(measured),
+            _ if !self.judges() => Vec::new(),
+            Ok(_) => vec![Rejection::Size],
+            Err(_) => vec![Rejection::Unreadable],
+        };
+        Entry { file: path.display().to_string(), result, same_as: None, rejections }
     }
 
     fn checks_of(&self, entry: &Entry, reference: &Path) -> Vec<Check> {
@@ -244,7 +257,7 @@ impl Compare {
         match (entry.measured(), entry.problem()) {
             (Some(measured), _) if self.judges() => {
                 let rejected =
-                    |reason| entry.rejections().iter().any(|e| matches!(e, Rejection::Reason(r) if *r == reason));
+                    |reason| entry.rejections.iter().any(|e| matches!(e, Rejection::Reason(r) if *r == reason));
                 let verdict = |reason| match rejected(reason) {
                     true => etalon_stats::Verdict::Reject,
                     false => etalon_stats::Verdict::Accept,
@@ -283,7 +296,7 @@ impl Compare {
             table = table.numbers(&heading, |entry| number(entry, metric));
         }
         let about = |entry: &Entry| -> Vec<String> {
-            let texts: Vec<String> = entry.rejections().iter().map(|rejection| rejection.text()).collect();
+            let texts: Vec<String> = entry.rejections.iter().map(|rejection| rejection.text()).collect();
             let rejected = entry.is_rejected().then(|| format!("rejected: {}", texts.join(", ")));
             rejected.into_iter().chain(remark(entry)).collect()
         };
@@ -310,17 +323,17 @@ impl Compare {
 
     /// Rejects an image for the reasons that are given.
     fn reject(&self, entry: &mut Entry) {
-        let Entry { result: Ok(done), same_as, .. } = entry else { return };
+        let Entry { result: Ok(done), same_as, rejections, .. } = entry else { return };
         let Ok(measured) = &done.measured else { return };
         let holds = |reason: &&Reason| match reason {
             // Integers end at 1
             Reason::Mistake => match &measured.explanation {
-                Some(explanation) => !(explanation.is_clip_alone && done.is_clipped),
+                Some(explanation) => !done.is_only_clipped(explanation),
                 None => measured.beyond_noise == Some(true),
             },
             Reason::Copy => measured.identical || same_as.is_some(),
         };
-        done.rejections.extend(self.reject.iter().filter(holds).map(|reason| Rejection::Reason(*reason)));
+        rejections.extend(self.reject.iter().filter(holds).map(|reason| Rejection::Reason(*reason)));
     }
 
     /// The limits that an image exceeds.
@@ -395,15 +408,34 @@ fn remark(entry: &Entry) -> Option<String> {
 /// The same in parts, an explanation as `explained` tells it.
 fn said(entry: &Entry, explained: &dyn Fn(&Explanation) -> String) -> Vec<String> {
     let twin = entry.same_as.as_ref().map(|twin| format!("same pixels as {twin}"));
-    let explanation = entry.explanation().map(explained);
+    let is_only_clipped = |of: &Explanation| entry.result.as_ref().is_ok_and(|done| done.is_only_clipped(of));
+    let explanation = entry.explanation().map(|explanation| match is_only_clipped(explanation) {
+        true => "integers, which end at 1".to_owned(),
+        false => of_one(&explained(explanation)),
+    });
     let parts = match entry.measured() {
         Some(measured) => {
             let same = measured.identical.then(|| "the same values as the reference".to_owned());
-            [same, explanation.or_else(|| unknown(measured)), left_out(measured), twin]
+            [same, explanation.or_else(|| unknown(measured).map(|told| of_one(&told))), left_out(measured), twin]
         }
         None => [entry.problem(), explanation, twin, None],
     };
     parts.into_iter().flatten().collect()
+}
+
+/// An explanation of one of many images, none of which is called A.
+fn of_one(explanation: &str) -> String {
+    let word = |word: &str| {
+        let (before, rest) = word.split_at(usize::from(word.starts_with('(')));
+        let letter = rest.trim_end_matches([',', ';', ':', ')']);
+        let name = match letter {
+            "A" => "it",
+            "B" => "the reference",
+            _ => return word.to_owned(),
+        };
+        format!("{before}{name}{}", &rest[letter.len()..])
+    };
+    explanation.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// An image of the sheet: below its name what rejects it, the metrics that are asked for, or else FLIP and PSNR, and what is to be said of it.
@@ -419,7 +451,7 @@ fn shown<'a>(entry: &'a Entry, entries: &[Entry], compare: &Compare) -> Shown<'a
         }
         _ => entry.file.clone(),
     };
-    let above = entry.rejections().iter().filter(|rejection| matches!(rejection, Rejection::Limit(_)));
+    let above = entry.rejections.iter().filter(|rejection| matches!(rejection, Rejection::Limit(_)));
     let above: Vec<String> = above.map(|rejection| rejection.text()).collect();
     let rejected = match above.join(", ") {
         _ if !entry.is_rejected() => String::new(),
@@ -454,12 +486,8 @@ fn record(entry: &Entry) -> Record<'_> {
         measured,
         explanation: entry.explanation().filter(|_| measured.is_none()),
         same_as: entry.same_as.as_deref(),
-        rejected: entry
-            .result
-            .is_ok()
-            .then(|| entry.is_rejected())
-            .filter(|_| measured.is_some() || entry.is_rejected()),
-        limits: entry.rejections().iter().map(|rejection| rejection.name()).collect(),
+        rejected: Some(entry.is_rejected()).filter(|is_rejected| measured.is_some() || *is_rejected),
+        limits: entry.rejections.iter().map(|rejection| rejection.name()).collect(),
         error: entry.problem(),
     }
 }

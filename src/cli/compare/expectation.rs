@@ -195,7 +195,14 @@ fn check(compared: &Compared, sides: &str, family: &FamilyResult) -> Check {
         0 => String::new(),
         count => format!("; {count} of {} dominated by a few samples", family.tests.len()),
     };
-    let message = format!("{p}{most}{dominated}");
+    // An acceptance is worth what it would have found
+    let power = match (verdict, compared.uniform_bias) {
+        (Some(etalon_stats::Verdict::Accept), Some(_)) if compared.answer == Answer::NoDifferenceFound => {
+            format!("; {}", sentence(compared))
+        }
+        _ => String::new(),
+    };
+    let message = format!("{p}{most}{dominated}{power}");
     let is_rejected = verdict == Some(etalon_stats::Verdict::Reject);
     let why = compared.explanation.as_ref().filter(|_| is_rejected);
     let details = why.map_or(String::new(), |of| format!("{message}; between the means: {}", view::explained(of)));

@@ -11,6 +11,7 @@ use crate::cli::values::{choice, fraction, share};
 use clap::{ArgAction, ArgGroup, Args};
 use etalon_bench::compare::{Explanation, Limit, METRICS, Measured, Metric, explain_turned, with_interval};
 use etalon_core::error::{Error, Result};
+use etalon_core::math::Rgb;
 use etalon_core::raster::{self, Image, ReadOptions};
 use etalon_figures::view::checks::Check;
 use etalon_figures::view::compare::{self as view, explained};
@@ -160,6 +161,9 @@ fn why(measured: &Measured) -> Option<String> {
     measured.explanation.as_ref().map(explained).or_else(|| unknown(measured))
 }
 
+/// Means that differ by less are not told.
+const TOLD: f64 = 0.01;
+
 /// What is said of a difference that nothing explains.
 fn unknown(measured: &Measured) -> Option<String> {
     (measured.beyond_noise == Some(true)).then(|| match measured.ratio_of_means {
@@ -167,7 +171,12 @@ fn unknown(measured: &Measured) -> Option<String> {
             let ratio = with_interval(ratio, half_width);
             format!("more than noise: the mean of A is {ratio} times that of B; noise hides what explains it")
         }
-        None => "more than noise, and no usual mistake explains it".to_owned(),
+        None => {
+            let ratio = measured.numbers.mean_a / measured.numbers.mean_b;
+            let is_told = (ratio - 1.0).abs() >= TOLD && ratio.is_finite();
+            let mean = if is_told { format!("; the mean of A is {ratio:.2} times that of B") } else { String::new() };
+            format!("more than noise, and no usual mistake explains it{mean}")
+        }
     })
 }
 
@@ -196,6 +205,14 @@ fn read(path: &Path) -> Result<Input> {
         linear => linear,
     }?;
     Ok(Input { image, notes, is_clipped })
+}
+
+impl Input {
+    /// Linear light as integers have it, which end at 1.
+    fn clipped(self) -> Self {
+        let image = self.image.map(|p| if p.is_finite() { p.min(Rgb::ONE) } else { p });
+        Self { image, is_clipped: true, ..self }
+    }
 }
 
 /// What is said of two images of different sizes.

@@ -137,13 +137,13 @@ impl Validate {
         let mut wanted = Wanted::of(&style);
         let (drawing, table) = (view::drawing(&validation), view::csv(&validation)?);
         saving.add(output::write(&stem, &drawing, &wanted.style(&drawing), &table));
-        // What is rejected is drawn without being asked for; a single test is drawn already.
+        // A single test is drawn already; of several what is rejected is drawn without being asked for.
         for tested in &validation.tests {
-            if self.figures || tested.outcome.verdict == etalon_stats::Verdict::Reject {
-                match validation.tests.as_slice() {
-                    [_] => saving.add(write_counts(tested, &name, &target)),
-                    _ => saving.add(draw_counts(tested, &mut wanted, &target)),
-                }
+            let is_rejected = tested.outcome.verdict == etalon_stats::Verdict::Reject;
+            match validation.tests.as_slice() {
+                [_] => saving.add(write_counts(tested, &name, &target)),
+                _ if self.figures || is_rejected => saving.add(draw_counts(tested, &mut wanted, &target)),
+                _ => {}
             }
         }
         saving.add(wanted.check().map(|()| Vec::new()));

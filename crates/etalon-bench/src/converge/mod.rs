@@ -70,6 +70,17 @@ pub fn measure(
             strategy.check(scene)?;
         }
     }
+    // Of kept runs that are the reference, too, some are that and the others are measured
+    let (mut asked, mut contenders) = (asked, contenders.to_vec());
+    let by_kept = match asked {
+        Some(Asked::By(Contender::Recorded(kept))) => Some(kept.split()?),
+        _ => None,
+    };
+    let by_kept = by_kept.map(|of| of.map(Contender::Recorded));
+    if let Some([by, others]) = &by_kept {
+        asked = Some(Asked::By(by));
+        contenders.iter_mut().filter(|contender| contender.name() == others.name()).for_each(|of| *of = others.clone());
+    }
     let start = Instant::now();
     let exact = if asked.is_none() { Reference::exact(scene, request) } else { None };
     let exact_seconds = if exact.is_some() { start.elapsed().as_secs_f64() } else { 0.0 };
@@ -87,7 +98,7 @@ pub fn measure(
     };
     if let Some(truth) = truth {
         result.reference = Some(truth.facts.clone());
-        schedule::run(scene, request, contenders, plan, &truth, &all, &mut result)?;
+        schedule::run(scene, request, &contenders, plan, &truth, &all, &mut result)?;
         result.truth = Some(truth);
     } else {
         result.cut.push("the reference: nothing was measured".into());

@@ -100,6 +100,28 @@ impl Recorded {
         &self.name
     }
 
+    /// The last two replicates, as a reference, and all others: an image has no error that its own reference could show.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if there are no others.
+    pub fn split(&self) -> Result<[Self; 2]> {
+        let seeds: Vec<u64> = (0..).map_while(|index| self.seed(index)).collect();
+        let [.., _, first, second] = seeds.as_slice() else {
+            let message = format!(
+                "{} has {} kept replicates: two are needed as reference, and others to be measured",
+                self.name,
+                seeds.len()
+            );
+            return Err(Error::parameter("reference", message));
+        };
+        let with = |name: String, is_reference: bool| {
+            let mut times = self.times.clone();
+            times.retain(|(seed, _), _| (seed >= first) == is_reference);
+            Self { name, folder: self.folder.clone(), times }
+        };
+        Ok([with(format!("{} (kept seeds {first} and {second})", self.name), true), with(self.name.clone(), false)])
+    }
+
     /// The seed of a replicate, counted from 0.
     pub fn seed(&self, index: u32) -> Option<u64> {
         let mut seeds: Vec<u64> = self.times.keys().map(|(seed, _)| *seed).collect();
@@ -161,5 +183,16 @@ mod tests {
             (Some(1), Some(4), None, None)
         );
         assert!(one.image(5, 1, [1, 1]).is_err(), "there is no image");
+        assert!(one.split().is_err(), "two replicates leave none to be measured");
+    }
+
+    #[test]
+    fn what_is_the_reference_is_not_measured() {
+        let times = BTreeMap::from([5, 6, 7, 8].map(|seed| ((seed, 1), Times { wall: 1.0, cpu: 1.0 })));
+        let kept = Recorded { name: "a".to_owned(), folder: PathBuf::new(), times };
+        let [reference, others] = kept.split().unwrap();
+        let seeds = |of: &Recorded| (0..).map_while(|index| of.seed(index)).collect::<Vec<u64>>();
+        assert_eq!((seeds(&reference), seeds(&others)), (vec![7, 8], vec![5, 6]));
+        assert_eq!((reference.name(), others.name()), ("a (kept seeds 7 and 8)", "a"));
     }
 }

@@ -521,10 +521,11 @@ struct Comparison<'a> {
     rounding: Vec<f64>,
 }
 
-/// A relative difference, found over expected minus 1, and its pair.
+/// A relative difference, found over expected minus 1, with both values and their pair.
 #[derive(Clone, Copy)]
 struct OfPair {
     size: f64,
+    values: [f64; 2],
     pair: Pair,
 }
 
@@ -547,7 +548,8 @@ impl Comparison<'_> {
             let larger = found.abs().at_least(expected.abs());
             let is_seen = !expected.is_finite() || larger > 0.0 && light(larger, pair) >= seen * most;
             let is_equal = larger.is_finite() && (found - expected).abs() <= EQUAL * larger + rounding;
-            is_seen.then(|| (OfPair { size: found / expected - 1.0, pair: *pair }, !is_equal))
+            is_seen
+                .then(|| (OfPair { size: found / expected - 1.0, values: [found, expected], pair: *pair }, !is_equal))
         })
     }
 
@@ -558,11 +560,16 @@ impl Comparison<'_> {
         differing.max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))
     }
 
-    /// Values that are seen, with those of the model.
+    /// The largest difference that is told: of bright values, or of dark ones where bright ones are equal.
+    fn worst(&self, expected: &[f64]) -> Option<OfPair> {
+        self.largest(expected, BRIGHT).or_else(|| self.largest(expected, SEEN))
+    }
+
+    /// Some of the bright values, and those that differ most, with those of the model.
     fn numbers(&self, expected: &[f64]) -> Vec<(Direction, [f64; 2])> {
-        let all = self.pairs.iter().zip(self.found.iter().zip(expected));
-        let seen = all.filter(|(_, (found, expected))| **found > 0.0 && **expected > 0.0);
-        seen.step_by(SHOWN).map(|(pair, (found, expected))| (pair[1], [*found, *expected])).collect()
+        let bright = self.differences(expected, BRIGHT).map(|(difference, _)| difference);
+        let shown = bright.step_by(SHOWN).chain(self.worst(expected));
+        shown.filter(|of| of.values.iter().all(|value| *value > 0.0)).map(|of| (of.pair[1], of.values)).collect()
     }
 
     /// The constant by which all values differ, if one does.
@@ -581,9 +588,7 @@ impl Comparison<'_> {
             return format!("{} everywhere", brightness(constant));
         }
         let all: Vec<OfPair> = self.differences(expected, SEEN).map(|(difference, _)| difference).collect();
-        let Some(worst) = self.largest(expected, BRIGHT).or_else(|| self.largest(expected, SEEN)) else {
-            return String::new();
-        };
+        let Some(worst) = self.worst(expected) else { return String::new() };
         let median = |of: &dyn Fn(&OfPair) -> bool| {
             let mut sizes: Vec<f64> = all.iter().filter(|d| of(d)).map(|d| d.size).collect();
             sizes.sort_by(f64::total_cmp);

@@ -5,7 +5,7 @@ use super::case::Case;
 use etalon_core::error::{Error, Result};
 use etalon_core::interrupt;
 use etalon_stats::multiple::{Uniformity, holm_level, uniformity};
-use etalon_stats::{Finding, Outcome, Protocol, Verdict, causes, decide};
+use etalon_stats::{Finding, Outcome, Protocol, Verdict, causes, decide, explanations};
 use rayon::prelude::*;
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -64,7 +64,10 @@ pub struct Ranked {
 }
 
 impl Validation {
-    pub(super) fn new(protocol: &Protocol, tests: Vec<Tested>, start: Instant) -> Self {
+    pub(super) fn new(protocol: &Protocol, mut tests: Vec<Tested>, start: Instant) -> Self {
+        // What explains a test alone may be what explains others, too.
+        let explanations = explanations(&tests.iter().map(Tested::finding).collect::<Vec<_>>());
+        tests.iter_mut().zip(explanations).for_each(|(test, explained)| test.outcome.mistake = explained);
         let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();
         let p: Vec<f64> = tests.iter().filter_map(|test| test.outcome.continuous_p()).collect();
         Self {

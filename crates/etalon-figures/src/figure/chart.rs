@@ -209,7 +209,7 @@ impl Sketch<'_> {
     }
 
     /// Writes the names of curves, each with a sample of its line, beside them wherever its own curve is the nearest one, else further off
-    /// with a line to the curve, which crosses others only where there is no other way; returns the names. Where one of them has no
+    /// with a line to the curve, which crosses no other; returns the names. Where one of them has no
     /// place nothing is written: names at some of the curves and a legend of the others would be read as two lists.
     fn name_curves(&mut self, marks: &[Mark], leads: bool) -> Option<Vec<String>> {
         let curve = |mark: &Mark| match mark {
@@ -233,8 +233,13 @@ impl Sketch<'_> {
             _ => None,
         };
         let curves: Vec<Curve> = marks.iter().filter_map(curve).collect();
-        let (space, labels) = (self.space.clone(), self.labels.clone());
-        let found: Option<Vec<(Rect, Option<Point>)>> = (0..curves.len())
+        let (space, labels, ends) = (self.space.clone(), self.labels.clone(), self.ends.clone());
+        // Long names first, which have the fewest places
+        let mut order: Vec<usize> = (0..curves.len()).collect();
+        let long = |i: &usize| text::width(&curves[*i].label, theme::NOTE_SIZE, false);
+        order.sort_by(|a, b| long(b).total_cmp(&long(a)));
+        let found: Option<Vec<(usize, Rect, Option<Point>)>> = order
+            .into_iter()
             .map(|i| {
                 let (place, end) = self.place_of_name(&curves, i, leads)?;
                 self.take_label(&place);
@@ -242,14 +247,15 @@ impl Sketch<'_> {
                     self.space.add_line(&leader(&place, end), CLEAR);
                     self.ends.push(end);
                 }
-                Some((place, end))
+                Some((i, place, end))
             })
             .collect();
         let Some(found) = found.filter(|found| !found.is_empty()) else {
-            (self.space, self.labels) = (space, labels);
+            (self.space, self.labels, self.ends) = (space, labels, ends);
             return None;
         };
-        for (Curve { label, stroke, marker, .. }, (place, end)) in curves.iter().zip(found) {
+        for (i, place, end) in found {
+            let Curve { label, stroke, marker, .. } = &curves[i];
             if let Some(end) = end {
                 self.drawing.line(leader(&place, end), Stroke::solid(stroke.colour, LEADER));
                 self.drawing.circle(end, LEADER_END, stroke.colour);
@@ -293,7 +299,7 @@ impl Sketch<'_> {
             .collect();
         let crossed = |line: &[Point]| {
             let meets = |other: &&[Point]| other.iter().any(|p| line.iter().any(|q| apart(*p, *q) < STEP));
-            others().filter(meets).count()
+            others().any(|other| meets(&other))
         };
         let over = |line: &[Point]| self.labels.iter().any(|label| line.iter().any(|q| label.contains(*q)));
         let lines = far.into_iter().map(|(place, end)| (leader(&place, end), place, end));
@@ -301,9 +307,9 @@ impl Sketch<'_> {
         let near = |end: Point, reach: f64| move |other: &Point| apart(*other, end) < reach;
         let doubts =
             |end: Point| [self.ends.iter().any(near(end, 2.0 * PLAIN)), others().flatten().any(near(end, PLAIN))];
-        let ranked = lines.filter(|(line, ..)| !over(line)).map(|(line, place, end)| {
+        let ranked = lines.filter(|(line, ..)| !over(line) && !crossed(line)).map(|(_, place, end)| {
             let length = place.distance(end);
-            ((crossed(&line), doubts(end)), length, place, end)
+            (doubts(end), length, place, end)
         });
         let best = ranked.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         best.map(|(.., place, end)| (place, Some(end)))

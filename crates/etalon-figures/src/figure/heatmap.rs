@@ -121,7 +121,10 @@ impl Heatmap {
             ticks.major.windows(2).all(|pair| gap(pair) >= 4.0)
         };
         let ticks_of = |length: f64| self.ticks((length / 50.0) as usize, |ticks| fits(ticks, length));
-        let beside = if ticks_of(length).exponent == 0 { EDGE } else { FACTOR };
+        let ticks = ticks_of(length);
+        // Numbers at the ends reach beyond the bar
+        let reach = ticks.major.iter().map(|tick| 0.5 * text::width(&tick.label, theme::TICK_SIZE, false) + 4.0);
+        let beside = reach.fold(if ticks.exponent == 0 { EDGE } else { FACTOR }, f64::max);
         let length = length.min(room - 2.0 * beside).max(60.0);
         let ticks = ticks_of(length);
         let label = text::wrapped(&self.label, theme::LABEL_SIZE, false, room - 2.0 * EDGE);

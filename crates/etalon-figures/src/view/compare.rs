@@ -36,15 +36,13 @@ pub fn pair(images: [&Image; 2], names: &[String; 2], measured: &Measured, relat
     let cells = [cell("A", 0, measured.numbers.mean_a), cell("B", 1, measured.numbers.mean_b)];
     let metrics = METRICS[..5].iter().map(|metric| (metric, metric.of(measured))).filter(|(_, v)| v.is_finite());
     let metrics: Vec<String> = metrics.map(|(metric, v)| of_metric(metric, v)).collect();
-    let darker = format!("A ({}) is darker than B ({})", names[0], names[1]);
-    let panel = difference_panel(a, b, relative, &darker).title(format!("A − B: {}", metrics.join(", ")));
-    let plot = Plot::new([panel]).frame_size(width * longer, height * longer).draw();
+    let plot = Plot::new([difference_panel(a, b, relative)]).frame_size(width * longer, height * longer).draw();
     let title = if measured.identical {
         "A and B are the same values".into()
     } else {
-        measured.explanation.as_ref().map_or(String::new(), headline)
+        measured.explanation.as_ref().map_or_else(|| "A against B".into(), headline)
     };
-    Drawing::stacked(vec![image_rows(&title, 2, &cells), plot], 0.5)
+    Drawing::stacked(vec![image_rows("", 2, &cells), plot], 0.5).headed(title, vec![metrics.join(", ")])
 }
 
 /// A metric and its value: "PSNR 17.5 dB".
@@ -232,7 +230,7 @@ pub fn explained(explanation: &Explanation) -> String {
     format!("{}: undone, this leaves {left}", explanation.told())
 }
 
-fn difference_panel(a: &Image, b: &Image, relative: bool, darker: &str) -> Panel {
+fn difference_panel(a: &Image, b: &Image, relative: bool) -> Panel {
     let (width, height) = (a.width(), a.height());
     // Large images are averaged over squares of pixels.
     let side = width.max(height).div_ceil(LONGEST_SIDE);
@@ -250,7 +248,7 @@ fn difference_panel(a: &Image, b: &Image, relative: bool, darker: &str) -> Panel
     let values: Vec<f64> = rows.flat_map(|y| (0..width).step_by(side).map(move |x| square(x, y))).collect();
     let limit = robust_limit(&values);
     let difference = if relative { "(A − B) / (|B| + 0.01)" } else { "A − B" };
-    let label = format!("{difference} of (R + G + B)/3; blue: {darker}");
+    let label = format!("{difference} of (R + G + B)/3; blue: A is darker");
     let map = Heatmap::new(width.div_ceil(side), values, Shading::Diverging, label).range(-limit, limit);
     pixels_panel(width, height).title("A − B").heatmap(map)
 }
@@ -313,7 +311,7 @@ pub fn drawing(compared: &Compared) -> Drawing {
     let mut tiles = tiles(compared);
     let map = if tiles.is_empty() {
         let [a, b] = &compared.means;
-        difference_panel(a, b, false, "A is darker")
+        difference_panel(a, b, false)
     } else {
         z_map(compared, &tiles)
     };
@@ -343,7 +341,8 @@ pub fn drawing(compared: &Compared) -> Drawing {
         (" -", " −"),
     ];
     let in_words = |line: &str| words.iter().fold(finding(line), |line, (name, word)| line.replace(name, word));
-    let lines = clauses(why.trim()).iter().take(1).map(|line| in_words(line)).collect();
+    let of_tiles = different_tiles(compared).map(|told| finding(&told));
+    let lines = clauses(why.trim()).iter().take(1).map(|line| in_words(line)).chain(of_tiles).collect();
     Drawing::stacked(rows.collect(), 0.5).headed(capitalized(verdict), lines)
 }
 
@@ -362,9 +361,44 @@ fn z_map(compared: &Compared, tiles: &[Tile]) -> Panel {
     let places = |length: usize| (0..length).step_by(step).map(|at| at / compared.tile_side);
     let values = places(height).flat_map(|y| places(width).map(move |x| y * columns + x)).map(|tile| values[tile]);
     let (values, across) = (values.collect(), width.div_ceil(step));
-    let label = "A − B in standard errors, worst channel";
+    let label = "A − B in standard errors (worst channel; blue: A is darker)";
     let map = Heatmap::new(across, values, Shading::Diverging, label).range(-largest, largest);
-    pixels_panel(width, height).title("Tiles: blue where A is darker, red where it is brighter").heatmap(map)
+    pixels_panel(width, height).title(format!("Tiles of {} pixels", sides_of_tiles(compared))).heatmap(map)
+}
+
+fn sides_of_tiles(compared: &Compared) -> String {
+    format!("{0}x{0}", compared.tile_side)
+}
+
+/// How many tiles differ, around what, and by how much in all: "52 of 169 tiles of 5x5 pixels differ, in columns 0 to 24 and rows 0 to 63; in
+/// these A − B is -5.15 %".
+fn different_tiles(compared: &Compared) -> Option<String> {
+    let family = compared.families.iter().find(|family| family.family == Family::Tiles)?;
+    let all: Vec<&[Tested]> = family.tests.chunks(compared.channels.len()).collect();
+    let differs = |test: &Tested| !test.dominated && family.adjusted(test) < compared.plan.level;
+    let different: Vec<&[Tested]> = all.iter().copied().filter(|tests| tests.iter().any(differs)).collect();
+    if different.len() < 2 {
+        return None;
+    }
+    let (mut ends, mut sums) = ([usize::MAX, 0, usize::MAX, 0], [0.0; 2]);
+    for tests in &different {
+        let Functional::Tile([x, y, w, h]) = tests[0].functional else { return None };
+        ends = [ends[0].min(x), ends[1].max(x + w - 1), ends[2].min(y), ends[3].max(y + h - 1)];
+        let area = (w * h) as f64;
+        tests.iter().for_each(|test| (0..2).for_each(|side| sums[side] += area * test.means[side]));
+    }
+    let [left, right, top, bottom] = ends;
+    let bias = if sums[1] > 0.0 {
+        format!("; in these A − B is {:+.2} % of the mean of B", 100.0 * (sums[0] / sums[1] - 1.0))
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "{} of {} tiles of {} pixels differ, in columns {left} to {right} and rows {top} to {bottom}{bias}",
+        different.len(),
+        all.len(),
+        sides_of_tiles(compared)
+    ))
 }
 
 fn p_values(compared: &Compared) -> Panel {
@@ -593,6 +627,7 @@ pub fn text(compared: &Compared) -> String {
             }
         },
     );
+    text += &different_tiles(compared).map_or(String::new(), |told| wrapped(&told, "", LINE));
     let found = |what: &str, bias: f64| {
         wrapped(&format!("{what} {} would have been found with 90 % probability", percent(bias)), "", LINE)
     };

@@ -252,9 +252,9 @@ impl Curve {
 
     fn dash(self) -> &'static [f64] {
         match self {
-            Self::Unpolarized | Self::Error => theme::SOLID,
-            Self::Parallel | Self::Brewster => theme::DASHED,
-            Self::Perpendicular | Self::Critical => theme::DOTTED,
+            Self::Unpolarized | Self::Error | Self::Brewster | Self::Critical => theme::SOLID,
+            Self::Parallel => theme::DASHED,
+            Self::Perpendicular => theme::DOTTED,
             Self::Transmittance => theme::DASH_DOT,
             Self::Schlick => theme::LONG_DASH,
         }
@@ -327,10 +327,16 @@ fn with_angles(panel: Panel, curves: &MediaCurves, angles: &[Curve]) -> Panel {
     let lines = curves.media.iter().enumerate().flat_map(|(i, medium)| {
         angles.iter().filter_map(move |curve| {
             let at = curve.angle(medium)?;
-            let name = if is_single { curve.label() } else { &medium.name };
+            // A metal has no angle without R∥
+            let [long, short] = match curve {
+                Curve::Brewster if medium.k > 0.0 => ["least /{R}_{∥}"; 2],
+                Curve::Brewster => [curve.label(), "/{θ}_{B}"],
+                _ => [curve.label(), "/{θ}_{c}"],
+            };
             let colour = if is_single { curve.colour() } else { theme::series(i).colour };
-            let label = if is_single { format!("{name} = {at:.2}°") } else { format!("{name} {at:.1}°") };
-            Some((at, label, Stroke { colour, width: theme::BOLD, dash: curve.dash() }))
+            let name = &medium.name;
+            let label = if is_single { format!("{long} = {at:.2}°") } else { format!("{name}, {short} = {at:.1}°") };
+            Some((at, label, Stroke::solid(colour, theme::THIN)))
         })
     });
     let panel = lines.fold(panel, |panel, (at, label, stroke)| panel.vertical_above(at, label, stroke));

@@ -105,8 +105,8 @@ fn verdict(outcome: &Outcome) -> String {
 
 /// Lines below a title.
 const LINES: usize = 2;
-/// Most letters of a line.
-const WIDEST: usize = 90;
+/// Most letters of a clause, which may be wrapped once.
+const WIDEST: usize = 160;
 
 /// What is wrong, in clauses: the mistake, what was found, where; nothing where that is nothing.
 fn said(outcome: &Outcome) -> Vec<String> {
@@ -598,18 +598,20 @@ fn parts(counts: &Counts, Finer { axis, ends, observed, expected, .. }: &Finer) 
 
 /// Counts, observed and expected, between these edges, with their residuals.
 fn bars(title: &str, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
-    let widths: Vec<f64> = edges.windows(2).map(|ends| ends[1] - ends[0]).collect();
-    let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths.iter().copied().reduce(of));
+    let widths = || edges.windows(2).map(|ends| ends[1] - ends[0]);
+    let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths().reduce(of));
     let is_even = narrowest.zip(widest).is_some_and(|(narrowest, widest)| widest < 1.5 * narrowest);
     // Where widths differ, samples by width
     let label = if is_even { "samples".to_owned() } else { format!("samples per {unit}") };
-    let by_width = |i: usize, count: f64| if is_even { count } else { count / widths[i] };
     let all: Vec<([f64; 2], [f64; 2])> = edges
         .windows(2)
         .zip(counts)
         .map(|(ends, &(observed, expected))| ([ends[0], ends[1]], [observed, expected]))
         .collect();
     let [from, to] = shown(&all);
+    let all = merged(all, (to - from) / BARS);
+    let widths: Vec<f64> = all.iter().map(|(ends, _)| ends[1] - ends[0]).collect();
+    let by_width = |i: usize, count: f64| if is_even { count } else { count / widths[i] };
     let (inner, rest): (Vec<_>, Vec<_>) = (0..all.len()).partition(|&i| all[i].0[0] < to && all[i].0[1] > from);
     let axis = Axis::linear(with_rest(title, rest.iter().map(|&i| &all[i].1)));
     let ends = |i: usize| all[i].0.map(|x| x.clamp(from, to));
@@ -636,6 +638,21 @@ fn bars(title: &str, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
             .dots("", theme::RESIDUAL, residuals)
     });
     Plot::new(std::iter::once(counts).chain(residual).collect::<Vec<_>>())
+}
+
+/// Bars along an axis: the counts of narrower ones are mostly chance.
+const BARS: f64 = 100.0;
+
+/// Parts of an axis with their counts, narrow ones together with the next.
+fn merged(parts: Vec<([f64; 2], [f64; 2])>, least: f64) -> Vec<([f64; 2], [f64; 2])> {
+    let mut all: Vec<([f64; 2], [f64; 2])> = Vec::new();
+    for (ends, counts) in parts {
+        match all.last_mut().filter(|(last, _)| last[1] - last[0] < least) {
+            Some((last, sums)) => (last[1], *sums) = (ends[1], [0, 1].map(|k| sums[k] + counts[k])),
+            None => all.push((ends, counts)),
+        }
+    }
+    all
 }
 
 /// What has no place on the chart, delta lobes and "no sample", beside all that has.

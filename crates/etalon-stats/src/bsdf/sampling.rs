@@ -5,11 +5,11 @@
 use super::contract::{BsdfSample, Density as Probability, Direction, Kind, Pair, PdfKind};
 use super::mistakes::{self, PDF};
 use super::subject::{Comparison, Subject, cross, directions, length, sphere};
+use crate::derivative::{Derivative, STEPS, derivative, moved, on_raster};
 use crate::diagnosis::tuple;
 use crate::domain::{Domain, Point, around};
 use crate::error::Result;
 use crate::examine::{Protocol, examine};
-use crate::extremes::Extremes;
 use crate::mistakes::{EQUAL, Mistake, Variable, common_factor, number};
 use crate::outcome::Outcome;
 use crate::sampler::{Atom, Density, Mass, Sample, Sampler};
@@ -90,12 +90,6 @@ pub fn sampling(subject: &Subject) -> Result<Option<Outcome>> {
 /// Points at which the derivative is taken, and samples that are tried for them.
 const POINTS: usize = 64;
 const TRIALS: usize = 16 * POINTS;
-/// The largest and the smallest step, as powers of ½.
-const STEPS: std::ops::Range<i32> = 3..14;
-/// Random numbers are multiples of this, so that steps from them are exact in single precision.
-const RASTER: f64 = (1u64 << 16) as f64;
-/// Rounding of a derivative times its step: three times that of a sampled direction, in units of the last place of 1.
-const ROUNDING: f64 = 12.0;
 /// A derivative with a larger error than this says nothing.
 const COARSEST: f64 = 0.1;
 /// Fewer points than this say nothing; where samples of other than delta lobes are so rare, the check does not apply.
@@ -103,9 +97,6 @@ const FEWEST: u64 = 8;
 
 /// Compares pdf · |∂wi/∂u₁ × ∂wi/∂u₂| with the probability of choosing the lobe by other random numbers.
 ///
-/// Each derivative comes from central differences at several steps, extrapolated to step 0 (Richardson); of these the one with
-/// the smallest error counts, where the error is the change by extrapolation, rounding over the step, and the distance from the
-/// values of the next steps.
 pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     let Subject { bsdf, properties, wo, .. } = subject;
     let applies = properties.pdf == PdfKind::Exact && !properties.narrow;
@@ -114,9 +105,9 @@ pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     let maps = derivatives(subject, &points, axes)?;
     let (mut used, mut numbers, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for (point, [first, second]) in points.iter().zip(maps) {
-        let (Some((a, da)), Some((b, db))) = (first, second) else { continue };
-        let area = length(cross(a, b));
-        let error = (da * length(b) + db * length(a)) / area;
+        let (Some(a), Some(b)) = (first, second) else { continue };
+        let area = length(cross(a.value, b.value));
+        let error = (a.error * length(b.value) + b.error * length(a.value)) / area;
         if !error.is_nan() && error <= COARSEST {
             used.push(point);
             numbers.push([point.pdf * area / point.sample.lobe_probability, 1.0]);
@@ -196,7 +187,7 @@ fn points(subject: &Subject, axes: [usize; 2]) -> Result<Vec<MappedPoint>> {
     let mut trials = vec![vec![0.0; subject.properties.dimension]; TRIALS];
     for u in &mut trials {
         u.iter_mut().for_each(|u| *u = rng.random());
-        axes.iter().for_each(|&axis| u[axis] = (u[axis] * RASTER).floor() / RASTER);
+        axes.iter().for_each(|&axis| u[axis] = on_raster(u[axis]));
     }
     let samples = subject.sample(&trials.concat())?.into_iter();
     let spread = samples.zip(trials).filter_map(|(sample, u)| Some((u, sample.filter(|sample| !sample.is_delta())?)));
@@ -208,52 +199,16 @@ fn points(subject: &Subject, axes: [usize; 2]) -> Result<Vec<MappedPoint>> {
     Ok(points.filter_map(|((u, sample), pdf)| Some(MappedPoint { u, sample, pdf: pdf? })).take(POINTS).collect())
 }
 
-/// A derivative of the sampled direction and the bound of its error; `None` at the edge of the lobe.
-type Derivative = Option<(Direction, f64)>;
-
-/// The derivatives by two random numbers at each point.
-fn derivatives(subject: &Subject, points: &[MappedPoint], axes: [usize; 2]) -> Result<Vec<[Derivative; 2]>> {
-    // Every step is also the half of the one before; each is made forwards and backwards.
-    let steps: Vec<f64> = (STEPS.start..=STEPS.end).map(|power| 0.5f64.powi(power)).collect();
-    let moves = |u: f64| steps.iter().flat_map(|step| [-step, *step]).map(|step| u + step).collect::<Vec<f64>>();
-    let inside = |u: &f64| (0.0..1.0).contains(u);
-    let moved = |point: &MappedPoint, axis: usize| {
-        let all = moves(point.u[axis]).into_iter().filter(inside);
-        all.flat_map(|moved| point.u.iter().enumerate().map(move |(i, &u)| if i == axis { moved } else { u })).collect()
-    };
-    let all = points.iter().flat_map(|point| axes.map(|axis| moved(point, axis))).collect::<Vec<Vec<f64>>>();
-    let mut samples = subject.sample(&all.concat())?.into_iter();
+/// The derivatives by two random numbers at each point; `None` at the edge of the lobe.
+fn derivatives(subject: &Subject, points: &[MappedPoint], axes: [usize; 2]) -> Result<Vec<[Option<Derivative<3>>; 2]>> {
+    let moved: Vec<f64> = points.iter().flat_map(|point| axes.map(|axis| moved(&point.u, axis))).flatten().collect();
+    let samples = subject.sample(&moved)?;
+    let mut samples = samples.chunks_exact(2 * STEPS);
     let mut of = |point: &MappedPoint, axis: usize| {
-        let is_here = |sample: &BsdfSample| sample.lobe == point.sample.lobe && !sample.is_delta();
-        let places: Vec<Option<Direction>> = moves(point.u[axis])
-            .iter()
-            .map(|u| if inside(u) { samples.next()?.filter(is_here).map(|sample| sample.wi) } else { None })
-            .collect();
-        derivative(&places, &steps, subject.properties.precision)
+        let is_here = |sample: &&BsdfSample| sample.lobe == point.sample.lobe && !sample.is_delta();
+        let place = |sample: &Option<BsdfSample>| sample.as_ref().filter(is_here).map(|sample| sample.wi);
+        let places: Vec<Option<Direction>> = samples.next()?.iter().map(place).collect();
+        derivative(point.u[axis], &places, subject.properties.precision)
     };
     Ok(points.iter().map(|point| axes.map(|axis| of(point, axis))).collect())
-}
-
-/// The derivative from directions before and after each of `steps`.
-fn derivative(places: &[Option<Direction>], steps: &[f64], precision: f64) -> Derivative {
-    let central = |(both, step): (&[Option<Direction>], &f64)| {
-        let (before, after) = (both[0]?, both[1]?);
-        Some([0, 1, 2].map(|i| (after[i] - before[i]) / (2.0 * step)))
-    };
-    let slopes: Vec<Option<Direction>> = places.chunks_exact(2).zip(steps).map(central).collect();
-    let of_step = |(slopes, step): (&[Option<Direction>], &f64)| {
-        let (coarse, fine) = (slopes[0]?, slopes[1]?);
-        let value = [0, 1, 2].map(|i| fine[i] + (fine[i] - coarse[i]) / 3.0);
-        Some((value, distance(value, fine) + ROUNDING * precision / step))
-    };
-    let all: Vec<(Direction, f64)> = slopes.windows(2).zip(steps).filter_map(of_step).collect();
-    let (best, &(value, error)) = all.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-    // Rounding that is larger than expected shows in the next steps.
-    let next = [best.checked_sub(1), best.checked_add(1)].into_iter().flatten().filter_map(|i| all.get(i));
-    let spread = next.map(|(other, _)| distance(value, *other)).fold(0.0, f64::at_least);
-    Some((value, error + spread))
-}
-
-fn distance(a: Direction, b: Direction) -> f64 {
-    length([0, 1, 2].map(|i| a[i] - b[i]))
 }

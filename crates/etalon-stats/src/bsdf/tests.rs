@@ -209,7 +209,7 @@ fn usual_mistakes_of_bsdfs_are_named() {
         ),
         (
             Wrong { carried: normals, ..RIGHT },
-            &["alone (", ", as GGX normals of α = 0.16 differ from those of α = 0.4)"],
+            &["cos θm alone, as GGX normals of α = 0.16 differ from those of α = 0.4"],
         ),
         (
             Wrong { weight: |wo, wi, _| 0.1 + 0.9 * (1.0 - dot(wo, half(wo, wi))).powi(5), ..RIGHT },

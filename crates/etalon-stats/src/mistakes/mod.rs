@@ -7,11 +7,12 @@ mod axis;
 mod centre;
 mod counts;
 pub mod curve;
+pub mod map;
 mod marginals;
 mod pairs;
 
 pub use counts::{Kinds, SAMPLES_TO_NAME, facts, is_clear, is_open, of_counts, of_others};
-pub use pairs::{EQUAL, FEWEST_PAIRS, Pair, common_factor, of_one_variable, of_pairs};
+pub use pairs::{EQUAL, FEWEST_PAIRS, Pair, common_factor, of_one_variable, of_pairs, of_power, of_samples, of_side};
 
 use crate::domain::{Domain, Point};
 use crate::error::{Error, Result};

@@ -31,54 +31,112 @@ pub fn of_pairs(
     pairs: &[Pair],
     [found, of]: [&str; 2],
 ) -> Result<Option<NamedMistake>> {
-    let explained = explained_pairs(domain, density, pairs, of);
-    unless_cancelled(explained.map(|names| NamedMistake::one_of(&format!("{found} is "), names, "")))
+    let pairs = both_not_zero(pairs);
+    if let Some(factor) = factor_of(&pairs, &known(&pairs)) {
+        let told = || NamedMistake::from(format!("{found} is {} times {of}", number(factor)));
+        return Ok((!is_one(factor)).then(told));
+    }
+    let explained = explained_pairs(domain, density, &pairs, of, |factor, name| match name.strip_prefix(of) {
+        Some(_) => format!("{} times {name}", number(factor)),
+        None => format!("in proportion to {name}"),
+    });
+    let named = unless_cancelled(explained.map(|names| NamedMistake::one_of(&format!("{found} is "), names, "")))?;
+    Ok(named.or_else(|| of_power(&pairs, [found, of])))
 }
 
-/// What the numbers are: the mistakes that make them, each of which does. Of shapes with another factor the first is told.
-fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], of: &str) -> Result<Vec<Vec<String>>> {
+/// The mistake that makes the density of samples, the first of each pair, another than the pdf: in the words of [`of_counts`].
+///
+/// # Errors
+/// As [`of_counts`].
+pub fn of_samples(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    pairs: &[Pair],
+    [samples, of]: [&str; 2],
+) -> Result<Option<NamedMistake>> {
     let pairs = both_not_zero(pairs);
-    let (points, values): (Vec<Point>, Vec<[f64; 2]>) = pairs.iter().copied().unzip();
-    let known: Vec<f64> = values.iter().map(|[_, known]| *known).collect();
-    let factor_of = |values_of: &[f64]| {
-        let ratios = values.iter().zip(values_of).map(|([found, _], value)| found / value);
-        let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
-        let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * values.len() as f64;
-        common_factor(&ratios).filter(|_| enough)
-    };
-    let is_one = |factor: f64| (factor - 1.0).abs() <= EQUAL;
-    if let Some(factor) = factor_of(&known) {
-        let name = (!is_one(factor)).then(|| format!("{} times {of}", number(factor)));
-        return Ok(name.into_iter().map(|name| vec![name]).collect());
+    if let Some(factor) = factor_of(&pairs, &known(&pairs)) {
+        let told = |pdf: f64| {
+            let told = format!(
+                "{samples} follow {of} up to a factor: {of} is {} times as large as {samples} say",
+                number(pdf)
+            );
+            NamedMistake::from(told).with_factor([samples, of], pdf)
+        };
+        return Ok((!is_one(factor)).then(|| told(1.0 / factor)));
     }
+    let explained = explained_pairs(domain, density, &pairs, of, |_, name| match name.strip_prefix(of) {
+        Some(_) => format!("a density in proportion to {name}"),
+        None => name,
+    });
+    unless_cancelled(
+        explained.map(|names| NamedMistake::one_of(&format!("{samples} follow "), names, &format!(", not {of}"))),
+    )
+}
+
+/// The power of the numbers that should be, times a factor, that what was found is.
+pub fn of_power(pairs: &[Pair], [found, of]: [&str; 2]) -> Option<NamedMistake> {
+    let pairs = both_not_zero(pairs);
+    logarithms(&pairs)?;
+    let ln: Vec<[f64; 2]> = pairs
+        .iter()
+        .map(|(_, both)| both.map(f64::ln))
+        .filter(|both| both[0].is_finite() && both[1].is_finite())
+        .collect();
+    // By the largest and the least value, if it holds for all
+    let end = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+    let (least, most) = (ln.iter().min_by(end)?, ln.iter().max_by(end)?);
+    let power = (most[0] - least[0]) / (most[1] - least[1]);
+    let left: Vec<f64> = ln.iter().map(|[found, known]| (found - power * known).exp()).collect();
+    let factor = common_factor(&left).filter(|_| power.is_finite() && power.abs() > EQUAL)?;
+    let factor = if (factor - 1.0).abs() <= EQUAL { String::new() } else { format!("{} times ", number(factor)) };
+    Some(NamedMistake::from(format!("{found} is {factor}{of} to the power of {}", number(power))))
+}
+
+fn is_one(factor: f64) -> bool {
+    (factor - 1.0).abs() <= EQUAL
+}
+
+/// The numbers that should be.
+fn known(pairs: &[Pair]) -> Vec<f64> {
+    pairs.iter().map(|(_, [_, known])| *known).collect()
+}
+
+/// The factor between what was found and `values`, if nearly all have the same.
+fn factor_of(pairs: &[Pair], values: &[f64]) -> Option<f64> {
+    let ratios = pairs.iter().zip(values).map(|((_, [found, _]), value)| found / value);
+    let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
+    let enough = ratios.len() >= FEWEST_PAIRS && ratios.len() as f64 >= MOST_PAIRS * pairs.len() as f64;
+    common_factor(&ratios).filter(|_| enough)
+}
+
+/// What the numbers are: the mistakes that make them, each of which does. Of shapes with another factor the first is told, in the words that
+/// `shape` has for factor and name.
+fn explained_pairs(
+    domain: &dyn Domain,
+    density: &dyn Density,
+    pairs: &[Pair],
+    of: &str,
+    shape: impl Fn(f64, String) -> String,
+) -> Result<Vec<Vec<String>>> {
+    let known = known(pairs);
+    let points: Vec<Point> = pairs.iter().map(|(point, _)| *point).collect();
     // Those that explain the numbers themselves, all of them where a symmetry or an angle makes several equal; else their shape.
     let (mut exact, mut shapes) = (Vec::new(), Vec::new());
     let is_positive = known.iter().filter(|known| **known > 0.0).count() as f64 >= MOST_PAIRS * known.len() as f64;
     for mistake in all(domain, density).into_iter().filter(|mistake| !mistake.is_family()) {
         let values = unless_cancelled(mistake.values(density, &points, &known).map(Some))?;
-        let Some(factor) = values.as_deref().and_then(factor_of) else { continue };
+        let Some(factor) = values.and_then(|values| factor_of(pairs, &values)) else { continue };
         let name = mistake.told(of);
         match mistake.follows {
-            Follows::Density(_) if is_positive => shapes.push(format!("in proportion to {name}")),
-            Follows::Density(_) => {}
+            Follows::Density(_) if !is_positive => {}
+            Follows::Density(_) => shapes.push(shape(factor, name)),
             _ if is_one(factor) => exact.push(vec![name]),
-            _ => shapes.push(format!("{} times {name}", number(factor))),
+            _ => shapes.push(shape(factor, name)),
         }
     }
     if !exact.is_empty() {
         return Ok(exact);
-    }
-    // The power by the largest and the least value, if it holds for all
-    let ln: Vec<[f64; 2]> =
-        values.iter().map(|both| both.map(f64::ln)).filter(|both| both[0].is_finite() && both[1].is_finite()).collect();
-    let end = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
-    if let (true, Some(least), Some(most)) = (shapes.is_empty(), ln.iter().min_by(end), ln.iter().max_by(end)) {
-        let power = (most[0] - least[0]) / (most[1] - least[1]);
-        let powers: Vec<f64> = known.iter().map(|known| known.powf(power)).collect();
-        if let Some(factor) = factor_of(&powers).filter(|_| power.is_finite() && power.abs() > EQUAL) {
-            let factor = if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) };
-            return Ok(vec![vec![format!("{factor}{of} to the power of {}", number(power))]]);
-        }
     }
     // The pdf of another outcome
     if let Some(n) = domain.outcomes().filter(|n| *n <= MOST_CELLS) {
@@ -88,16 +146,16 @@ fn explained_pairs(domain: &dyn Domain, density: &dyn Density, pairs: &[Pair], o
             let i = all.partition_point(|pdf| *pdf < found * (1.0 - ROUNDED));
             all.get(i).is_some_and(|pdf| *pdf <= found * (1.0 + ROUNDED))
         };
-        let mut different: Vec<u64> = values.iter().map(|[found, _]| found.to_bits()).collect();
+        let mut different: Vec<u64> = pairs.iter().map(|(_, [found, _])| found.to_bits()).collect();
         different.sort_unstable();
         different.dedup();
-        let is_many = values.len() >= FEWEST_PAIRS && different.len() > 2;
-        if shapes.is_empty() && is_many && values.iter().all(|[found, _]| near(*found)) {
+        let is_many = pairs.len() >= FEWEST_PAIRS && different.len() > 2;
+        if shapes.is_empty() && is_many && pairs.iter().all(|(_, [found, _])| near(*found)) {
             return Ok(vec![vec![format!("{of} of other outcomes")]]);
         }
     }
     if shapes.is_empty() {
-        let powers = logarithms(&pairs).and_then(|ratios| powers(&ratios, &variables(domain, density)));
+        let powers = logarithms(pairs).and_then(|ratios| powers(&ratios, &variables(domain, density)));
         shapes.extend(powers.map(|powers| powers.replace("{}", of)));
     }
     Ok(if shapes.is_empty() { Vec::new() } else { vec![shapes] })
@@ -111,9 +169,49 @@ pub fn of_one_variable(
     pairs: &[Pair],
     [found, of]: [&str; 2],
 ) -> Option<NamedMistake> {
-    let told = function(&logarithms(&both_not_zero(pairs))?, &variables(domain, density))?;
-    Some(NamedMistake::from(format!("{found} is {of} times a function of {told}")))
+    let open = function(&logarithms(&both_not_zero(pairs))?, &variables(domain, density));
+    NamedMistake::one_of(&format!("{found} is {of} times a function of "), open, "")
 }
+
+/// On which side of a place along an axis of the chart the numbers are equal, or one a constant times the other, and what they are on the
+/// other side: a function of two branches of which one is wrong.
+pub fn of_side(domain: &dyn Domain, pairs: &[Pair], [found, of]: [&str; 2]) -> Option<NamedMistake> {
+    let ratios = logarithms(&both_not_zero(pairs))?;
+    let charts = domain.charts(&ratios.iter().map(|(point, _)| *point).collect::<Vec<_>>()).ok()?;
+    let side = |axis: usize| {
+        let mut sorted: Vec<[f64; 2]> =
+            charts.iter().zip(&ratios).map(|(at, (_, ratio))| [at[axis], ratio.exp()]).collect();
+        sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let n = sorted.len();
+        let equal = |first: f64, all: &mut dyn Iterator<Item = &[f64; 2]>| {
+            all.take_while(|[_, ratio]| (ratio / first - 1.0).abs() <= EQUAL).count()
+        };
+        let below = equal(sorted[0][1], &mut sorted.iter());
+        let above = equal(sorted[n - 1][1], &mut sorted.iter().rev());
+        let told = |ratio: f64| match (ratio - 1.0).abs() <= EQUAL {
+            true => of.to_owned(),
+            false => format!("{} times {of}", number(ratio)),
+        };
+        let (is_below, is_above) = (below >= FEWEST_SIDE, above >= FEWEST_SIDE);
+        let last = if is_below { below } else { n - above };
+        if last == 0 || last >= n || !is_below && !is_above {
+            return None;
+        }
+        let edge = 0.5 * (sorted[last - 1][0] + sorted[last][0]);
+        let place = domain.told(axis, (edge * 100.0).round() / 100.0);
+        Some(match (is_below, is_above && below + above >= n) {
+            (true, true) => {
+                format!("{found} is {} up to {place}, and {} beyond", told(sorted[0][1]), told(sorted[n - 1][1]))
+            }
+            (true, false) => format!("{found} is {} up to {place}, and another function beyond", told(sorted[0][1])),
+            (false, _) => format!("{found} is {} from {place} on, and another function before", told(sorted[n - 1][1])),
+        })
+    };
+    (0..1 + usize::from(domain.is_plane())).find_map(side).map(NamedMistake::from)
+}
+
+/// Pairs on a side that say what is there.
+const FEWEST_SIDE: usize = FEWEST_PAIRS;
 
 /// Pairs that have a ratio, or where one number alone is 0.
 fn both_not_zero(pairs: &[Pair]) -> Vec<Pair> {
@@ -195,8 +293,8 @@ fn powers(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
     Some(format!("{factor}{{}} {}", used.iter().map(told).collect::<Vec<_>>().join(", ")))
 }
 
-/// The variable of which alone ratios with these logarithms are a function; all of them, where they are functions of each other.
-fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
+/// The variables of each of which alone ratios with these logarithms are a function: several, where they are functions of each other.
+fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Vec<Vec<String>> {
     let of = |variable: &Variable| {
         let mut sorted: Vec<[f64; 2]> = ratios.iter().map(|(at, ratio)| [(variable.at)(*at), *ratio]).collect();
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -207,13 +305,10 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
         let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
         let is_known = sorted.iter().all(|at| at[0].is_finite());
         let is_function = is_known && range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
-        let (what, [first, last]) = (variable.of?, [sorted.first()?, sorted.last()?]);
-        let told = |[at, ratio]: &[f64; 2]| format!("{} at {at:.3}", number(ratio.exp()));
-        let hint = what(&sorted);
-        is_function.then(|| format!("{} alone ({}, {}{hint})", variable.name, told(first), told(last)))
+        let what = variable.of?;
+        is_function.then(|| vec![format!("{} alone{}", variable.name, what(&sorted))])
     };
-    let all: Vec<String> = variables.iter().filter_map(of).collect();
-    (!all.is_empty()).then(|| all.join(", or of "))
+    variables.iter().filter_map(of).collect()
 }
 
 /// The least of `ratios`, if all are equal to it.

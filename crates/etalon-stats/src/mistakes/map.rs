@@ -1,0 +1,122 @@
+//! The density of samples by the derivatives of the sampler's map from random numbers to points: exact where the map is one to one.
+
+use super::{EQUAL, FEWEST_PAIRS, Pair, asked, unless_cancelled};
+use crate::derivative::{Derivative, STEPS, derivative, moved, on_raster};
+use crate::domain::Domain;
+use crate::error::Result;
+use crate::grid::{Cell, Grid};
+use crate::sampler::{Density, Sample, Sampler};
+use crate::stream::CounterRng;
+use rand::RngExt;
+
+/// Samples at which derivatives are taken, and most random numbers of each.
+const SAMPLES: usize = 256;
+const MOST_NUMBERS: usize = 8;
+/// Rows and columns of the cells whose counts must agree with the density, the share of points where they must, and by what factor samples may
+/// be denser: where two random numbers lead to one point, they are twice as dense.
+const SHAPE: [usize; 2] = [12, 8];
+const MOST_POINTS: f64 = 0.9;
+const DENSER: f64 = 1.8;
+
+/// Points of samples, each with the density of samples there and the pdf, if samples are a function of as many of their random numbers as the
+/// domain has dimensions, of none of the others, and one to one: as far as the counts of `charts`, other samples, tell.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled). Where the sampler or the density fails otherwise, nothing is known.
+pub fn of(
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
+    charts: &[[f64; 2]],
+    seed: u64,
+) -> Result<Option<Vec<Pair>>> {
+    unless_cancelled(pairs(domain, sampler, density, charts, seed))
+}
+
+fn pairs(
+    domain: &dyn Domain,
+    sampler: &dyn Sampler,
+    density: &dyn Density,
+    charts: &[[f64; 2]],
+    seed: u64,
+) -> Result<Option<Vec<Pair>>> {
+    let numbers = sampler.dimension();
+    if !(1..=MOST_NUMBERS).contains(&numbers) || sampler.finite_len().is_some() || domain.outcomes().is_some() {
+        return Ok(None);
+    }
+    let mut rng = CounterRng::new(seed, STREAM);
+    let u: Vec<f64> = (0..SAMPLES * numbers).map(|_| on_raster(rng.random())).collect();
+    let all: Vec<f64> = u
+        .chunks_exact(numbers)
+        .flat_map(|u| u.iter().copied().chain((0..numbers).flat_map(|axis| moved(u, axis))).collect::<Vec<f64>>())
+        .collect();
+    let mut samples = Vec::with_capacity(all.len() / numbers);
+    sampler.sample(&all, &mut samples)?;
+    if samples.iter().flatten().any(|sample| sample.atom) {
+        return Ok(None);
+    }
+    let at = |sample: &Option<Sample>| sample.and_then(|sample| domain.to_chart(sample.point));
+    let charts_of: Vec<Option<[f64; 2]>> = samples.iter().map(at).collect();
+    // The random numbers that change where samples lie
+    let is_used = |axis: &usize| {
+        let changes = |charts: &[Option<[f64; 2]>]| {
+            let moved = &charts[1 + axis * 2 * STEPS..][..2 * STEPS];
+            moved.iter().any(|chart| *chart != charts[0])
+        };
+        charts_of.chunks_exact(1 + numbers * 2 * STEPS).any(changes)
+    };
+    let used: Vec<usize> = (0..numbers).filter(is_used).collect();
+    if used.len() != 1 + usize::from(domain.is_plane()) {
+        return Ok(None);
+    }
+    let (mut places, mut areas) = (Vec::new(), Vec::new());
+    for (charts, u) in charts_of.chunks_exact(1 + numbers * 2 * STEPS).zip(u.chunks_exact(numbers)) {
+        let of = |axis: &usize| derivative(u[*axis], &charts[1 + axis * 2 * STEPS..][..2 * STEPS], f64::EPSILON);
+        let derivatives: Option<Vec<Derivative<2>>> = used.iter().map(of).collect();
+        let (Some(at), Some(derivatives)) = (charts[0], derivatives) else { continue };
+        if let Some(area) = area(&derivatives) {
+            places.push(at);
+            areas.push(area);
+        }
+    }
+    if places.len() < FEWEST_PAIRS || !agrees(domain, charts, &places, &areas) {
+        return Ok(None);
+    }
+    let points = domain.points_at(&places)?;
+    domain.per_chart_area(&places, &mut areas)?;
+    let pdfs = asked(density, &points)?;
+    Ok(Some(points.into_iter().zip(areas.into_iter().zip(pdfs).map(|(area, pdf)| [1.0 / area, pdf])).collect()))
+}
+
+/// The stream of the random numbers, apart from those of tests.
+const STREAM: u64 = u64::MAX;
+
+/// The area of the chart per area of random numbers, if it is precise.
+fn area(derivatives: &[Derivative<2>]) -> Option<f64> {
+    let (area, error) = match derivatives {
+        [a] => (a.value[0].abs(), a.error),
+        [a, b] => {
+            let length = |a: &Derivative<2>| a.value[0].hypot(a.value[1]);
+            let area = (a.value[0] * b.value[1] - a.value[1] * b.value[0]).abs();
+            (area, a.error * length(b) + b.error * length(a))
+        }
+        _ => return None,
+    };
+    (error <= 0.1 * EQUAL * area).then_some(area)
+}
+
+/// Whether samples are hardly denser near most of `places` than the areas tell.
+fn agrees(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], areas: &[f64]) -> bool {
+    let [rows, columns] = SHAPE;
+    let shape = if domain.is_plane() { SHAPE } else { [rows * columns, 1] };
+    let grid = Grid::adapted(charts, shape, Cell::WHOLE, None);
+    let mut counts = vec![0u64; grid.len()];
+    charts.iter().for_each(|&at| counts[grid.find(at)] += 1);
+    let sizes: Vec<f64> = grid.cells().map(|cell| cell.area()).collect();
+    let is_denser = |&(at, area): &(&[f64; 2], &f64)| {
+        let cell = grid.find(*at);
+        *area * counts[cell] as f64 > DENSER * sizes[cell] * charts.len() as f64
+    };
+    let denser = places.iter().zip(areas).filter(is_denser).count();
+    denser as f64 <= (1.0 - MOST_POINTS) * places.len() as f64
+}
