@@ -71,6 +71,11 @@ impl NamedMistake {
         self.open.len() > 1
     }
 
+    /// Whether one of the mistakes has this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.open.iter().flatten().any(|own| own == name)
+    }
+
     /// What explains this finding and another of the same kind, if one mistake can.
     #[must_use]
     pub fn common(&self, other: &Self) -> Option<Self> {

@@ -103,8 +103,8 @@ pub struct Shown<'a> {
 /// Standard errors by which the mean difference of a place stands out.
 const STANDS_OUT: f64 = 6.0;
 
-/// The place whose mean difference is farthest from that of most others, by the noise there, which neighbouring pixels show; none if that
-/// is what noise does.
+/// The place whose mean difference is farthest from that of most others, of those where it is more than the noise, which neighbouring pixels
+/// show, makes it; none if there is no such place.
 fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
     let of = |region: Region| {
         let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
@@ -127,9 +127,10 @@ fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
     let usual = median(all.iter().map(|((mean, ..), _)| *mean).collect())?;
     // A place without noise is as noisy as others
     let least = median(all.iter().map(|((_, noise, _), _)| *noise).collect())?;
-    let score = |(mean, noise, count): (f64, f64, f64)| (mean - usual).abs() * count.sqrt() / noise.max(least);
-    let scored = all.into_iter().map(|(of, region)| (score(of), region)).filter(|(score, _)| *score > STANDS_OUT);
-    scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, region)| region)
+    let far = |(mean, ..): (f64, f64, f64)| (mean - usual).abs();
+    let stands_out = |of @ (_, noise, count): (f64, f64, f64)| far(of) * count.sqrt() > STANDS_OUT * noise.max(least);
+    let scored = all.into_iter().filter(|(of, _)| stands_out(*of));
+    scored.max_by(|a, b| far(a.0).total_cmp(&far(b.0))).map(|(_, region)| region)
 }
 
 /// An image whose edge has the colour of what is rejected: it is as large as all others.

@@ -55,13 +55,25 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
             let function = |pairs: &[Pair], channel| Ok(channel_of(&bsdf.eval(&subject.swapped(pairs), &[])?, channel));
             let exchanged = Values { subject, function, channel, is_exchanged: true };
             let mistake = match undeclared_eta(subject, &directions, &numbers) {
-                None => exchanged.explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?,
+                None => exchanged
+                    .explain(&directions, &numbers, ["f(wo, wi) η²", "f(wi, wo)"], || Ok(None))?
+                    .map(of_one_direction),
                 some => some,
             };
             found.named_in([channel, subject.properties.channels], mistake);
         }
     }
     Ok(())
+}
+
+/// The same, with what makes f other than its value with exchanged directions by the angle of one direction alone.
+fn of_one_direction(named: NamedMistake) -> NamedMistake {
+    match named.has("cos θ alone") {
+        true => named.with_suffix(
+            ": f has a factor of one direction, such as a Fresnel term of the surface's normal, or masking for wo and not for wi",
+        ),
+        false => named,
+    }
 }
 
 /// Where reflected light is reciprocal, transmitted light up to a factor, and no index of refraction is declared: that with which all is.

@@ -120,3 +120,48 @@ fn agrees(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], areas: 
     let denser = places.iter().zip(areas).filter(is_denser).count();
     denser as f64 <= (1.0 - MOST_POINTS) * places.len() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        Directions, Domain, Line, Pole, Protocol, Sample, Sampler, Square, Verdict, density, sampler, validate,
+    };
+    use std::f64::consts::PI;
+
+    fn told(domain: &dyn Domain, sampler: &dyn Sampler, density: &dyn crate::Density) -> String {
+        let outcome = validate(domain, sampler, density, &Protocol::default()).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Reject, "{outcome}");
+        outcome.to_string()
+    }
+
+    #[test]
+    fn a_branch_that_is_wrong_is_named_with_its_place() {
+        // Two halves of a tent, of which the second is not sampled by what is left of the random number
+        let tent = density(|x: f64| if x < 0.5 { 4.0 * x } else { 4.0 * (1.0 - x) });
+        let draw = |u: f64| if u < 0.5 { (0.5 * u).sqrt() } else { 0.5 + 0.5 * u };
+        let text = told(&Line::UNIT, &sampler(1, move |u| Some(Sample::new(draw(u[0])))), &tent);
+        let [known, other] = ["the density of samples is the pdf up to about x = 0.", ", and another function beyond"];
+        assert!(text.contains(known) && text.contains(other), "{text}");
+        // A random number that is not used changes nothing; one that chooses makes several maps
+        let unused = told(&Line::UNIT, &sampler(2, move |u| Some(Sample::new(draw(u[1])))), &tent);
+        assert!(unused.contains(known), "{unused}");
+        let two = sampler(2, move |u| Some(Sample::new(if u[0] < 0.3 { draw(u[1]) } else { u[1] })));
+        let text = told(&Line::UNIT, &two, &tent);
+        assert!(!text.contains("the density of samples"), "{text}");
+    }
+
+    #[test]
+    fn powers_are_exact_and_maps_that_meet_points_twice_say_nothing() {
+        let square = density(|[x, y]: [f64; 2]| 4.0 * x * y);
+        let power = sampler(2, |u| Some(Sample::new([u[0].powf(0.2), u[1].powf(0.2)])));
+        let text = told(&Square, &power, &square);
+        assert!(text.contains("samples follow 6.25 times the pdf times (x)^3, times (y)^3, not the pdf"), "{text}");
+        // A turn of 4π, and a right pdf of the wrong lobe
+        let twice = sampler(2, |u| {
+            let (r, phi) = (u[0].sqrt(), 4.0 * PI * u[1]);
+            Some(Sample::new([r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt()]))
+        });
+        let text = told(&Directions::hemisphere(Pole::Z), &twice, &density(|w: [f64; 3]| (1.0 + w[2]) / (3.0 * PI)));
+        assert!(!text.contains("the density of samples"), "{text}");
+    }
+}

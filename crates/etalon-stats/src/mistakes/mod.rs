@@ -366,8 +366,8 @@ mod tests {
                 true,
                 "samples follow a density in proportion to the pdf times cos θ, not",
             ),
-            // The product of two cosines and a triangle in cos θ have no name.
-            (|u| direction((1.0 - u[0]).powf(0.2), u[1]), false, ""),
+            // Exactly by the derivatives of the map; a triangle in cos θ has no name.
+            (|u| direction((1.0 - u[0]).powf(0.2), u[1]), false, "samples follow 5 times the pdf times (cos θ)^4, not"),
             (|u| direction(1.0 - (1.0 - u[0]).sqrt(), u[1]), false, ""),
         ];
         for (draw, is_cosine, name) in draws {

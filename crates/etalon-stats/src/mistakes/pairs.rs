@@ -192,13 +192,14 @@ pub fn of_side(domain: &dyn Domain, pairs: &[Pair], [found, of]: [&str; 2]) -> O
             true => of.to_owned(),
             false => format!("{} times {of}", number(ratio)),
         };
-        let (is_below, is_above) = (below >= FEWEST_SIDE, above >= FEWEST_SIDE);
+        let (is_below, is_above) = (below >= FEWEST_PAIRS, above >= FEWEST_PAIRS);
         let last = if is_below { below } else { n - above };
         if last == 0 || last >= n || !is_below && !is_above {
             return None;
         }
-        let edge = 0.5 * (sorted[last - 1][0] + sorted[last][0]);
-        let place = domain.told(axis, (edge * 100.0).round() / 100.0);
+        // Where the known side ends
+        let edge = if is_below { sorted[last - 1][0] } else { sorted[last][0] };
+        let place = format!("about {}", domain.told(axis, (edge * 100.0).round() / 100.0));
         Some(match (is_below, is_above && below + above >= n) {
             (true, true) => {
                 format!("{found} is {} up to {place}, and {} beyond", told(sorted[0][1]), told(sorted[n - 1][1]))
@@ -209,9 +210,6 @@ pub fn of_side(domain: &dyn Domain, pairs: &[Pair], [found, of]: [&str; 2]) -> O
     };
     (0..1 + usize::from(domain.is_plane())).find_map(side).map(NamedMistake::from)
 }
-
-/// Pairs on a side that say what is there.
-const FEWEST_SIDE: usize = FEWEST_PAIRS;
 
 /// Pairs that have a ratio, or where one number alone is 0.
 fn both_not_zero(pairs: &[Pair]) -> Vec<Pair> {

@@ -55,8 +55,14 @@ impl EmbeddedImage {
             let (svg, largest) = with_small_images(&svg, &path)?;
             let source = vector_address(&with_dark_colours(&svg));
             let (inverts, area) = (largest.is_none(), f64::from(width) * f64::from(height));
-            let map = largest.as_ref().is_some_and(|(of_image, _)| f64::from(*of_image) > 0.5 * area);
-            let thumbnail = small(largest.map_or_else(|| whole(&full), |(_, image)| middle(&image)))?;
+            let map = largest.is_some_and(|[_, _, w, h]| f64::from(w) * f64::from(h) > 0.5 * area);
+            // What is drawn on a picture belongs to it
+            let scale = f64::from(full.width()) / f64::from(width);
+            let pictured = |[x, y, w, h]: [u32; 4]| {
+                let [x, y, w, h] = [x, y, w, h].map(|v| (f64::from(v) * scale) as u32);
+                middle(&full.crop_imm(x, y, w, h))
+            };
+            let thumbnail = small(largest.map_or_else(|| whole(&full), pictured))?;
             return Ok(Self { source, width, height, chart: true, map, thumbnail, inverts });
         }
         let thumbnail = small(middle(&full))?;
@@ -98,22 +104,25 @@ fn picture(png: &[u8], mut full: DynamicImage, widest: u32, path: &Path) -> Resu
     Ok((if jpeg.len() < png.len() { address("jpeg", &jpeg) } else { address("png", png) }, size))
 }
 
-/// A drawing whose large images are reduced, and that of its images which takes the largest part of it, with its area.
-fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<(u32, DynamicImage)>)> {
-    let mut largest: Option<(u32, DynamicImage)> = None;
+/// A drawing whose large images are reduced, and the place of the largest of them: left, top, width and height.
+fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<[u32; 4]>)> {
+    let mut largest: Option<[u32; 4]> = None;
     let mut parts = svg.split(PNG);
     let mut small = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (data, rest) = part.split_once('"').ok_or_else(|| Error::input(path, "an image without an end"))?;
         let png = BASE64_STANDARD.decode(data).map_err(|e| Error::input(path, format!("an image: {e}")))?;
         let image = decoded(&png, path)?;
-        let tag = small.rfind("<image").map_or("", |start| &small[start..]);
+        let tag = small.rfind("<image").map_or("", |start| &small[start..]).to_owned();
+        let tag = tag.as_str();
         let [width, height] = size(tag).ok_or_else(|| Error::input(path, "an image without a size"))?;
         let widest = WIDEST.min((SHARP * f64::from(width)) as u32);
-        let (source, _) = picture(&png, image.clone(), widest, path)?;
+        let (source, _) = picture(&png, image, widest, path)?;
         small += &format!("href=\"{source}\"{rest}");
-        let area = width.saturating_mul(height);
-        largest = largest.filter(|(largest, _)| *largest >= area).or(Some((area, image)));
+        let area = |[_, _, width, height]: [u32; 4]| width.saturating_mul(height);
+        let at = |name: &str| attribute(tag, name).and_then(|v| v.parse().ok()).unwrap_or(0.0_f64) as u32;
+        let place = [at("x"), at("y"), width, height];
+        largest = largest.filter(|largest| area(*largest) >= area(place)).or(Some(place));
     }
     Ok((small, largest))
 }
@@ -149,12 +158,15 @@ fn vector_address(svg: &str) -> String {
     address
 }
 
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    Some(tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0)
+}
+
 /// Width and height in drawing units, rounded up, that a tag gives: of a drawing by its view.
 fn size(tag: &str) -> Option<[u32; 2]> {
-    let attribute = |name: &str| Some(tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0);
-    let (width, height) = match attribute("viewBox") {
+    let (width, height) = match attribute(tag, "viewBox") {
         Some(view) => view.strip_prefix("0 0 ")?.split_once(' ')?,
-        None => (attribute("width")?, attribute("height")?),
+        None => (attribute(tag, "width")?, attribute(tag, "height")?),
     };
     let side = |text: &str| text.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 1e6).map(|v| v.ceil() as u32);
     Some([side(width)?, side(height)?])
