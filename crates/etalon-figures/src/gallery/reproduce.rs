@@ -120,6 +120,13 @@ fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder:
     if let Some(drawing) = drawing {
         let pages: Vec<Page> = drawing.pages(&inputs.style)?.into_iter().map(enlarged).collect();
         files.extend(write_pages(&pages, &stem, &FORMATS)?);
+        // Pages of an earlier run that had more of them
+        for name in page::further_pages(folder, &figure.id).skip(pages.len() - 1).collect::<Vec<_>>() {
+            for extension in FORMATS {
+                let path = output::with_extension(&folder.join(&name), extension);
+                std::fs::remove_file(&path).map_err(|e| Error::io(&path, e))?;
+            }
+        }
     }
     // A render as EXR and PFM (linear) and as PPM (tone-mapped as in its report)
     if let Some((image, tone)) = &image {

@@ -1,7 +1,7 @@
 //! Images compared: their difference in false colour; tests of their expectation as a map, as p-values, as a table and in words.
 
 use super::converge::{Region, all_regions, framed, round};
-use super::text::{LINE, capitalized, clauses, counted, finding, p_is, p_value, power_of_ten, rounded, wrapped};
+use super::text::{LINE, capitalized, clauses, counted, finding, p_is, p_value, rounded, wrapped};
 use crate::figure::{
     Axis, Colour, Drawing, Heatmap, Marker, Panel, Plot, Point, Rgb8, Shading, Stroke, contact_sheet, image_rows, theme,
 };
@@ -342,7 +342,7 @@ pub fn drawing(compared: &Compared) -> Drawing {
         (" -", " −"),
     ];
     let in_words = |line: &str| words.iter().fold(finding(line), |line, (name, word)| line.replace(name, word));
-    let of_tiles = different_tiles(compared).map(|told| finding(&told));
+    let of_tiles = different_tiles(compared).map(|told| in_words(&told));
     let lines = clauses(why.trim()).iter().take(1).map(|line| in_words(line)).chain(of_tiles).collect();
     Drawing::stacked(rows.collect(), 0.5).headed(capitalized(verdict), lines)
 }
@@ -371,8 +371,8 @@ fn sides_of_tiles(compared: &Compared) -> String {
     format!("{0}x{0}", compared.tile_side)
 }
 
-/// How many tiles differ, around what, and by how much in all: "52 of 169 tiles of 5x5 pixels differ, in columns 0 to 24 and rows 0 to 63; in
-/// these A − B is -5.15 %".
+/// How many tiles differ, around what, and by how much in all: "52 of 169 tiles of 5x5 pixels differ, columns 0 to 24 and rows 0 to 63:
+/// A − B is -5.15 % there".
 fn different_tiles(compared: &Compared) -> Option<String> {
     let family = compared.families.iter().find(|family| family.family == Family::Tiles)?;
     let all: Vec<&[Tested]> = family.tests.chunks(compared.channels.len()).collect();
@@ -390,12 +390,12 @@ fn different_tiles(compared: &Compared) -> Option<String> {
     }
     let [left, right, top, bottom] = ends;
     let bias = if sums[1] > 0.0 {
-        format!("; in these A − B is {:+.2} % of the mean of B", 100.0 * (sums[0] / sums[1] - 1.0))
+        format!(": A − B is {:+.2} % there", 100.0 * (sums[0] / sums[1] - 1.0))
     } else {
         String::new()
     };
     Some(format!(
-        "{} of {} tiles of {} pixels differ, in columns {left} to {right} and rows {top} to {bottom}{bias}",
+        "{} of {} tiles of {} pixels differ, columns {left} to {right} and rows {top} to {bottom}{bias}",
         different.len(),
         all.len(),
         sides_of_tiles(compared)
@@ -418,7 +418,11 @@ fn p_values(compared: &Compared) -> Panel {
             let limit = family.level(compared.plan);
             first = first.min(point[0]);
             foot = foot.min(point[1]).min(limit);
-            let below = if limit < 1e-3 { power_of_ten(limit).replace("≈ ", "") } else { rounded(limit, 2) };
+            let exponent = limit.log10().floor();
+            let below = match limit < 1e-3 {
+                true => format!("{}·10^{{−{:.0}}}", rounded(limit / 10_f64.powf(exponent), 2), -exponent),
+                false => rounded(limit, 2),
+            };
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }
     }

@@ -13,6 +13,8 @@ pub struct Shown<'a> {
     pub figure: &'a Figure,
     pub record: &'a Record,
     pub image: Option<EmbeddedImage>,
+    /// The images of its further pages, as of slides.
+    pub further: Vec<EmbeddedImage>,
 }
 
 pub struct Article<'a> {
@@ -97,28 +99,34 @@ impl Shown<'_> {
             format!("<p>{}{}</p>\n<p class=\"matters\">{}</p>\n", escape(shows), escape(&made), escape(matters));
         let repeated = if *before == texts { " repeated" } else { "" };
         let heading = if article.figures.len() > 1 { format!("<h4>{title}</h4>\n") } else { String::new() };
-        let (picture, about) = (self.picture(article.number), self.about(folder));
+        let (picture, about) = (self.picture(&id, self.image.as_ref(), article.number), self.about(folder));
+        let further = self.further.iter().zip(2..).map(|(image, page)| {
+            let own = format!("{id}-{page}");
+            let picture = self.picture(&own, Some(image), article.number);
+            format!("<div class=\"figure\" id=\"figure-{own}\" data-id=\"{own}\" data-of=\"{id}\">\n{picture}</div>\n")
+        });
+        let further: String = further.collect();
         let Record { claims, errata, numbers, .. } = self.record;
         let tables = [tables::claims(claims, all), tables::errata(&id, errata), tables::numbers(numbers)].concat();
         before.clone_from(&texts);
         format!(
             "<div class=\"figure\" id=\"figure-{id}\" data-id=\"{id}\" data-beside=\"{beside}\">\n{heading}{picture}\
-             <div class=\"text{repeated}\">\n{texts}</div>\n{tables}{about}</div>\n"
+             <div class=\"text{repeated}\">\n{texts}</div>\n{tables}{about}</div>\n{further}"
         )
     }
 
-    /// The image, which leads to its file.
-    fn picture(&self, number: usize) -> String {
-        let Some(EmbeddedImage { source, width, height, chart, map, .. }) = &self.image else { return String::new() };
-        let Figure { id, title, shows, .. } = self.figure;
+    /// The image, which leads to the file called `id`.
+    fn picture(&self, id: &str, image: Option<&EmbeddedImage>, number: usize) -> String {
+        let Some(EmbeddedImage { source, width, height, chart, map, .. }) = image else { return String::new() };
+        let Figure { title, shows, .. } = self.figure;
         let kind = match (chart, map) {
             (true, true) => "chart map",
             (true, false) => "chart",
             (false, true) => "picture map",
             (false, false) => "picture",
         };
-        let (id, title, alternative) = (escape(id), escape(title), escape(&format!("{title} ({id}). {shows}")));
-        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(&id, erratum)).collect();
+        let (title, alternative) = (escape(title), escape(&format!("{title} ({id}). {shows}")));
+        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(id, erratum)).collect();
         format!(
             "<figure class=\"{kind}\"><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{number}. {title}\">\n\
              <img src=\"{source}\" width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" decoding=\"async\" />{panels}</a></figure>\n"

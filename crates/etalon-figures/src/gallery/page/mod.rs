@@ -30,11 +30,20 @@ pub fn write(folder: &Path, figures: &[Figure], records: &Records) -> Result<()>
         // Claims are a table of text
         let has_image = record.claims.is_empty();
         let image = has_image.then(|| EmbeddedImage::read(folder, &figure.id)).transpose()?;
-        Ok(Shown { figure, record, image })
+        let further = further_pages(folder, &figure.id).map(|name| EmbeddedImage::read(folder, &name));
+        let further = if has_image { further.collect::<Result<Vec<_>>>()? } else { Vec::new() };
+        Ok(Shown { figure, record, image, further })
     };
     let shown = shown.into_par_iter().map(with_image).collect::<Result<Vec<_>>>()?;
     record::write_records(folder, records)?;
     files::write_bytes(&folder.join(FILE), document(&shown, folder).as_bytes())
+}
+
+/// The names of a figure's pages after the first that a folder has.
+pub fn further_pages<'a>(folder: &'a Path, id: &'a str) -> impl Iterator<Item = String> + 'a {
+    let is_other = |name: &str| super::registry().iter().any(|figure| figure.id == name);
+    let pages = (2..).map(move |page| format!("{id}-{page}"));
+    pages.take_while(move |name| folder.join(format!("{name}.svg")).is_file() && !is_other(name))
 }
 
 /// The page: what it is, its contents, and the articles by section.

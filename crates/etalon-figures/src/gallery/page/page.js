@@ -18,23 +18,23 @@ one('#theme').onclick = () => {
   remember(root.dataset.theme);
 };
 
-// A group shows the figure at which its slider stands.
+// A group shows the figure at which its slider stands, with its further pages.
 const articles = all('article');
+const firstPages = (article) => all('.figure:not([data-of])', article);
+const nameOf = (figure) => figure.dataset.of ?? figure.dataset.id;
 const choose = (figure) => {
   const article = figure.closest('article');
   const range = one('.slider input', article);
   if (!range) return;
-  all('.figure', article).forEach((other, i) => {
-    other.hidden = other !== figure;
-    if (!other.hidden) range.value = i;
-  });
+  all('.figure', article).forEach((other) => { other.hidden = nameOf(other) !== nameOf(figure); });
+  range.value = firstPages(article).findIndex((other) => !other.hidden);
   all('.slider span', article).forEach((label, i) => {
     label.classList.toggle('now', i === Number(range.value));
     if (i === Number(range.value)) range.setAttribute('aria-valuetext', label.textContent);
   });
 };
 all('.slider').forEach((slider) => {
-  const [range, figures] = [one('input', slider), all('.figure', slider.closest('article'))];
+  const [range, figures] = [one('input', slider), firstPages(slider.closest('article'))];
   range.oninput = () => choose(figures[range.value]);
   all('span', slider).forEach((label, i) => { label.onclick = () => choose(figures[i]); });
   range.oninput();
@@ -117,7 +117,8 @@ const show = (figure) => {
   const [before, size] = [partner.value, sizeOf(figure)];
   const others = sameSize(figure);
   one('#viewed').textContent = linkOf(figure).dataset.title;
-  one('#caption').replaceChildren(...one('.text', figure).cloneNode(true).children);
+  const first = document.getElementById(`figure-${nameOf(figure)}`);
+  one('#caption').replaceChildren(...one('.text', first).cloneNode(true).children);
   const options = others.map((it) => new Option(linkOf(it).dataset.title, it.dataset.id));
   partner.replaceChildren(new Option('no other', ''), ...options);
   partner.disabled = !others.length;
