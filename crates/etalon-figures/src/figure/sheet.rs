@@ -94,7 +94,13 @@ impl Sheet {
         let highs = (0..20).map(|i| room.height * 0.9f64.powi(i)).filter(|&high| high >= LOWEST);
         let fits = |n: &usize| cell(*n) >= NARROWEST && self.is_whole(*n);
         let fit = |high: f64| (1..=self.images.len()).filter(fits).map(move |n| (n, high));
-        let mut pages = highs.flat_map(fit).map(|(columns, high)| page(columns, high));
+        // Images end at the width of their cells, too
+        let aspect = |image: &Rgb8| image.height() as f64 / image.width() as f64;
+        let flattest = self.images.iter().map(|(_, image)| aspect(image)).fold(f64::INFINITY, f64::min);
+        let height = |(columns, high): &(usize, f64)| high.min(flattest * cell(*columns));
+        let mut sizes: Vec<(usize, f64)> = highs.flat_map(fit).collect();
+        sizes.sort_by(|a, b| height(b).total_cmp(&height(a)));
+        let mut pages = sizes.into_iter().map(|(columns, high)| page(columns, high));
         pages.find(|page| page.height <= room.height).unwrap_or_else(|| page(self.columns, LOWEST))
     }
 

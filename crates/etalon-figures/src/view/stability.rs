@@ -1,7 +1,7 @@
 //! Errors over the inputs of a family: the renderer's formula, the textbook's, the reports', and the error that rounding of the input
 //! causes; and the worst case of every family, variant and precision beside what rounding explains of it.
 
-use super::text::{capitalized, power_of_ten};
+use super::text::{capitalized, power_of_ten, rounded};
 use crate::figure::{Axis, Colour, Drawing, Marker, Panel, Plot, Point, Stroke, text, theme};
 use etalon_bench::stability::{Case, ErrorRow, Precision, REPORT, STABLE, Scale, Section, Sweep, TEXTBOOK};
 use serde::Serialize;
@@ -16,9 +16,10 @@ const BEYOND: &str = "off the scale, drawn at its end";
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 /// The name of what rounding an input explains.
 const INPUT_ALONE: &str = "rounding of the input alone";
-/// The size of a frame, and most panels in a row.
+/// The size of a frame, most panels in a row, and most rows of fewer.
 const FRAME: [f64; 2] = [250.0, 150.0];
-const MOST_COLUMNS: usize = 5;
+const MOST_COLUMNS: usize = 4;
+const MOST_ROWS: usize = 5;
 /// Families whose rendered formula is worse somewhere than rounding of the input and another formula, and why.
 const REMARKS: [(&str, &str); 3] = [
     (
@@ -54,7 +55,7 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     };
     let is_remarked = |name: &str| shown.iter().any(|(sweep, _)| sweep.family.name == name);
     let remarks = REMARKS.into_iter().filter(|(name, _)| is_remarked(name)).map(|(_, remark)| remark.to_owned());
-    let pale = "Errors below the pale line are smaller than what rounding of the input may cause.".to_owned();
+    let pale = "Largest relative errors; those below the pale line, which the title leaves out, are what rounding of the input may cause.".to_owned();
     let of_family = |others: &[(&Sweep, usize)]| {
         let grids: Vec<&str> = others.iter().map(|(sweep, number)| sweep.family.sections[*number].title).collect();
         format!("{} ({})", in_words(others[0].0.family.name), grids.join(", "))
@@ -64,12 +65,40 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     let below = power_of_ten(VISIBLE).replace("≈ ", "");
     let not_shown = format!("Not shown, as every variant has errors below {below}: {}.", not_shown.join("; "));
     let lines = std::iter::once(pale).chain(remarks).chain((!others.is_empty()).then_some(not_shown)).collect();
-    plot.draw().headed("Largest relative error in single precision (f32)", lines)
+    plot.draw().headed(headline(&shown, &names), lines)
 }
 
-/// The smallest number of panels in a row, from 3 to [`MOST_COLUMNS`], that leaves the fewest places empty.
+/// By how much each formula is off in f32 where rounding of the input does not explain it.
+fn headline(shown: &[(&Sweep, usize)], names: &[&str]) -> String {
+    let worst = |name: &str| {
+        let of_grid = |(sweep, number): &(&Sweep, usize)| {
+            let own = sweep.family.variants.iter().position(|variant| variant.name == name)?;
+            let beyond = |(case, _): (&Case, _)| {
+                let error = case.deviations[own].map_or(0.0, |d| d.relative);
+                (error > 2.0 * case.condition.max(1.0) * ROUNDING).then_some(error)
+            };
+            cases(sweep, *number).filter_map(beyond).reduce(f64::max)
+        };
+        shown.iter().filter_map(of_grid).reduce(f64::max)
+    };
+    let told = |name: &&str| {
+        let size = match worst(name) {
+            None => "nowhere".into(),
+            Some(error) if error >= 1.0 || error.is_nan() => "by 100 % or more".to_owned(),
+            Some(error) if error >= 1e-3 => format!("by up to {} %", rounded(100.0 * error, 2)),
+            Some(error) => format!("by up to {}", power_of_ten(error).replace("≈ ", "")),
+        };
+        format!("the {} is off {size}", formula(name))
+    };
+    let told: Vec<String> = names.iter().map(told).collect();
+    format!("In single precision (f32) {}", told.join(", "))
+}
+
+/// The smallest number of panels in a row, from 3 to [`MOST_COLUMNS`], that leaves the fewest places empty, in at most [`MOST_ROWS`].
 fn columns(panels: usize) -> usize {
-    (3..=MOST_COLUMNS).min_by_key(|columns| panels.next_multiple_of(*columns) - panels).unwrap_or(MOST_COLUMNS)
+    let fits = |columns: &usize| panels.div_ceil(*columns) <= MOST_ROWS;
+    let empty = |columns: &usize| panels.next_multiple_of(*columns) - panels;
+    (3..=MOST_COLUMNS).filter(fits).min_by_key(empty).unwrap_or(MOST_COLUMNS)
 }
 
 /// The least relative error that counts as one.

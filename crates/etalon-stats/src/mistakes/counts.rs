@@ -43,7 +43,7 @@ const POWERS: [(f64, &str); 6] =
     [(1.0 / 3.0, "1/3"), (0.5, "1/2"), (2.0 / 3.0, "2/3"), (1.5, "3/2"), (2.0, "2"), (3.0, "3")];
 /// Steps and golden sections of the search for an amount, with the smaller part of a section.
 const STEPS: usize = 24;
-const SECTIONS: usize = 9;
+const SECTIONS: usize = 11;
 const GOLDEN: f64 = 0.381_966_011_250_105;
 /// The least share of a part of the pdf, and of the rest.
 const PART: f64 = 0.02;
@@ -62,8 +62,9 @@ const TURNS: usize = 4;
 /// Standard deviations of a Poisson count from which a share of the draws is wrong, and most shares that are told.
 const WRONG: f64 = 5.0;
 const TOLD_SHARES: usize = 3;
-/// Fewer degrees of freedom are explained by too many densities.
+/// Fewer degrees of freedom are explained by too many densities; by fewer of a finite set, whose outcomes are not sums over cells.
 const FEWEST: usize = 5;
+const FEWEST_OF_SET: usize = 3;
 /// Columns of the rows in which a name is tried again.
 const COLUMNS: usize = 8;
 
@@ -135,7 +136,7 @@ pub fn is_clear(counts: &Counts) -> bool {
     let (observed, expected) = (&counts.observed[..cells], &counts.expected[..cells]);
     let shares = shares_of(expected);
     let is_told = observed.iter().sum::<u64>() >= SAMPLES_TO_NAME;
-    excess(observed, &shares, FEWEST)
+    excess(observed, &shares, fewest(counts))
         .is_none_or(|[excess, spread]| excess * MOST > CHANCE * spread || is_told && excess <= CHANCE * spread)
 }
 
@@ -151,6 +152,10 @@ pub fn is_open(counts: &Counts, most: u64) -> bool {
         all < SAMPLES_TO_NAME && excess <= CHANCE * spread && is_factor
             || excess < CLEAR * spread && excess * growth >= CLEAR * spread
     })
+}
+
+fn fewest(counts: &Counts) -> usize {
+    if counts.outcomes.is_some() { FEWEST_OF_SET } else { FEWEST }
 }
 
 /// Whether nothing is expected: counts are compared with the smallest number in place of 0.
@@ -293,12 +298,12 @@ impl<'a> Table<'a> {
         };
         let (of_rows, shares_of_rows): (Vec<u64>, Vec<Option<f64>>) = (0..rows.len() - 1).map(row).unzip();
         let is_left = |[left, spread]: [f64; 2]| left > LEFT_BY_CHANCE * spread + LEFT * finer.total;
-        let left = [excess(finer.observed, &shares, FEWEST), excess(&of_rows, &shares_of_rows, FEWEST)];
+        let left = [excess(finer.observed, &shares, fewest(counts)), excess(&of_rows, &shares_of_rows, fewest(counts))];
         Ok(!left.into_iter().flatten().any(is_left))
     }
 
     fn excess(&self, shares: &[Option<f64>]) -> Option<[f64; 2]> {
-        excess(self.observed, shares, FEWEST)
+        excess(self.observed, shares, fewest(self.counts))
     }
 
     /// Sums over the points of each cell of `values` times the areas.
@@ -432,26 +437,30 @@ impl<'a> Table<'a> {
         Ok(deviance(self.observed, &self.shares_with(family, amount)?))
     }
 
-    /// The best of equally distant amounts, of those that a symmetry makes equal the one that changes least, and their distance; `None`
-    /// where it explains little of the deviance of the pdf.
+    /// The best of some amounts, equally distant or, of factors, in equal ratios; of those that a symmetry makes equal the one that changes
+    /// least; and its distance to the next; `None` where it explains little of the deviance of the pdf.
     fn best_step(&self, family: &Family) -> Result<Option<[f64; 2]>> {
-        let Family { limits, rest, .. } = family;
-        let step = (limits[1] - limits[0]) / STEPS as f64;
-        let steps = (0..=STEPS).map(|i| limits[0] + i as f64 * step);
-        let all =
-            steps.map(|amount| Ok((amount, self.left_by(family, amount)?))).collect::<Result<Vec<(f64, f64)>>>()?;
-        let least = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
-        let most = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
+        let Family { limits: [least, most], rest, .. } = family;
+        let at = |i: usize| {
+            let share = i as f64 / STEPS as f64;
+            if *rest == 1.0 { least * (most / least).powf(share) } else { least + (most - least) * share }
+        };
+        let all: Vec<(f64, f64)> =
+            (0..=STEPS).map(|i| Ok((at(i), self.left_by(family, at(i))?))).collect::<Result<_>>()?;
+        let least_left = all.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::at_most);
+        let most_left = FIRST_STEP * deviance(self.observed, &shares_of(self.expected));
         let chance = CHANCE * (2.0 * self.observed.len() as f64).sqrt();
         // Only local minima are candidates.
         let is_lowest = |i: &usize| {
             let left = all[*i].1;
             let mut around = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| all.get(i));
-            left <= (least + chance).at_most(most) && left.is_finite() && around.all(|(_, other)| left <= *other)
+            left <= (least_left + chance).at_most(most_left)
+                && left.is_finite()
+                && around.all(|(_, other)| left <= *other)
         };
-        let best = (0..all.len()).filter(is_lowest).map(|i| all[i]);
-        let best = best.min_by(|a, b| (a.0 - rest).abs().total_cmp(&(b.0 - rest).abs()));
-        Ok(best.map(|(amount, _)| [amount, step]))
+        let from_rest = |i: &usize| (at(*i) - rest).abs();
+        let best = (0..all.len()).filter(is_lowest).min_by(|a, b| from_rest(a).total_cmp(&from_rest(b)));
+        Ok(best.map(|i| [at(i), at(i + 1) - at(i)]))
     }
 
     /// What a family leaves unexplained with the amount that explains most, if that is little, and its name. `few` has few points, for
@@ -697,19 +706,21 @@ impl<'a> Table<'a> {
             }
             let best = found.iter().map(|explained| explained.left).fold(f64::INFINITY, f64::at_most);
             found.retain(|Explained { left, spread, .. }| *left <= best + CHANCE * spread);
-            // Places that a symmetry makes equal are named together, and densities of the first rank that differ.
+            // Places that a symmetry makes equal are named together.
             if is_place && !found.is_empty() {
                 return named(found.into_iter().map(|explained| vec![explained.name]).collect());
             }
-            let rank = found.iter().map(|explained| explained.rank).min();
-            found.retain(|explained| Some(explained.rank) == rank);
-            let proportional = if rank == Some(OTHER_FACTOR) { "a density in proportion to " } else { "" };
+            // Densities of the first rank that differ, each with the names that it has here: another may be that of other directions
+            found.sort_by_key(|explained| explained.rank);
+            let first = found.first().map(|explained| explained.rank);
             let mut different: Vec<(Explained, Vec<String>)> = Vec::new();
             for explained in found {
+                let proportional = if explained.rank == OTHER_FACTOR { "a density in proportion to " } else { "" };
                 let name = format!("{proportional}{}", explained.name);
                 match different.iter_mut().find(|(other, _)| explained.is_same(other)) {
                     Some((_, names)) => names.push(name),
-                    None => different.push((explained, vec![name])),
+                    None if Some(explained.rank) == first => different.push((explained, vec![name])),
+                    None => {}
                 }
             }
             if !different.is_empty() {

@@ -4,6 +4,7 @@ use super::{EQUAL, FEWEST_PAIRS, Pair, asked, unless_cancelled};
 use crate::derivative::{Derivative, STEPS, derivative, moved, on_raster};
 use crate::domain::Domain;
 use crate::error::Result;
+use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
 use crate::sampler::{Density, Sample, Sampler};
 use crate::stream::CounterRng;
@@ -12,14 +13,16 @@ use rand::RngExt;
 /// Samples at which derivatives are taken, and most random numbers of each.
 const SAMPLES: usize = 256;
 const MOST_NUMBERS: usize = 8;
-/// Rows and columns of the cells whose counts must agree with the density, the share of points where they must, and by what factor samples may
-/// be denser: where two random numbers lead to one point, they are twice as dense.
+/// Rows and columns of the cells whose counts must agree with the density; the share of points where they must, the factor by which samples
+/// may be denser, where two places of the random numbers would make it 2; and how near to a whole number the usual factor must be.
 const SHAPE: [usize; 2] = [12, 8];
 const MOST_POINTS: f64 = 0.9;
 const DENSER: f64 = 1.8;
+const WHOLE: f64 = 0.1;
 
 /// Points of samples, each with the density of samples there and the pdf, if samples are a function of as many of their random numbers as the
-/// domain has dimensions, of none of the others, and one to one: as far as the counts of `charts`, other samples, tell.
+/// domain has dimensions, and of none of the others. Where several of these lead to one point, by a symmetry, the density is as many times as
+/// high: as far as the counts of `charts`, other samples, tell.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled). Where the sampler or the density fails otherwise, nothing is known.
@@ -79,13 +82,12 @@ fn pairs(
             areas.push(area);
         }
     }
-    if places.len() < FEWEST_PAIRS || !agrees(domain, charts, &places, &areas) {
-        return Ok(None);
-    }
+    let times = Some(places.len()).filter(|count| *count >= FEWEST_PAIRS);
+    let Some(times) = times.and_then(|_| multiplicity(domain, charts, &places, &areas)) else { return Ok(None) };
     let points = domain.points_at(&places)?;
     domain.per_chart_area(&places, &mut areas)?;
     let pdfs = asked(density, &points)?;
-    Ok(Some(points.into_iter().zip(areas.into_iter().zip(pdfs).map(|(area, pdf)| [1.0 / area, pdf])).collect()))
+    Ok(Some(points.into_iter().zip(areas.into_iter().zip(pdfs).map(|(area, pdf)| [times / area, pdf])).collect()))
 }
 
 /// The stream of the random numbers, apart from those of tests.
@@ -105,20 +107,25 @@ fn area(derivatives: &[Derivative<2>]) -> Option<f64> {
     (error <= 0.1 * EQUAL * area).then_some(area)
 }
 
-/// Whether samples are hardly denser near most of `places` than the areas tell.
-fn agrees(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], areas: &[f64]) -> bool {
+/// How many places of the random numbers lead to one point, by how much denser samples are near most of `places` than the areas tell;
+/// nothing where that is no whole number.
+fn multiplicity(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], areas: &[f64]) -> Option<f64> {
     let [rows, columns] = SHAPE;
     let shape = if domain.is_plane() { SHAPE } else { [rows * columns, 1] };
     let grid = Grid::adapted(charts, shape, Cell::WHOLE, None);
     let mut counts = vec![0u64; grid.len()];
     charts.iter().for_each(|&at| counts[grid.find(at)] += 1);
     let sizes: Vec<f64> = grid.cells().map(|cell| cell.area()).collect();
-    let is_denser = |&(at, area): &(&[f64; 2], &f64)| {
-        let cell = grid.find(*at);
-        *area * counts[cell] as f64 > DENSER * sizes[cell] * charts.len() as f64
+    let denser = |(&at, area): (&[f64; 2], &f64)| {
+        let cell = grid.find(at);
+        area * counts[cell] as f64 / (sizes[cell] * charts.len() as f64)
     };
-    let denser = places.iter().zip(areas).filter(is_denser).count();
-    denser as f64 <= (1.0 - MOST_POINTS) * places.len() as f64
+    let mut ratios: Vec<f64> = places.iter().zip(areas).map(denser).collect();
+    ratios.sort_by(f64::total_cmp);
+    let at = |share: f64| ratios[(share * ratios.len() as f64) as usize];
+    let times = at(0.5).round().at_least(1.0);
+    let is_whole = times == 1.0 || (at(0.5) - times).abs() <= WHOLE * times;
+    (is_whole && at(MOST_POINTS) <= DENSER * times).then_some(times)
 }
 
 #[cfg(test)]
@@ -151,17 +158,18 @@ mod tests {
     }
 
     #[test]
-    fn powers_are_exact_and_maps_that_meet_points_twice_say_nothing() {
+    fn factors_are_exact_and_points_may_be_met_twice() {
         let square = density(|[x, y]: [f64; 2]| 4.0 * x * y);
         let power = sampler(2, |u| Some(Sample::new([u[0].powf(0.2), u[1].powf(0.2)])));
         let text = told(&Square, &power, &square);
         assert!(text.contains("samples follow 6.25 times the pdf times (x)^3, times (y)^3, not the pdf"), "{text}");
-        // A turn of 4π, and a right pdf of the wrong lobe
-        let twice = sampler(2, |u| {
-            let (r, phi) = (u[0].sqrt(), 4.0 * PI * u[1]);
-            Some(Sample::new([r * phi.cos(), r * phi.sin(), (1.0 - r * r).sqrt()]))
+        // Half of the turn, twice
+        let half = sampler(2, |u| {
+            let (r, phi) = (u[0].sqrt(), 2.0 * PI * u[1]);
+            let x = r * phi.cos();
+            Some(Sample::new([x.abs(), r * phi.sin(), (1.0 - r * r).sqrt()]))
         });
-        let text = told(&Directions::hemisphere(Pole::Z), &twice, &density(|w: [f64; 3]| (1.0 + w[2]) / (3.0 * PI)));
-        assert!(!text.contains("the density of samples"), "{text}");
+        let text = told(&Directions::hemisphere(Pole::Z), &half, &density(|w: [f64; 3]| w[2] / PI));
+        assert!(text.contains("the pdf is 0.5 = 1/2 times as large as samples say"), "{text}");
     }
 }

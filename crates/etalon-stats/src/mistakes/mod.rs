@@ -215,7 +215,7 @@ fn variables<'a>(domain: &'a dyn Domain, density: &'a dyn Density) -> Vec<Variab
 }
 
 /// Factors by which distances may be too large.
-const SCALES: [f64; 2] = [0.2, 5.0];
+const SCALES: [f64; 2] = [0.1, 10.0];
 
 /// Points that a density is asked for at a time, and most cells that are compared.
 const BATCH: usize = 3600;
@@ -461,6 +461,23 @@ mod tests {
         let drawn = sampler(1, |u: &[f64]| Some(Sample::new((ends.partition_point(|end| *end <= u[0]) + 1) % 16)));
         let shifted = told(&Discrete { outcomes: 16 }, &drawn, &crate::density(|i: usize| weights[i] / total));
         assert!(shifted.contains("samples follow the pdf of the previous outcome"), "{shifted}");
+        // Few outcomes, and a factor that is the square of a rate
+        let few = [0.05, 0.3, 0.1, 0.25, 0.2, 0.1];
+        let cdf: Vec<f64> = few
+            .iter()
+            .scan(0.0, |sum, w| {
+                *sum += w;
+                Some(*sum)
+            })
+            .collect();
+        let drawn =
+            sampler(1, move |u: &[f64]| Some(Sample::new((cdf.partition_point(|end| *end <= u[0]) + 1).min(5))));
+        let shifted = told(&Discrete { outcomes: 6 }, &drawn, &crate::density(move |i: usize| few[i]));
+        assert!(shifted.contains("with indices that are one too high, kept at the last"), "{shifted}");
+        let path = sampler(1, |u: &[f64]| Some(Sample::new(-2.7 * (1.0 - u[0]).ln())));
+        let long =
+            told(&crate::HalfLine { from: 0.0, width: 1.0 }, &path, &crate::density(|x: f64| 2.7 * (-2.7 * x).exp()));
+        assert!(long.contains("times as large") && long.contains("7.3"), "{long}");
     }
 
     /// Samples of a lobe about an axis of its own, by the cosine of the angle with it, and their pdf by this cosine.
@@ -598,7 +615,7 @@ mod tests {
         // Rejection sampling that takes the last candidate after two attempts
         let rejected = sampler(3, |u: &[f64]| Some(Sample::new(if u[1] <= u[0] { u[0] } else { u[2] })));
         let text = told(&Line::UNIT, &rejected, &crate::density(|x: f64| 2.0 * x));
-        assert!(text.contains("the pdf mixed with a uniform density, whose share is 0.498"), "{text}");
+        assert!(text.contains("the pdf mixed with a uniform density, whose share is 0.49"), "{text}");
         // Half of the samples are clamped to an edge.
         let clamped = sampler(2, |u: &[f64]| Some(Sample::new([u[0], u[1].min(0.5)])));
         let text = told(&Square, &clamped, &crate::density(|_: [f64; 2]| 1.0));

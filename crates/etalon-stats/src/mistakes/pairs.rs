@@ -135,7 +135,9 @@ fn explained_pairs(
             _ => shapes.push(shape(factor, name)),
         }
     }
-    if !exact.is_empty() {
+    if let Some(first) = exact.first_mut() {
+        // What has another factor here may be exact for other directions
+        first.extend(shapes);
         return Ok(exact);
     }
     // The pdf of another outcome
