@@ -274,7 +274,8 @@ impl Compare {
             (None, problem) => {
                 let turned = entry.explanation().map(view::explained);
                 let message: Vec<String> = problem.into_iter().chain(turned).collect();
-                let rejected = entry.is_rejected();
+                // What cannot be read is an error of its own
+                let rejected = entry.is_rejected() && entry.result.is_ok();
                 let verdict =
                     if rejected { etalon_stats::Verdict::Reject } else { etalon_stats::Verdict::Inconclusive };
                 plain(if rejected { "size" } else { "file" }, verdict, message.join("; "))

@@ -192,8 +192,11 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let of_stored = |is_clipped: bool| if is_clipped { WHITE } else { f32::INFINITY };
     let clip = Clip { a: of_stored(stored == [true; 2]), b: of_stored(stored[1]) };
     let is_open = |found: &Option<Found>| {
-        // A curve that is nearly a power is not one, a constant light is no clamp, and edges may be shifted besides
-        found.as_ref().is_none_or(|found| !found.explanation.leaves_noise)
+        found.as_ref().is_none_or(|Found { explanation, .. }| {
+            // A curve that is nearly a power is not one, a constant light is no clamp, and edges may be shifted besides
+            let is_doubtful = explanation.is_tentative || explanation.mse_left > NEARLY_NOTHING;
+            explanation.in_part || is_doubtful && !explanation.leaves_noise
+        })
     };
     // Plain changes first: a change with more freedom, or two changes, leave less of any difference
     let singles = changes(a, b, &grid, clip);
