@@ -6,7 +6,7 @@ use super::global::{Global, OUTPUT, Reports, Verdict, out, seed, threads, verbos
 use super::values::{choice, share};
 use clap::Args;
 use etalon_bench::protocol::program;
-use etalon_bench::sweep::{Description, Part, Plan, conclude, replay, run};
+use etalon_bench::sweep::{Computed, Description, Plan, conclude, replay, run};
 use etalon_core::error::{Error, Result};
 use etalon_core::files;
 use etalon_figures::output;
@@ -124,27 +124,28 @@ impl Sweep {
         let numbers = [self.detect, self.level];
         let description = Description::new(&families, self.strategy, self.configurations, global.seed, numbers)?;
         let plan = Plan::new(description, families)?;
-        // Where the part goes, checked before it is computed.
+        // Where the file goes, checked before anything is computed.
         let target = global.target();
         let name = output::name_of_run("sweep", &subjects);
         let path = target.file(&name, "", "csv")?;
         files::check_writable(&path)?;
-        let mut part = Part::new(&plan);
+        let mut computed = Computed::new(&plan);
         if let Some(state) = self.resume.as_deref().filter(|state| state.exists()) {
-            part = continued(Part::read(state)?, &plan, state)?;
+            computed = continued(Computed::read(state)?, &plan, state)?;
             files::release_input(state);
         }
-        let save = |part: &Part| {
-            part.write(self.resume.as_deref().unwrap_or(&path))?;
-            if self.resume.is_some() { part.write(&path) } else { Ok(()) }
+        let save = |computed: &Computed| {
+            computed.write(self.resume.as_deref().unwrap_or(&path))?;
+            if self.resume.is_some() { computed.write(&path) } else { Ok(()) }
         };
-        let missing = (0..plan.len()).filter(|&number| !part.has(number)).count();
+        let missing = (0..plan.len()).filter(|&number| !computed.has(number)).count();
         let bar = console.progress(missing as u64, "sweep", "configurations");
-        run(&plan, &mut part, &|count| bar.inc(count), &save)?;
+        run(&plan, &mut computed, &|count| bar.inc(count), &save)?;
         bar.finish_and_clear();
-        if (0..plan.len()).any(|number| !part.has(number)) {
-            let found = serde_json::json!({ "configurations": part.len(), "interrupted": true });
-            console.saved(&found, &target.written(vec![path.clone()]), || format!("{} configurations\n", part.len()));
+        if (0..plan.len()).any(|number| !computed.has(number)) {
+            let found = serde_json::json!({ "configurations": computed.len(), "interrupted": true });
+            console
+                .saved(&found, &target.written(vec![path.clone()]), || format!("{} configurations\n", computed.len()));
             let mut checks = Checks { title: TITLE.into(), list: Vec::new(), seconds: start.elapsed().as_secs_f64() };
             checks.interrupted("nothing is decided yet");
             self.reports.write(&checks)?;
@@ -152,7 +153,7 @@ impl Sweep {
             return Ok(Verdict::Inconclusive);
         }
         let bar = console.progress(1, "run survivors again", "configurations");
-        let found = conclude(&plan, &part, &|count, of| {
+        let found = conclude(&plan, &computed, &|count, of| {
             bar.set_length(of);
             bar.inc(count);
         })?;
@@ -209,7 +210,7 @@ fn replayed(text: String, findings: Vec<Finding>, level: f64) -> Replayed {
 }
 
 /// `held` if it is of the same sweep.
-fn continued(held: Part, plan: &Plan, path: &std::path::Path) -> Result<Part> {
+fn continued(held: Computed, plan: &Plan, path: &std::path::Path) -> Result<Computed> {
     if let Some(number) = held.last().filter(|number| *number >= plan.len()) {
         return Err(Error::input(path, format!("the sweep has no configuration {number}")));
     }

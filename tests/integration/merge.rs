@@ -1,4 +1,4 @@
-//! Parts of a render: their files, `etalon merge`, and what may not be merged; states of a sweep, and replays of one configuration.
+//! Parts of a render: their files, `etalon merge`, and what may not be merged.
 
 use crate::program::{etalon, json};
 use etalon::Error;
@@ -266,43 +266,6 @@ fn the_command_merges_and_says_what_is_missing() {
         let ran = etalon(dir.path(), args);
         assert!(ran.code == 2 && ran.stderr.contains(expected) && ran.stdout.is_empty(), "{args:?}: {}", ran.stderr);
     }
-}
-
-#[test]
-fn sweeps_go_on_where_they_were_and_bad_ones_are_refused() {
-    let dir = tempfile::tempdir().unwrap();
-    let sweep = ["sweep", "mirror", "--configurations", "9"];
-    let whole = json(dir.path(), &[&sweep[..], &["-t", "1", "-o", "whole.csv"]].concat());
-    assert_eq!((&whole["configurations"], &whole["rejected"]), (&9.into(), &0.into()));
-    let text = std::fs::read_to_string(dir.path().join("whole.csv")).unwrap();
-    let some: Vec<&str> = text.lines().take(6).collect();
-    std::fs::write(dir.path().join("state.csv"), some.join("\n")).unwrap();
-    std::fs::write(dir.path().join("beyond.csv"), text.replacen("\n8,", "\n99,", 1)).unwrap();
-    let resumed = json(dir.path(), &[&sweep[..], &["-t", "2", "--resume", "state.csv", "-o", "again.csv"]].concat());
-    assert_eq!(resumed["groups"], whole["groups"]);
-    assert_eq!(std::fs::read_to_string(dir.path().join("again.csv")).unwrap(), text);
-    for (args, expected) in [
-        (&["sweep", "mirror", "--resume", "whole.csv"][..], "another sweep (configurations: 100 here, 9 there)"),
-        (&["sweep", "mirror", "--configurations", "9", "--resume", "beyond.csv"], "has no configuration 99"),
-        (&["sweep", "miror"], "there is no family \"miror\""),
-        (&["sweep", "mirror", "--configurations", "0"], "--configurations"),
-        (&["sweep", "mirror", "--detect", "2"], "--detect"),
-        (&["sweep", "--replay", "mirror wo=90"], "--replay"),
-        (&["sweep", "--replay", "mirror check=x"], "there is no check \"x\""),
-    ] {
-        let ran = etalon(dir.path(), args);
-        assert!(ran.code == 2 && ran.stderr.contains(expected), "{args:?}: {}", ran.stderr);
-    }
-}
-
-#[test]
-fn replays_run_one_configuration() {
-    let dir = tempfile::tempdir().unwrap();
-    let found = json(dir.path(), &["sweep", "--replay", "ggx alpha_x=0.001 wo=75,30 seed=7 check=formula"]);
-    assert_eq!(found["configuration"], "ggx alpha_x=0.001 alpha_y=0.3 eta=0.5 k=2.5 wo=75,30 seed=7");
-    assert_eq!((&found["checks"][0]["verdict"], &found["checks"][1]), (&"accept".into(), &serde_json::Value::Null));
-    let list = json(dir.path(), &["sweep", "diffuse", "--list"]);
-    assert_eq!(list["families"][0]["parameters"][0][0], "albedo");
 }
 
 /// The job script of the book, run with a stand-in for Slurm's `srun`: as an array, and with one task alone.

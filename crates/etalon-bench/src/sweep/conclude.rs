@@ -1,6 +1,6 @@
 //! The decision on a sweep, and what it says of every family and check.
 
-use super::part::Part;
+use super::computed::Computed;
 use super::plan::Plan;
 use etalon_core::error::Result;
 use etalon_core::interrupt;
@@ -105,7 +105,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(plan: &Plan, part: &Part) -> Self {
+    fn of(plan: &Plan, computed: &Computed) -> Self {
         let mut sums = Self {
             groups: BTreeMap::new(),
             failed: BTreeMap::new(),
@@ -114,7 +114,7 @@ impl Sums {
             violated: BTreeSet::new(),
             configurations: 0,
         };
-        for (number, cells, message) in part.rows() {
+        for (number, cells, message) in computed.rows() {
             let (family, _) = plan.get(number);
             sums.configurations += 1;
             let any = |state: State| cells.iter().any(|cell| cell.state == state);
@@ -151,12 +151,12 @@ impl Sums {
     }
 }
 
-/// Decides on the sweep, of which `part` has all configurations.
+/// Decides on the sweep, of which `computed` has all configurations.
 ///
 /// # Errors
 /// Those of the checks that are run again.
-pub fn conclude(plan: &Plan, part: &Part, done: &(dyn Fn(u64, u64) + Sync)) -> Result<Conclusion> {
-    let mut sums = Sums::of(plan, part);
+pub fn conclude(plan: &Plan, computed: &Computed, done: &(dyn Fn(u64, u64) + Sync)) -> Result<Conclusion> {
+    let mut sums = Sums::of(plan, computed);
     let detect = plan.description.detect();
     let (survivors, left_out) = sums.survivors.chosen();
     let all = survivors.len();

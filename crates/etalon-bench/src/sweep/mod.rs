@@ -2,12 +2,12 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod computed;
 mod conclude;
-mod part;
 mod plan;
 
+pub use computed::{Computed, run};
 pub use conclude::{Conclusion, Failure, Group, SurvivorRow, conclude};
-pub use part::{Part, run};
 pub use plan::{Description, Families, Plan, replay};
 
 #[cfg(test)]

@@ -60,11 +60,11 @@ fn plan(families: Families, configurations: u64, seed: u64) -> Plan {
 }
 
 /// Computes a sweep and writes its file.
-fn computed(folder: &Path, plan: &Plan) -> (Part, PathBuf) {
+fn run_of(folder: &Path, plan: &Plan) -> (Computed, PathBuf) {
     let path = folder.join("sweep.csv");
-    let mut part = Part::new(plan);
-    run(plan, &mut part, &|_| (), &|part| part.write(&path)).unwrap();
-    (part, path)
+    let mut computed = Computed::new(plan);
+    run(plan, &mut computed, &|_| (), &|computed| computed.write(&path)).unwrap();
+    (computed, path)
 }
 
 #[test]
@@ -72,8 +72,8 @@ fn computed(folder: &Path, plan: &Plan) -> (Part, PathBuf) {
 fn a_planted_fault_is_rejected_and_its_replay_fails() {
     let folder = tempfile::tempdir().unwrap();
     let sweep = plan(planted(0.2), 20, 1);
-    let (part, path) = computed(folder.path(), &sweep);
-    let found = conclude(&sweep, &part, &|_, _| ()).unwrap();
+    let (computed, path) = run_of(folder.path(), &sweep);
+    let found = conclude(&sweep, &computed, &|_, _| ()).unwrap();
     assert!((2..=6).contains(&found.rejected) && found.configurations == 20, "{found:?}");
     let failure = found.failures.iter().find(|failure| failure.check == "sampling").unwrap();
     assert!(failure.configurations == found.rejected && failure.p.unwrap() < 1e-6, "{failure:?}");
@@ -82,10 +82,10 @@ fn a_planted_fault_is_rejected_and_its_replay_fails() {
     let (_, configuration, findings) = replay(&failure.replay, &families, 0.05).unwrap();
     assert!(configuration.values[0] < 0.2 && findings.len() == 1 && findings[0].p == failure.p, "{findings:?}");
     // From its file, and made again by one thread, it is the same.
-    assert_eq!(conclude(&sweep, &Part::read(&path).unwrap(), &|_, _| ()).unwrap(), found);
+    assert_eq!(conclude(&sweep, &Computed::read(&path).unwrap(), &|_, _| ()).unwrap(), found);
     let bytes = std::fs::read(&path).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    pool.install(|| computed(folder.path(), &sweep));
+    pool.install(|| run_of(folder.path(), &sweep));
     assert!(std::fs::read(&path).unwrap() == bytes);
 }
 
@@ -93,11 +93,11 @@ fn a_planted_fault_is_rejected_and_its_replay_fails() {
 fn what_is_right_is_accepted_and_its_part_reads_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(planted(-1.0), 6, 2);
-    let (part, path) = computed(folder.path(), &plan);
-    let found = conclude(&plan, &part, &|_, _| ()).unwrap();
+    let (computed, path) = run_of(folder.path(), &plan);
+    let found = conclude(&plan, &computed, &|_, _| ()).unwrap();
     assert!(found.rejected == 0 && found.inconclusive == 0 && found.failures.is_empty(), "{found:?}");
-    let read = Part::read(&path).unwrap();
-    assert!(read.len() == 6 && read == part && read.description() == &plan.description);
+    let read = Computed::read(&path).unwrap();
+    assert!(read.len() == 6 && read == computed && read.description() == &plan.description);
 }
 
 #[test]
@@ -107,11 +107,11 @@ fn damaged_files_and_those_of_other_sweeps_are_told() {
         families::all().into_iter().filter(|f| f.name() == "mirror").map(|f| Box::new(f) as Box<dyn Family>).collect()
     };
     let sweep = plan(mirror(), 4, 1);
-    let text = std::fs::read_to_string(computed(folder.path(), &sweep).1).unwrap();
+    let text = std::fs::read_to_string(run_of(folder.path(), &sweep).1).unwrap();
     let damaged = folder.path().join("damaged.csv");
     let read = |text: String| {
         std::fs::write(&damaged, text).unwrap();
-        Part::read(&damaged)
+        Computed::read(&damaged)
     };
     let row = text.lines().nth(2).unwrap();
     for (bad, expected) in [
@@ -139,13 +139,13 @@ fn an_interrupted_part_goes_on_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let families: Families = vec![Box::new(families::all().swap_remove(1))];
     let plan = plan(families, 5, 1);
-    let whole = std::fs::read_to_string(computed(folder.path(), &plan).1).unwrap();
+    let whole = std::fs::read_to_string(run_of(folder.path(), &plan).1).unwrap();
     let path = folder.path().join("some.csv");
     let some: Vec<&str> =
         whole.lines().enumerate().filter(|(i, _)| ![2, 4].contains(i)).map(|(_, line)| line).collect();
     std::fs::write(&path, some.join("\n")).unwrap();
-    let mut part = Part::read(&path).unwrap();
-    assert!(part.len() == 3 && !part.has(0) && part.has(1));
-    run(&plan, &mut part, &|_| (), &|part| part.write(&path)).unwrap();
+    let mut computed = Computed::read(&path).unwrap();
+    assert!(computed.len() == 3 && !computed.has(0) && computed.has(1));
+    run(&plan, &mut computed, &|_| (), &|computed| computed.write(&path)).unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
 }

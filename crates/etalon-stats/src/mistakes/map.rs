@@ -13,12 +13,14 @@ use rand::RngExt;
 /// Samples at which derivatives are taken, and most random numbers of each.
 const SAMPLES: usize = 256;
 const MOST_NUMBERS: usize = 8;
-/// Rows and columns of the cells whose counts must agree with the density; the share of points where they must, the factor by which samples
-/// may be denser, where two places of the random numbers would make it 2; and how near to a whole number the usual factor must be.
+/// Rows and columns of the cells whose counts must agree with the density; the share of points where they must, and the factor by which samples
+/// may be denser, where two places of the random numbers would make it 2; and of how many of the points the factor must be near to a whole number,
+/// if that is more than 1.
 const SHAPE: [usize; 2] = [12, 8];
 const MOST_POINTS: f64 = 0.9;
 const DENSER: f64 = 1.8;
-const WHOLE: f64 = 0.1;
+const MIDDLE: [f64; 2] = [0.2, 0.8];
+const WHOLE: f64 = 0.25;
 
 /// Points of samples, each with the density of samples there and the pdf, if samples are a function of as many of their random numbers as the
 /// domain has dimensions, and of none of the others. Where several of these lead to one point, by a symmetry, the density is as many times as
@@ -124,7 +126,7 @@ fn multiplicity(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], a
     ratios.sort_by(f64::total_cmp);
     let at = |share: f64| ratios[(share * ratios.len() as f64) as usize];
     let times = at(0.5).round().at_least(1.0);
-    let is_whole = times == 1.0 || (at(0.5) - times).abs() <= WHOLE * times;
+    let is_whole = times == 1.0 || MIDDLE.iter().all(|share| (at(*share) - times).abs() <= WHOLE * times);
     (is_whole && at(MOST_POINTS) <= DENSER * times).then_some(times)
 }
 

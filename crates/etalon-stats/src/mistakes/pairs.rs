@@ -298,11 +298,13 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Vec<Vec<String>>
     let of = |variable: &Variable| {
         let mut sorted: Vec<[f64; 2]> = ratios.iter().map(|(at, ratio)| [(variable.at)(*at), *ratio]).collect();
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        // Single values that differ make no function.
+        // Single values that differ make no function, and a steep end no other.
         let mut ratios: Vec<f64> = sorted.iter().map(|at| at[1]).collect();
         ratios.sort_by(f64::total_cmp);
-        let range = ratios[ratios.len() - 1 - ratios.len() / FEW] - ratios[ratios.len() / FEW];
-        let travelled: f64 = sorted.windows(2).map(|both| (both[1][1] - both[0][1]).abs()).sum();
+        let [low, high] = [ratios[ratios.len() / FEW], ratios[ratios.len() - 1 - ratios.len() / FEW]];
+        let range = high - low;
+        let step = |both: &[[f64; 2]]| (both[1][1].within(low, high) - both[0][1].within(low, high)).abs();
+        let travelled: f64 = sorted.windows(2).map(step).sum();
         let is_known = sorted.iter().all(|at| at[0].is_finite());
         let is_function = is_known && range > LEAST_RANGE && travelled <= UP_AND_DOWN * range;
         let what = variable.of?;

@@ -30,7 +30,7 @@ const FIRST: [&str; 6] = ["number", "family", "parameters", "theta_deg", "phi_de
 
 /// Some of the configurations of a sweep, with what the checks say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct Computed {
     description: Description,
     rows: BTreeMap<u64, StringRecord>,
 }
@@ -52,7 +52,7 @@ const STATES: [(&str, State); 4] = [
     ("violated", State::Violated),
 ];
 
-impl Part {
+impl Computed {
     /// The same without configurations yet.
     pub fn new(plan: &Plan) -> Self {
         Self { description: plan.description.clone(), rows: BTreeMap::new() }
@@ -203,13 +203,18 @@ const BATCH: usize = 64;
 /// How often what is finished is saved.
 const SAVE: Duration = Duration::from_secs(60);
 
-/// Computes what `part` lacks. `save` is called about once a minute and at the end; `done` with the number of configurations so far. Once the
-/// process is asked to stop, what is finished is saved; the part then lacks the rest.
+/// Computes what `computed` lacks. `save` is called about once a minute and at the end; `done` with the number of configurations so far. Once the
+/// process is asked to stop, what is finished is saved; the rest is then missing.
 ///
 /// # Errors
 /// Those of the checks, except interruption, and of `save`.
-pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part) -> Result<()>) -> Result<()> {
-    let missing: Vec<u64> = (0..plan.len()).filter(|&number| !part.has(number)).collect();
+pub fn run(
+    plan: &Plan,
+    computed: &mut Computed,
+    done: &dyn Fn(u64),
+    save: &dyn Fn(&Computed) -> Result<()>,
+) -> Result<()> {
+    let missing: Vec<u64> = (0..plan.len()).filter(|&number| !computed.has(number)).collect();
     let mut saved = Instant::now();
     for batch in missing.chunks(BATCH) {
         if interrupt::requested() {
@@ -225,13 +230,13 @@ pub fn run(plan: &Plan, part: &mut Part, done: &dyn Fn(u64), save: &dyn Fn(&Part
             false => batch.par_iter().map(one).collect::<Result<_>>()?,
         };
         for (number, findings) in found.into_iter().flatten() {
-            part.add(plan, number, &findings);
+            computed.add(plan, number, &findings);
         }
         done(batch.len() as u64);
         if saved.elapsed() > SAVE {
-            save(part)?;
+            save(computed)?;
             saved = Instant::now();
         }
     }
-    save(part)
+    save(computed)
 }
