@@ -129,9 +129,11 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let is_surface = subject.properties.kind == Kind::Surface;
             let parts = if is_surface && parts.len() > 1 { format!(" ({})", parts.join(", ")) } else { String::new() };
             let what = if is_surface { "albedo" } else { "integral over the sphere" };
-            // Without 1/π in f, it is π times what its author knows.
-            let of_pi =
-                if claim.is_upper_bound && value <= PI { format!(" = {:.5} π", value / PI) } else { String::new() };
+            // Without 1/π in f, it is π times what its author knows: a number of few digits.
+            let known = (100.0 * value / PI).round() / 100.0;
+            let is_known =
+                claim.is_upper_bound && known <= 1.0 && (value / PI - known).abs() <= ROUNDING.at_least(error);
+            let of_pi = if is_known { format!(" = {known} π") } else { String::new() };
             format!(
                 "{from}: the {what} is {value:.5}{of_pi} ± {error:.1e}{noise}{parts}, {not} {albedo:.5}{}",
                 if claim.is_upper_bound {

@@ -661,7 +661,7 @@ fn every_check_rejects_what_it_is_there_for() {
         assert!(checks.iter().all(|check| found.contains(check)), "{checks:?} of {found:?}");
     }
     let text = test("faulty", &Lambertian(Fault::Bright), &[towards(40.0)], &quick()).unwrap().to_string();
-    assert!(text.contains("the albedo is 2.19911 = 0.70000 π"), "{text}");
+    assert!(text.contains("the albedo is 2.19911 = 0.7 π"), "{text}");
     let text = test("faulty", &Lambertian(Fault::AboveBound), &[towards(40.0)], &quick()).unwrap().to_string();
     assert!(text.contains("above the declared bound 0.79"), "{text}");
     let text = test("faulty", &Lambertian(Fault::WrongMap), &[towards(40.0)], &quick()).unwrap().to_string();

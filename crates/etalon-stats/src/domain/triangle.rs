@@ -53,6 +53,8 @@ fn mistakes<'a>(
         let name = format!("a density in proportion to 1/(1 - b{i}) (1 - b{i} is u, not √u)");
         Mistake::density(&name, move |at| 1.0 / (1.0 - barycentric(at)[i]))
     }));
+    let normalized = "a density in proportion to 1/max(b0, b1, b2)³ (three uniform numbers divided by their sum, not exponential ones)";
+    all.push(Mistake::density(normalized, move |at| barycentric(at).into_iter().fold(0.0, f64::at_least).powi(-3)));
     all
 }
 

@@ -461,6 +461,13 @@ mod tests {
         let drawn = sampler(1, |u: &[f64]| Some(Sample::new((ends.partition_point(|end| *end <= u[0]) + 1) % 16)));
         let shifted = told(&Discrete { outcomes: 16 }, &drawn, &crate::density(|i: usize| weights[i] / total));
         assert!(shifted.contains("samples follow the pdf of the previous outcome"), "{shifted}");
+        // Three numbers that are not exponential
+        let normalized = sampler(3, |u: &[f64]| {
+            let sum: f64 = u.iter().sum();
+            Some(Sample::new([u[0] / sum, u[1] / sum]))
+        });
+        let triangle = told(&crate::Barycentric, &normalized, &crate::density(|_: [f64; 2]| 2.0));
+        assert!(triangle.contains("samples follow a density in proportion to 1/max(b0, b1, b2)³"), "{triangle}");
         // Few outcomes, and a factor that is the square of a rate
         let few = [0.05, 0.3, 0.1, 0.25, 0.2, 0.1];
         let cdf: Vec<f64> = few
