@@ -1,6 +1,6 @@
 //! The density of samples by the derivatives of the sampler's map from random numbers to points: exact where the map is one to one.
 
-use super::{EQUAL, FEWEST_PAIRS, Pair, asked, unless_cancelled};
+use super::{BATCH, EQUAL, FEWEST_PAIRS, Pair, asked, unless_cancelled};
 use crate::derivative::{Derivative, STEPS, derivative, moved, on_raster};
 use crate::domain::Domain;
 use crate::error::Result;
@@ -56,7 +56,7 @@ fn pairs(
         .flat_map(|u| u.iter().copied().chain((0..numbers).flat_map(|axis| moved(u, axis))).collect::<Vec<f64>>())
         .collect();
     let mut samples = Vec::with_capacity(all.len() / numbers);
-    sampler.sample(&all, &mut samples)?;
+    all.chunks(BATCH * numbers).try_for_each(|batch| sampler.sample(batch, &mut samples))?;
     if samples.iter().flatten().any(|sample| sample.atom) {
         return Ok(None);
     }
@@ -84,8 +84,10 @@ fn pairs(
             areas.push(area);
         }
     }
-    let times = Some(places.len()).filter(|count| *count >= FEWEST_PAIRS);
-    let Some(times) = times.and_then(|_| multiplicity(domain, charts, &places, &areas)) else { return Ok(None) };
+    if places.len() < FEWEST_PAIRS {
+        return Ok(None);
+    }
+    let Some(times) = multiplicity(domain, charts, &places, &areas) else { return Ok(None) };
     let points = domain.points_at(&places)?;
     domain.per_chart_area(&places, &mut areas)?;
     let pdfs = asked(density, &points)?;
