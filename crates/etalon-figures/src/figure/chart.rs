@@ -4,7 +4,7 @@ use super::frame::{self, Axes, Sides};
 use super::legend::{Legend, Occupancy};
 use super::page::Page;
 use super::panel::{Mark, Panel};
-use super::shapes::{Anchor, Colour, Level, Marker, Paint, Point, Rect, Stroke, Text};
+use super::shapes::{Anchor, Colour, Level, Paint, Point, Rect, Stroke, Text};
 use super::{heatmap, text, theme};
 
 /// Distance of labels from curves and from each other.
@@ -119,7 +119,6 @@ pub(super) struct Sketch<'a> {
 struct Curve {
     label: String,
     stroke: Stroke,
-    marker: Option<(Marker, Colour)>,
     /// Places along it, and those that tell where it runs.
     places: Vec<Point>,
     few: Vec<Point>,
@@ -215,10 +214,6 @@ impl Sketch<'_> {
         let curve = |mark: &Mark| match mark {
             Mark::Line { label, stroke, points } if !label.is_empty() => {
                 let places = points.windows(2).flat_map(|ends| self.between(ends));
-                let of_label = |mark: &Mark| match mark {
-                    Mark::Dots { label: of, colour, marker, .. } if of == label => Some((*marker, *colour)),
-                    _ => None,
-                };
                 let places: Vec<Point> = places.collect();
                 // The points of a long curve that tell where it runs
                 let mut few: Vec<Point> = Vec::new();
@@ -227,8 +222,7 @@ impl Sketch<'_> {
                         few.push(*place);
                     }
                 }
-                let marker = marks.iter().find_map(of_label);
-                Some(Curve { label: label.clone(), stroke: *stroke, marker, places, few })
+                Some(Curve { label: label.clone(), stroke: *stroke, places, few })
             }
             _ => None,
         };
@@ -255,16 +249,14 @@ impl Sketch<'_> {
             return None;
         };
         for (i, place, end) in found {
-            let Curve { label, stroke, marker, .. } = &curves[i];
+            let Curve { label, stroke, .. } = &curves[i];
             if let Some(end) = end {
                 self.drawing.line(leader(&place, end), Stroke::solid(stroke.colour, LEADER));
                 self.drawing.circle(end, LEADER_END, stroke.colour);
             }
             let [x, y] = [place.x + 2.0, place.centre()[1]];
+            // A marker in the frame would be read as a datum
             self.drawing.line([[x, y], [x + NAME_SAMPLE, y]], *stroke);
-            if let Some((marker, colour)) = *marker {
-                self.drawing.marker([x + 0.5 * NAME_SAMPLE, y], theme::DOT, marker, colour);
-            }
             let text = Text::new([x + NAME_SAMPLE + NAME_GAP, y], theme::NOTE_SIZE, label.clone());
             self.drawing.text(text.held(Anchor::Start, Level::Middle));
         }

@@ -449,12 +449,13 @@ pub fn cost_rows(scenes: &[(&str, Rc<Convergence>)]) -> Vec<CostRow> {
     scenes.iter().flat_map(of_scene).collect()
 }
 
-/// [`cost_rows`] as a panel for each scene, the cheapest strategy at the top; all panels have one axis.
+/// [`cost_rows`] as a panel for each scene, the cheapest strategy at the top.
 pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
-    let rows = cost_rows(scenes);
-    let ends = rows.iter().flat_map(|row| [row.cost_low, row.cost_high]).filter(|end| end.is_finite() && *end > 0.0);
-    let [least, most] = ends.fold([1.0f64; 2], |[least, most], end| [least.min(end), most.max(end)]);
-    let panel = |(title, result): &(&str, Rc<Convergence>)| {
+    let panel = |scene @ (title, result): &(&str, Rc<Convergence>)| {
+        let rows = cost_rows(std::slice::from_ref(scene));
+        let ends = rows.iter().flat_map(|row| [row.cost_low, row.cost_high]);
+        let ends = ends.filter(|end| end.is_finite() && *end > 0.0);
+        let [least, most] = ends.fold([1.0f64; 2], |[least, most], end| [least.min(end), most.max(end)]);
         let value = |curve: &Curve| cost(result, curve);
         let of = |curve: &Curve| value(curve).map_or(f64::INFINITY, |[_, cost, _]| cost);
         let mut curves = drawn(result);
@@ -468,8 +469,7 @@ pub fn costs(scenes: &[(&str, Rc<Convergence>)]) -> Drawing {
     let panels: Vec<Panel> = scenes.iter().map(panel).collect();
     let rows = panels.chunks(2).map(|row| (String::new(), row.to_vec()));
     let plot = Plot::grid(rows.collect::<Vec<_>>()).frame_size(FRAME[0], FRAME[1]).draw();
-    let line = "a strategy has one colour in all panels".to_owned();
-    plot.headed("Time for the same error, over that of the default: less is better", vec![line])
+    plot.headed("Time for the same error, over that of the default: less is better", Vec::new())
 }
 
 /// The next of 1, 2, 5 times a power of ten.

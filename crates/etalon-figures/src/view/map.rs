@@ -116,7 +116,7 @@ impl Display {
         self.markers(&mut drawing, &markers, &[(2.0 * rim, theme::MARKER_SHADE), (rim, theme::BORDER)]);
         let densest = groups.iter().max_by_key(|group| group.count).filter(|group| group.count > 1);
         // An inset that does not part the dots shows nothing
-        let is_parted = |group: &&Group| group.extent * self.scale * self.zoom()[1] as f64 > DOT;
+        let is_parted = |group: &&Group| group.count > 2 && group.extent * self.scale * self.zoom()[1] as f64 > DOT;
         let zoom = densest.filter(is_parted).map(|densest| self.inset(&mut drawing, rows, densest.at));
         Drawing::Picture(Picture { page: drawing, key: self.key(side, densest.map(|group| group.count), zoom) })
     }

@@ -55,7 +55,7 @@ pub fn errors(sweeps: &[Sweep]) -> Drawing {
     };
     let is_remarked = |name: &str| shown.iter().any(|(sweep, _)| sweep.family.name == name);
     let remarks = REMARKS.into_iter().filter(|(name, _)| is_remarked(name)).map(|(_, remark)| remark.to_owned());
-    let pale = "Largest relative errors; those below the pale line, which the title leaves out, are what rounding of the input may cause.".to_owned();
+    let pale = "Errors below the pale line are smaller than what rounding of the input may cause.".to_owned();
     let of_family = |others: &[(&Sweep, usize)]| {
         let grids: Vec<&str> = others.iter().map(|(sweep, number)| sweep.family.sections[*number].title).collect();
         format!("{} ({})", in_words(others[0].0.family.name), grids.join(", "))
@@ -91,14 +91,14 @@ fn headline(shown: &[(&Sweep, usize)], names: &[&str]) -> String {
         format!("the {} is off {size}", formula(name))
     };
     let told: Vec<String> = names.iter().map(told).collect();
-    format!("In single precision (f32) {}", told.join(", "))
+    format!("Beyond what rounding of the input explains in f32, {}", told.join(", "))
 }
 
-/// The smallest number of panels in a row, from 3 to [`MOST_COLUMNS`], that leaves the fewest places empty, in at most [`MOST_ROWS`].
+/// The number of panels in a row, from 3 to [`MOST_COLUMNS`], that leaves the fewest places empty, in at most [`MOST_ROWS`].
 fn columns(panels: usize) -> usize {
     let fits = |columns: &usize| panels.div_ceil(*columns) <= MOST_ROWS;
     let empty = |columns: &usize| panels.next_multiple_of(*columns) - panels;
-    (3..=MOST_COLUMNS).filter(fits).min_by_key(empty).unwrap_or(MOST_COLUMNS)
+    (3..=MOST_COLUMNS).rev().filter(fits).min_by_key(empty).unwrap_or(MOST_COLUMNS)
 }
 
 /// The least relative error that counts as one.
