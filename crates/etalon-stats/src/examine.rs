@@ -399,7 +399,12 @@ impl Test<'_> {
         }
         named = named.or_else(|| mistakes::of_side(domain, &pairs, names));
         named = named.or_else(|| mistakes::of_power(&pairs, names));
-        Ok(named.or_else(|| mistakes::of_one_variable(domain, density, &pairs, names)))
+        named = named.or_else(|| mistakes::of_one_variable(domain, density, &pairs, names));
+        if named.is_none() && !self.is_in_leaves {
+            let unused = mistakes::map::unused(self.source.sampler, self.protocol.seed)?;
+            named = unused.map(|u| NamedMistake::from(format!("no sample changes with the random number u{u}")));
+        }
+        Ok(named)
     }
 
     /// Tests the samples and integrals of a look. Scales say what they detect where `states_power`.

@@ -94,6 +94,35 @@ fn pairs(
     Ok(Some(points.into_iter().zip(areas.into_iter().zip(pdfs).map(|(area, pdf)| [times / area, pdf])).collect()))
 }
 
+/// Which of one or two random numbers changes no sample, as where another is used in its place.
+///
+/// # Errors
+/// As [`of`].
+pub fn unused(sampler: &dyn Sampler, seed: u64) -> Result<Option<usize>> {
+    let numbers = sampler.dimension();
+    if !(1..=2).contains(&numbers) || sampler.finite_len().is_some() {
+        return Ok(None);
+    }
+    let mut rng = CounterRng::new(seed, STREAM);
+    let u: Vec<f64> = (0..SAMPLES * numbers).map(|_| rng.random()).collect();
+    let sampled = |u: &[f64]| {
+        let mut samples = Vec::new();
+        sampler.sample(u, &mut samples).map(|()| samples)
+    };
+    let find = || {
+        let here = sampled(&u)?;
+        for axis in 0..numbers {
+            let others: Vec<f64> =
+                u.iter().enumerate().map(|(i, u)| if i % numbers == axis { 1.0 - u } else { *u }).collect();
+            if sampled(&others)? == here {
+                return Ok(Some(axis));
+            }
+        }
+        Ok(None)
+    };
+    unless_cancelled(find())
+}
+
 /// The stream of the random numbers, apart from those of tests.
 const STREAM: u64 = u64::MAX;
 
@@ -173,6 +202,11 @@ mod tests {
             let x = r * phi.cos();
             Some(Sample::new([x.abs(), r * phi.sin(), (1.0 - r * r).sqrt()]))
         });
+        // One random number in place of two
+        let once = sampler(2, |u| Some(Sample::new((-2.0 * (1.0 - u[0]).ln()).sqrt() * (2.0 * PI * u[0]).cos())));
+        let normal = density(|x: f64| (-0.5 * x * x).exp() / (2.0 * PI).sqrt());
+        let text = told(&crate::RealLine::UNIT, &once, &normal);
+        assert!(text.contains("no sample changes with the random number u1"), "{text}");
         let text = told(&Directions::hemisphere(Pole::Z), &half, &density(|w: [f64; 3]| w[2] / PI));
         assert!(text.contains("the pdf is 0.5 = 1/2 times as large as samples say"), "{text}");
     }

@@ -135,9 +135,7 @@ fn explained_pairs(
             _ => shapes.push(shape(factor, name)),
         }
     }
-    if let Some(first) = exact.first_mut() {
-        // What has another factor here may be exact for other directions
-        first.extend(shapes);
+    if !exact.is_empty() {
         return Ok(exact);
     }
     // The pdf of another outcome
