@@ -379,7 +379,8 @@ impl Test<'_> {
     }
 
     /// The mistake: as clear counts name it; then as the map from random numbers to samples does, which takes few of them; then as more
-    /// counts do.
+    /// counts do. Else what is known by the map: on which side the pdf is right, which power or which function of one variable it lacks; or that
+    /// a random number changes nothing.
     fn named(&self, counts: &Counts) -> Result<Option<NamedMistake>> {
         let missing = self.missing(counts);
         let kinds = if missing == 0 { Kinds::All } else { Kinds::Certain };
@@ -388,9 +389,10 @@ impl Test<'_> {
         }
         let (domain, density, names) = (self.domain, self.density, ["the density of samples", "the pdf"]);
         let charts: Vec<[f64; 2]> = self.pilot.iter().map(|probe| probe.at).collect();
-        let pairs = match self.is_in_leaves {
+        // Of a pdf of unknown mass no factor is known, and so no ratio
+        let pairs = match self.is_in_leaves || self.is_normalized() {
             true => None,
-            false => mistakes::map::of(domain, self.source.sampler, density, &charts, self.protocol.seed)?,
+            false => mistakes::map::of(domain, self.source.sampler, density, &charts, self.pilots, self.protocol.seed)?,
         };
         let pairs = pairs.unwrap_or_default();
         let mut named = mistakes::of_samples(domain, density, &pairs, NAMES)?;
@@ -402,7 +404,8 @@ impl Test<'_> {
         named = named.or_else(|| mistakes::of_one_variable(domain, density, &pairs, names));
         if named.is_none() && !self.is_in_leaves {
             let unused = mistakes::map::unused(self.source.sampler, self.protocol.seed)?;
-            named = unused.map(|u| NamedMistake::from(format!("no sample changes with the random number u{u}")));
+            let told = |u| format!("none of {} samples changed with the random number u{u}", mistakes::map::SAMPLES);
+            named = unused.map(|u| NamedMistake::from(told(u)));
         }
         Ok(named)
     }

@@ -71,9 +71,10 @@ impl NamedMistake {
         self.open.len() > 1
     }
 
-    /// Whether one of the mistakes has this name.
-    pub(crate) fn has(&self, name: &str) -> bool {
-        self.open.iter().flatten().any(|own| own == name)
+    /// The same with more words behind one of the names.
+    pub(crate) fn with_words_after(mut self, name: &str, words: &str) -> Self {
+        self.open.iter_mut().flatten().filter(|own| *own == name).for_each(|own| *own += words);
+        self
     }
 
     /// What explains this finding and another of the same kind, if one mistake can.

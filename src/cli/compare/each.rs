@@ -38,6 +38,8 @@ struct Done {
     hash: u64,
     notes: Vec<String>,
     is_clipped: bool,
+    /// Whether values above 1, which the reference cannot have, were cut here.
+    is_cut: bool,
 }
 
 impl Done {
@@ -184,7 +186,7 @@ impl Compare {
             console.warn(&match b.is_clipped {
                 true => format!("{names}{more}: linear light, compared up to 1, where {reference} is clipped"),
                 false => format!(
-                    "{names}{more}: integer values, clipped at 1, where {reference} is not: no mistake, but metrics are larger by that"
+                    "{names}{more}: integer values, which end at 1, and {reference} has larger ones: this is called no mistake, but metrics are worse for it"
                 ),
             });
         }
@@ -205,7 +207,10 @@ impl Compare {
         let (files, saved) = saving.end();
         let count = |is: fn(&Entry) -> bool| entries.iter().filter(|entry| is(entry)).count();
         let rejected = count(Entry::is_rejected);
-        let unreadable = count(|entry| entry.problem().is_some() && !entry.is_rejected());
+        let unreadable = count(|entry| match &entry.result {
+            Err(_) => true,
+            Ok(done) => done.measured.is_err() && !entry.is_rejected(),
+        });
         let images = entries.iter().map(record).collect();
         let interrupted = missing > 0;
         let output =
@@ -228,21 +233,26 @@ impl Compare {
 
     /// Compares one image; of it, only what the sheet shows is kept.
     fn entry(&self, path: &Path, reference: &Path, b: &Input, bar: &ProgressBar) -> Entry {
+        let mut is_read = false;
         let result = interrupt::check().and_then(|()| read(path)).and_then(|a| {
-            let is_clipped = a.is_clipped;
+            is_read = true;
+            let (is_clipped, hash) = (a.is_clipped, hash(&a.image));
             let a = if b.is_clipped { a.clipped() } else { a };
             let measured = measure(path, &a, reference, b)?;
             let thumbnail = match &measured {
                 Ok(_) => Thumbnail::new(&a.image, &b.image),
                 Err(_) => Thumbnail::of_another_size(&a.image, &b.image),
             };
-            Ok(Done { measured, thumbnail, hash: hash(&a.image), notes: a.notes, is_clipped })
+            let is_cut = a.is_clipped && !is_clipped;
+            Ok(Done { measured, thumbnail, hash, notes: a.notes, is_clipped, is_cut })
         });
         bar.inc(1);
         let rejections = match &result {
             Ok(Done { measured: Ok(measured), .. }) => self.rejections(measured),
             _ if !self.judges() => Vec::new(),
             Ok(_) => vec![Rejection::Size],
+            // What was read and cannot be measured has no finite pixel
+            Err(_) if is_read => vec![Rejection::NotFinite],
             Err(_) => vec![Rejection::Unreadable],
         };
         Entry { file: path.display().to_string(), result, same_as: None, rejections }
@@ -411,12 +421,13 @@ fn said(entry: &Entry, explained: &dyn Fn(&Explanation) -> String) -> Vec<String
     let twin = entry.same_as.as_ref().map(|twin| format!("same pixels as {twin}"));
     let is_only_clipped = |of: &Explanation| entry.result.as_ref().is_ok_and(|done| done.is_only_clipped(of));
     let explanation = entry.explanation().map(|explanation| match is_only_clipped(explanation) {
-        true => "integers, which end at 1".to_owned(),
+        true => "differs only where it is clipped at 1".to_owned(),
         false => of_one(&explained(explanation)),
     });
     let parts = match entry.measured() {
         Some(measured) => {
-            let same = measured.identical.then(|| "the same values as the reference".to_owned());
+            let up_to = if entry.result.as_ref().is_ok_and(|done| done.is_cut) { " up to 1" } else { "" };
+            let same = measured.identical.then(|| format!("the same values as the reference{up_to}"));
             [same, explanation.or_else(|| unknown(measured).map(|told| of_one(&told))), left_out(measured), twin]
         }
         None => [entry.problem(), explanation, twin, None],
@@ -424,19 +435,24 @@ fn said(entry: &Entry, explained: &dyn Fn(&Explanation) -> String) -> Vec<String
     parts.into_iter().flatten().collect()
 }
 
-/// An explanation of one of many images, none of which is called A.
+/// An explanation of one of many images, none of which is called A; B is the blue channel, too, in lists of channels.
 fn of_one(explanation: &str) -> String {
-    let word = |word: &str| {
-        let (before, rest) = word.split_at(usize::from(word.starts_with('(')));
+    let words: Vec<&str> = explanation.split(' ').collect();
+    let is_channel = |word: &&str| matches!(word.trim_end_matches(','), "R" | "G" | "B");
+    let told = |i: usize| {
+        let (before, rest) = words[i].split_at(usize::from(words[i].starts_with('(')));
         let letter = rest.trim_end_matches([',', ';', ':', ')']);
+        let next = words.get(i + 1);
+        let is_in_list = next.is_some_and(|next| *next == "of" || letter != rest && is_channel(next))
+            || i > 0 && words[i - 1].ends_with(',') && is_channel(&words[i - 1]);
         let name = match letter {
             "A" => "it",
-            "B" => "the reference",
-            _ => return word.to_owned(),
+            "B" if !is_in_list => "the reference",
+            _ => return words[i].to_owned(),
         };
         format!("{before}{name}{}", &rest[letter.len()..])
     };
-    explanation.split(' ').map(word).collect::<Vec<_>>().join(" ")
+    (0..words.len()).map(told).collect::<Vec<_>>().join(" ")
 }
 
 /// An image of the sheet: below its name what rejects it, the metrics that are asked for, or else FLIP and PSNR, and what is to be said of it.
@@ -519,4 +535,27 @@ fn csv(entries: &[Entry]) -> Result<Vec<u8>> {
         .field("limits", |entry| Some(record(entry)).filter(|of| of.rejected.is_some()).map(|of| of.limits.join(";")))
         .field("error", Entry::problem)
         .csv()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_are_not_called_a_and_b_and_channels_keep_their_names() {
+        for (of_two, expected) in [
+            (
+                "A is 1.23 ± 0.01 times as bright as B (multiply A by 0.81)",
+                "it is 1.23 ± 0.01 times as bright as the reference (multiply it by 0.81)",
+            ),
+            ("R, G, B of A are G, B, R of B", "R, G, B of it are G, B, R of the reference"),
+            ("R, G, B of A are B, G, R of B", "R, G, B of it are B, G, R of the reference"),
+            (
+                "A is clipped at 1, and clamp B: no value of A is larger",
+                "it is clipped at 1, and clamp the reference: no value of it is larger",
+            ),
+        ] {
+            assert_eq!(of_one(of_two), expected);
+        }
+    }
 }

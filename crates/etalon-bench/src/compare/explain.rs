@@ -193,7 +193,7 @@ pub fn explain(a: &Image, b: &Image, stored: [bool; 2]) -> Reason {
     let clip = Clip { a: of_stored(stored == [true; 2]), b: of_stored(stored[1]) };
     let is_open = |found: &Option<Found>| {
         found.as_ref().is_none_or(|Found { explanation, .. }| {
-            // A curve that is nearly a power is not one, a constant light is no clamp, and edges may be shifted besides
+            // A curve that is nearly a power is not one, a constant light is no clamp, and what is left may be a shift, seen at edges
             let is_doubtful = explanation.is_tentative || explanation.mse_left > NEARLY_NOTHING;
             explanation.in_part || is_doubtful && !explanation.leaves_noise
         })
@@ -654,7 +654,7 @@ const SIDES: [usize; 2] = [2, 8];
 const FLOOR: f64 = 0.1;
 /// Standard errors of an interval of 95 %.
 const INTERVAL: f64 = 1.96;
-/// Pixels across what tells the level and the noise of a block, at least, and most blocks on each side of it.
+/// The neighbourhood that tells a block's level and noise: at least so many pixels wide, with at most so many blocks on each side.
 const AROUND: usize = 14;
 const FAR: usize = 3;
 /// Larger relative residuals count as this: a few bright pixels are no more than any other.
@@ -1007,7 +1007,8 @@ impl Grid {
             (0..3).for_each(|c| sums[block][c] += r[c]);
             // Neighbours in the block itself
             let is_own = |other: &usize| *other < values.len() && self.of_pixel[*other] == self.of_pixel[i];
-            let own = [i + 1, i + width].into_iter().filter(is_own).map(|other| values[other]);
+            let right = Some(i + 1).filter(|right| right % width > 0);
+            let own = right.into_iter().chain([i + width]).filter(is_own).map(|other| values[other]);
             for other in own.filter(|other| other.is_finite()) {
                 pairs[block] += 1.0;
                 (0..3).for_each(|c| squares[block][c] += (r[c] - other[c]).powi(2));

@@ -108,7 +108,7 @@ impl Recorded {
         let seeds: Vec<u64> = (0..).map_while(|index| self.seed(index)).collect();
         let [.., _, first, second] = seeds.as_slice() else {
             let message = format!(
-                "{} has {} kept replicates: two are needed as reference, and others to be measured",
+                "{} has {} kept replicates; at least 3 are needed: the last two are the reference, the others are measured",
                 self.name,
                 seeds.len()
             );

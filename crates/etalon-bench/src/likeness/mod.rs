@@ -565,7 +565,7 @@ impl Comparison<'_> {
         self.largest(expected, BRIGHT).or_else(|| self.largest(expected, SEEN))
     }
 
-    /// Some of the bright values, and those that differ most, with those of the model.
+    /// Some of the bright values, and the one that differs most, with those of the model.
     fn numbers(&self, expected: &[f64]) -> Vec<(Direction, [f64; 2])> {
         let bright = self.differences(expected, BRIGHT).map(|(difference, _)| difference);
         let shown = bright.step_by(SHOWN).chain(self.worst(expected));

@@ -65,7 +65,7 @@ pub struct Ranked {
 
 impl Validation {
     pub(super) fn new(protocol: &Protocol, mut tests: Vec<Tested>, start: Instant) -> Self {
-        // What explains a test alone may be what explains others, too.
+        // Of several explanations those are kept that hold for all tests of the same cause.
         let explanations = explanations(&tests.iter().map(Tested::finding).collect::<Vec<_>>());
         tests.iter_mut().zip(explanations).for_each(|(test, explained)| test.outcome.mistake = explained);
         let count = |verdict| tests.iter().filter(|test| test.outcome.verdict == verdict).count();

@@ -124,7 +124,10 @@ fn make(figure: &'static Figure, inputs: &Inputs, studies: &mut Studies, folder:
         for name in page::further_pages(folder, &figure.id).skip(pages.len() - 1).collect::<Vec<_>>() {
             for extension in FORMATS {
                 let path = output::with_extension(&folder.join(&name), extension);
-                std::fs::remove_file(&path).map_err(|e| Error::io(&path, e))?;
+                match std::fs::remove_file(&path) {
+                    Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&path, e)),
+                    _ => {}
+                }
             }
         }
     }

@@ -103,8 +103,8 @@ pub struct Shown<'a> {
 /// Standard errors by which the mean difference of a place stands out.
 const STANDS_OUT: f64 = 6.0;
 
-/// The place whose mean difference is farthest from that of most others, of those where it is more than the noise, which neighbouring pixels
-/// show, makes it; none if there is no such place.
+/// Of the places whose mean difference is beyond the noise, which neighbouring pixels show, the one farthest from the median; none if there
+/// is no such place.
 fn worst(size @ [width, _]: [usize; 2], difference: &[f64]) -> Option<Region> {
     let of = |region: Region| {
         let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
@@ -381,18 +381,22 @@ fn different_tiles(compared: &Compared) -> Option<String> {
     if different.len() < 2 {
         return None;
     }
-    let (mut ends, mut sums) = ([usize::MAX, 0, usize::MAX, 0], [0.0; 2]);
+    let (mut ends, mut sums, mut signs) = ([usize::MAX, 0, usize::MAX, 0], [0.0; 2], [false; 2]);
     for tests in &different {
         let Functional::Tile([x, y, w, h]) = tests[0].functional else { return None };
         ends = [ends[0].min(x), ends[1].max(x + w - 1), ends[2].min(y), ends[3].max(y + h - 1)];
         let area = (w * h) as f64;
         tests.iter().for_each(|test| (0..2).for_each(|side| sums[side] += area * test.means[side]));
+        tests
+            .iter()
+            .filter(|test| differs(test))
+            .for_each(|test| signs[usize::from(test.means[0] > test.means[1])] = true);
     }
     let [left, right, top, bottom] = ends;
-    let bias = if sums[1] > 0.0 {
-        format!(": A − B is {:+.2} % there", 100.0 * (sums[0] / sums[1] - 1.0))
-    } else {
-        String::new()
+    let bias = match signs {
+        [true, true] => ": brighter and darker ones".to_owned(),
+        _ if sums[1] > 0.0 => format!(": A − B is {:+.2} % there", 100.0 * (sums[0] / sums[1] - 1.0)),
+        _ => String::new(),
     };
     Some(format!(
         "{} of {} tiles of {} pixels differ, columns {left} to {right} and rows {top} to {bottom}{bias}",
@@ -418,10 +422,9 @@ fn p_values(compared: &Compared) -> Panel {
             let limit = family.level(compared.plan);
             first = first.min(point[0]);
             foot = foot.min(point[1]).min(limit);
-            let exponent = limit.log10().floor();
-            let below = match limit < 1e-3 {
-                true => format!("{}·10^{{−{:.0}}}", rounded(limit / 10_f64.powf(exponent), 2), -exponent),
-                false => rounded(limit, 2),
+            let below = match format!("{limit:.1e}").split_once("e-") {
+                Some((digits, exponent)) if limit < 1e-3 => format!("{digits}·10^{{−{exponent}}}"),
+                _ => rounded(limit, 2),
             };
             series.push((format!("{}: different below {below}", family.family.name()), colour, points));
         }

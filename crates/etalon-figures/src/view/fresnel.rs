@@ -327,7 +327,7 @@ fn with_angles(panel: Panel, curves: &MediaCurves, angles: &[Curve]) -> Panel {
     let lines = curves.media.iter().enumerate().flat_map(|(i, medium)| {
         angles.iter().filter_map(move |curve| {
             let at = curve.angle(medium)?;
-            // A metal has no angle without R∥
+            // A metal has a least R∥ that is not 0, and no Brewster's angle
             let [long, short] = match curve {
                 Curve::Brewster if medium.k > 0.0 => ["least /{R}_{∥}"; 2],
                 Curve::Brewster => [curve.label(), "/{θ}_{B}"],

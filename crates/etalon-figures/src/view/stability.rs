@@ -84,7 +84,7 @@ fn headline(shown: &[(&Sweep, usize)], names: &[&str]) -> String {
     let told = |name: &&str| {
         let size = match worst(name) {
             None => "nowhere".into(),
-            Some(error) if error >= 1.0 || error.is_nan() => "by 100 % or more".to_owned(),
+            Some(error) if error >= 1.0 => "by 100 % or more".to_owned(),
             Some(error) if error >= 1e-3 => format!("by up to {} %", rounded(100.0 * error, 2)),
             Some(error) => format!("by up to {}", power_of_ten(error).replace("≈ ", "")),
         };

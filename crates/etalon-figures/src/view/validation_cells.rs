@@ -598,11 +598,6 @@ fn parts(counts: &Counts, Finer { axis, ends, observed, expected, .. }: &Finer) 
 
 /// Counts, observed and expected, between these edges, with their residuals.
 fn bars(title: &str, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
-    let widths = || edges.windows(2).map(|ends| ends[1] - ends[0]);
-    let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths().reduce(of));
-    let is_even = narrowest.zip(widest).is_some_and(|(narrowest, widest)| widest < 1.5 * narrowest);
-    // Where widths differ, samples by width
-    let label = if is_even { "samples".to_owned() } else { format!("samples per {unit}") };
     let all: Vec<([f64; 2], [f64; 2])> = edges
         .windows(2)
         .zip(counts)
@@ -611,6 +606,10 @@ fn bars(title: &str, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
     let [from, to] = shown(&all);
     let all = merged(all, (to - from) / BARS);
     let widths: Vec<f64> = all.iter().map(|(ends, _)| ends[1] - ends[0]).collect();
+    let [narrowest, widest] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| widths.iter().copied().reduce(of));
+    let is_even = narrowest.zip(widest).is_some_and(|(narrowest, widest)| widest < EVEN * narrowest);
+    // Where widths differ, samples by width
+    let label = if is_even { "samples".to_owned() } else { format!("samples per {unit}") };
     let by_width = |i: usize, count: f64| if is_even { count } else { count / widths[i] };
     let (inner, rest): (Vec<_>, Vec<_>) = (0..all.len()).partition(|&i| all[i].0[0] < to && all[i].0[1] > from);
     let axis = Axis::linear(with_rest(title, rest.iter().map(|&i| &all[i].1)));
@@ -643,14 +642,28 @@ fn bars(title: &str, unit: &str, edges: &[f64], counts: &[(f64, f64)]) -> Plot {
 /// Bars along an axis: the counts of narrower ones are mostly chance.
 const BARS: f64 = 100.0;
 
-/// Parts of an axis with their counts, narrow ones together with the next.
+/// Widths of bars that count as equal.
+const EVEN: f64 = 1.01;
+
+/// Parts of an axis with their counts, narrow ones together with the next, or the last with the one before.
 fn merged(parts: Vec<([f64; 2], [f64; 2])>, least: f64) -> Vec<([f64; 2], [f64; 2])> {
+    // Equal parts that make up the width are enough, whatever their rounding
+    let is_narrow = |(ends, _): &([f64; 2], [f64; 2])| ends[1] - ends[0] < least * (1.0 - 1e-6);
+    let join = |(last, sums): &mut ([f64; 2], [f64; 2]), (ends, counts): ([f64; 2], [f64; 2])| {
+        (last[1], *sums) = (ends[1], [0, 1].map(|k| sums[k] + counts[k]));
+    };
     let mut all: Vec<([f64; 2], [f64; 2])> = Vec::new();
-    for (ends, counts) in parts {
-        match all.last_mut().filter(|(last, _)| last[1] - last[0] < least) {
-            Some((last, sums)) => (last[1], *sums) = (ends[1], [0, 1].map(|k| sums[k] + counts[k])),
-            None => all.push((ends, counts)),
+    for part in parts {
+        match all.last_mut().filter(|last| is_narrow(last)) {
+            Some(last) => join(last, part),
+            None => all.push(part),
         }
+    }
+    if all.len() > 1
+        && let Some(rest) = all.pop_if(|last| is_narrow(last))
+        && let Some(last) = all.last_mut()
+    {
+        join(last, rest);
     }
     all
 }
@@ -701,6 +714,17 @@ mod tests {
 
     fn has(svg: &str, texts: &[&str]) {
         texts.iter().for_each(|text| assert!(svg.contains(&format!(">{text}</text>")), "{text}: {svg}"));
+    }
+
+    #[test]
+    fn narrow_bars_are_merged_into_equal_ones() {
+        let cells =
+            |n: usize| (0..n).map(|i| ([i, i + 1].map(|i| i as f64 / n as f64), [1.0, 2.0])).collect::<Vec<_>>();
+        let even = merged(cells(200), 0.01);
+        assert!(even.len() == 100 && even.iter().all(|(_, counts)| *counts == [2.0, 4.0]), "{even:?}");
+        let rest = merged(cells(250), 0.01);
+        assert!(rest.len() == 83 && rest.iter().all(|(ends, _)| ends[1] - ends[0] > 0.0119), "{rest:?}");
+        assert_eq!(rest.iter().map(|(_, [n, _])| n).sum::<f64>(), 250.0);
     }
 
     #[test]

@@ -66,14 +66,10 @@ fn reciprocal_values(subject: &Subject, found: &mut Comparison) -> Result<()> {
     Ok(())
 }
 
-/// The same, with what makes f other than its value with exchanged directions by the angle of one direction alone.
+/// The same, with what usually makes f other than its value with exchanged directions by the angle of one direction alone.
 fn of_one_direction(named: NamedMistake) -> NamedMistake {
-    match named.has("cos θ alone") {
-        true => named.with_suffix(
-            ": f has a factor of one direction, such as a Fresnel term of the surface's normal, or masking for wo and not for wi",
-        ),
-        false => named,
-    }
+    const WORDS: &str = ": f has a factor of one direction, as by a Fresnel term at the surface's normal, or by masking of wo without shadowing of wi";
+    named.with_words_after("cos θ alone", WORDS)
 }
 
 /// Where reflected light is reciprocal, transmitted light up to a factor, and no index of refraction is declared: that with which all is.

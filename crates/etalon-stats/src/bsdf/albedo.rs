@@ -41,15 +41,16 @@ fn integrals(subject: &Subject, pilot: &Pilot, power: bool) -> Result<(Grid, Vec
     Ok((grid, integrals))
 }
 
-/// Errors of a ratio above this leave its constant unknown.
+/// Errors of a ratio above this leave its constant unknown; and its cosine, as an angle has one that a ratio may have by chance.
 const PRECISE: f64 = 2e-3;
+const EXACT: f64 = 1e-4;
 
 /// ", π times it", where a ratio with that `error` is a known constant; or the cosine of `wo` of a surface, or one over it.
 fn times(subject: &Subject, ratio: f64, error: f64) -> String {
     let (cos, most) = (subject.wo[2].abs(), error.at_least(1e-5));
     let cosines = [(cos, "cos θo"), (1.0 / cos, "1/cos θo")].into_iter();
     let cosine = cosines
-        .filter(|_| subject.properties.kind == Kind::Surface)
+        .filter(|_| subject.properties.kind == Kind::Surface && most <= EXACT)
         .find(|(known, _)| (ratio / known - 1.0).abs() <= most);
     let names: Vec<&str> = constant(ratio, most).into_iter().chain(cosine.map(|(_, name)| name)).collect();
     if names.is_empty() || error >= PRECISE { String::new() } else { format!(", {} times it", names.join(" or ")) }

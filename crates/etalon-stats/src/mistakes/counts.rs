@@ -62,7 +62,7 @@ const TURNS: usize = 4;
 /// Standard deviations of a Poisson count from which a share of the draws is wrong, and most shares that are told.
 const WRONG: f64 = 5.0;
 const TOLD_SHARES: usize = 3;
-/// Fewer degrees of freedom are explained by too many densities; by fewer of a finite set, whose outcomes are not sums over cells.
+/// Fewer degrees of freedom are explained by too many densities. A finite set needs fewer: its outcomes are not sums over cells.
 const FEWEST: usize = 5;
 const FEWEST_OF_SET: usize = 3;
 /// Columns of the rows in which a name is tried again.
@@ -220,7 +220,7 @@ type ByAmount<'a> = Box<dyn Fn(f64) -> Result<Vec<f64>> + 'a>;
 struct Family<'a> {
     /// The least and the largest amount.
     limits: [f64; 2],
-    /// The amount that changes nothing.
+    /// The amount that changes nothing: 1 of factors, 0 of others.
     rest: f64,
     /// Whether values are the pdf's, changed where they are.
     is_local: bool,
@@ -458,7 +458,7 @@ impl<'a> Table<'a> {
                 && left.is_finite()
                 && around.all(|(_, other)| left <= *other)
         };
-        let from_rest = |i: &usize| (at(*i) - rest).abs();
+        let from_rest = |i: &usize| if *rest == 1.0 { at(*i).ln().abs() } else { (at(*i) - rest).abs() };
         let best = (0..all.len()).filter(is_lowest).min_by(|a, b| from_rest(a).total_cmp(&from_rest(b)));
         Ok(best.map(|i| [at(i), at(i + 1) - at(i)]))
     }
@@ -710,7 +710,7 @@ impl<'a> Table<'a> {
             if is_place && !found.is_empty() {
                 return named(found.into_iter().map(|explained| vec![explained.name]).collect());
             }
-            // Densities of the first rank that differ, each with the names that it has here: another may be that of other directions
+            // Densities of the first rank that differ, each with its names of lower ranks: tests of other directions may share one of those
             found.sort_by_key(|explained| explained.rank);
             let first = found.first().map(|explained| explained.rank);
             let mut different: Vec<(Explained, Vec<String>)> = Vec::new();

@@ -11,20 +11,21 @@ use crate::stream::CounterRng;
 use rand::RngExt;
 
 /// Samples at which derivatives are taken, and most random numbers of each.
-const SAMPLES: usize = 256;
+pub const SAMPLES: usize = 256;
 const MOST_NUMBERS: usize = 8;
-/// Rows and columns of the cells whose counts must agree with the density; the share of points where they must, and the factor by which samples
-/// may be denser, where two places of the random numbers would make it 2; and of how many of the points the factor must be near to a whole number,
-/// if that is more than 1.
+/// Rows and columns of the cells whose counts must agree with the density.
 const SHAPE: [usize; 2] = [12, 8];
-const MOST_POINTS: f64 = 0.9;
+/// By at most this factor samples are denser than the map says, at this share of the points: two places of the random numbers that lead to
+/// one point would make it 2.
 const DENSER: f64 = 1.8;
-const MIDDLE: [f64; 2] = [0.2, 0.8];
-const WHOLE: f64 = 0.25;
+const MOST_POINTS: f64 = 0.9;
+/// Quantiles of the factor that must be near to a whole number, if that is more than 1, and how near.
+const QUANTILES: [f64; 2] = [0.2, 0.8];
+const TOLERANCE: f64 = 0.25;
 
 /// Points of samples, each with the density of samples there and the pdf, if samples are a function of as many of their random numbers as the
 /// domain has dimensions, and of none of the others. Where several of these lead to one point, by a symmetry, the density is as many times as
-/// high: as far as the counts of `charts`, other samples, tell.
+/// high: as far as the counts of `charts` tell, the samples of other `draws`.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled). Where the sampler or the density fails otherwise, nothing is known.
@@ -33,9 +34,10 @@ pub fn of(
     sampler: &dyn Sampler,
     density: &dyn Density,
     charts: &[[f64; 2]],
+    draws: u64,
     seed: u64,
 ) -> Result<Option<Vec<Pair>>> {
-    unless_cancelled(pairs(domain, sampler, density, charts, seed))
+    unless_cancelled(pairs(domain, sampler, density, charts, draws, seed))
 }
 
 fn pairs(
@@ -43,6 +45,7 @@ fn pairs(
     sampler: &dyn Sampler,
     density: &dyn Density,
     charts: &[[f64; 2]],
+    draws: u64,
     seed: u64,
 ) -> Result<Option<Vec<Pair>>> {
     let numbers = sampler.dimension();
@@ -87,14 +90,14 @@ fn pairs(
     if places.len() < FEWEST_PAIRS {
         return Ok(None);
     }
-    let Some(times) = multiplicity(domain, charts, &places, &areas) else { return Ok(None) };
+    let Some(times) = multiplicity(domain, charts, draws, &places, &areas) else { return Ok(None) };
     let points = domain.points_at(&places)?;
     domain.per_chart_area(&places, &mut areas)?;
     let pdfs = asked(density, &points)?;
     Ok(Some(points.into_iter().zip(areas.into_iter().zip(pdfs).map(|(area, pdf)| [times / area, pdf])).collect()))
 }
 
-/// Which of one or two random numbers changes no sample, as where another is used in its place.
+/// Which of one or two random numbers changes none of [`SAMPLES`], as where another is used in its place.
 ///
 /// # Errors
 /// As [`of`].
@@ -104,7 +107,7 @@ pub fn unused(sampler: &dyn Sampler, seed: u64) -> Result<Option<usize>> {
         return Ok(None);
     }
     let mut rng = CounterRng::new(seed, STREAM);
-    let u: Vec<f64> = (0..SAMPLES * numbers).map(|_| rng.random()).collect();
+    let [u, others] = [0; 2].map(|_| (0..SAMPLES * numbers).map(|_| rng.random()).collect::<Vec<f64>>());
     let sampled = |u: &[f64]| {
         let mut samples = Vec::new();
         sampler.sample(u, &mut samples).map(|()| samples)
@@ -112,9 +115,8 @@ pub fn unused(sampler: &dyn Sampler, seed: u64) -> Result<Option<usize>> {
     let find = || {
         let here = sampled(&u)?;
         for axis in 0..numbers {
-            let others: Vec<f64> =
-                u.iter().enumerate().map(|(i, u)| if i % numbers == axis { 1.0 - u } else { *u }).collect();
-            if sampled(&others)? == here {
+            let changed: Vec<f64> = (0..u.len()).map(|i| if i % numbers == axis { others[i] } else { u[i] }).collect();
+            if sampled(&changed)? == here {
                 return Ok(Some(axis));
             }
         }
@@ -142,7 +144,13 @@ fn area(derivatives: &[Derivative<2>]) -> Option<f64> {
 
 /// How many places of the random numbers lead to one point, by how much denser samples are near most of `places` than the areas tell;
 /// nothing where that is no whole number.
-fn multiplicity(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], areas: &[f64]) -> Option<f64> {
+fn multiplicity(
+    domain: &dyn Domain,
+    charts: &[[f64; 2]],
+    draws: u64,
+    places: &[[f64; 2]],
+    areas: &[f64],
+) -> Option<f64> {
     let [rows, columns] = SHAPE;
     let shape = if domain.is_plane() { SHAPE } else { [rows * columns, 1] };
     let grid = Grid::adapted(charts, shape, Cell::WHOLE, None);
@@ -151,13 +159,13 @@ fn multiplicity(domain: &dyn Domain, charts: &[[f64; 2]], places: &[[f64; 2]], a
     let sizes: Vec<f64> = grid.cells().map(|cell| cell.area()).collect();
     let denser = |(&at, area): (&[f64; 2], &f64)| {
         let cell = grid.find(at);
-        area * counts[cell] as f64 / (sizes[cell] * charts.len() as f64)
+        area * counts[cell] as f64 / (sizes[cell] * draws as f64)
     };
     let mut ratios: Vec<f64> = places.iter().zip(areas).map(denser).collect();
     ratios.sort_by(f64::total_cmp);
     let at = |share: f64| ratios[(share * ratios.len() as f64) as usize];
     let times = at(0.5).round().at_least(1.0);
-    let is_whole = times == 1.0 || MIDDLE.iter().all(|share| (at(*share) - times).abs() <= WHOLE * times);
+    let is_whole = times == 1.0 || QUANTILES.iter().all(|share| (at(*share) - times).abs() <= TOLERANCE * times);
     (is_whole && at(MOST_POINTS) <= DENSER * times).then_some(times)
 }
 
@@ -180,7 +188,7 @@ mod tests {
         let tent = density(|x: f64| if x < 0.5 { 4.0 * x } else { 4.0 * (1.0 - x) });
         let draw = |u: f64| if u < 0.5 { (0.5 * u).sqrt() } else { 0.5 + 0.5 * u };
         let text = told(&Line::UNIT, &sampler(1, move |u| Some(Sample::new(draw(u[0])))), &tent);
-        let [known, other] = ["the density of samples is the pdf up to about x = 0.", ", and another function beyond"];
+        let [known, other] = ["the density of samples is the pdf up to about x = 0.49", ", and another function beyond"];
         assert!(text.contains(known) && text.contains(other), "{text}");
         // A random number that is not used changes nothing; one that chooses makes several maps
         let unused = told(&Line::UNIT, &sampler(2, move |u| Some(Sample::new(draw(u[1])))), &tent);
@@ -202,12 +210,28 @@ mod tests {
             let x = r * phi.cos();
             Some(Sample::new([x.abs(), r * phi.sin(), (1.0 - r * r).sqrt()]))
         });
-        // One random number in place of two
-        let once = sampler(2, |u| Some(Sample::new((-2.0 * (1.0 - u[0]).ln()).sqrt() * (2.0 * PI * u[0]).cos())));
-        let normal = density(|x: f64| (-0.5 * x * x).exp() / (2.0 * PI).sqrt());
-        let text = told(&crate::RealLine::UNIT, &once, &normal);
-        assert!(text.contains("no sample changes with the random number u1"), "{text}");
         let text = told(&Directions::hemisphere(Pole::Z), &half, &density(|w: [f64; 3]| w[2] / PI));
         assert!(text.contains("the pdf is 0.5 = 1/2 times as large as samples say"), "{text}");
+    }
+
+    #[test]
+    fn a_random_number_that_changes_nothing_is_told() {
+        let normal = density(|x: f64| (-0.5 * x * x).exp() / (2.0 * PI).sqrt());
+        let once = sampler(2, |u| Some(Sample::new((-2.0 * (1.0 - u[0]).ln()).sqrt() * (2.0 * PI * u[0]).cos())));
+        let text = told(&crate::RealLine::UNIT, &once, &normal);
+        assert!(text.contains("none of 256 samples changed with the random number u1"), "{text}");
+        // The same samples for u and 1 - u
+        let symmetric = sampler(1, |u| Some(Sample::new((2.0 * u[0] - 1.0).powi(2))));
+        let text = told(&Line::UNIT, &symmetric, &density(|x: f64| 2.0 - 2.0 * x));
+        assert!(!text.contains("changed with the random number"), "{text}");
+    }
+
+    #[test]
+    fn draws_without_a_sample_make_no_factor() {
+        // Half of the draws are no sample, as the pdf has it; the density is 3/2 √x too high
+        let drawn = sampler(2, |u| (u[1] < 0.5).then(|| Sample::new(u[0].powf(2.0 / 3.0))));
+        let half = density(|_: f64| 0.5).with_mass(crate::Mass::Exactly(0.5));
+        let text = told(&Line::UNIT, &drawn, &half);
+        assert!(!text.contains("follow 3 times"), "{text}");
     }
 }

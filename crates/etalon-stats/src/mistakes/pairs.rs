@@ -193,22 +193,33 @@ pub fn of_side(domain: &dyn Domain, pairs: &[Pair], [found, of]: [&str; 2]) -> O
             false => format!("{} times {of}", number(ratio)),
         };
         let (is_below, is_above) = (below >= FEWEST_PAIRS, above >= FEWEST_PAIRS);
-        let last = if is_below { below } else { n - above };
-        if last == 0 || last >= n || !is_below && !is_above {
+        if below >= n || !is_below && !is_above {
             return None;
         }
-        // Where the known side ends
-        let edge = if is_below { sorted[last - 1][0] } else { sorted[last][0] };
-        let place = format!("about {}", domain.told(axis, (edge * 100.0).round() / 100.0));
-        Some(match (is_below, is_above && below + above >= n) {
+        // Where the known sides end
+        let [low, high] = [below.max(1) - 1, n - above.max(1)].map(|i| about(&domain.told(axis, sorted[i][0])));
+        let [first, last] = [sorted[0][1], sorted[n - 1][1]].map(told);
+        Some(match (is_below, is_above) {
+            (true, true) if below + above >= n => format!("{found} is {first} up to about {low}, and {last} beyond"),
             (true, true) => {
-                format!("{found} is {} up to {place}, and {} beyond", told(sorted[0][1]), told(sorted[n - 1][1]))
+                format!(
+                    "{found} is {first} up to about {low}, {last} from about {high} on, and another function between"
+                )
             }
-            (true, false) => format!("{found} is {} up to {place}, and another function beyond", told(sorted[0][1])),
-            (false, _) => format!("{found} is {} from {place} on, and another function before", told(sorted[n - 1][1])),
+            (true, false) => format!("{found} is {first} up to about {low}, and another function beyond"),
+            (false, _) => format!("{found} is {last} from about {high} on, and another function before"),
         })
     };
     (0..1 + usize::from(domain.is_plane())).find_map(side).map(NamedMistake::from)
+}
+
+/// A place such as `x = 0.4987`, its number with two digits.
+fn about(place: &str) -> String {
+    let Some((name, number)) = place.split_once(" = ") else { return place.to_owned() };
+    let end = number.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(number.len());
+    let (number, unit) = number.split_at(end);
+    let two = |x: f64| format!("{x:.1e}").parse().unwrap_or(x);
+    number.parse().map_or_else(|_| place.to_owned(), |x| format!("{name} = {}{unit}", two(x)))
 }
 
 /// Pairs that have a ratio, or where one number alone is 0.
@@ -296,7 +307,7 @@ fn function(ratios: &[(Point, f64)], variables: &[Variable]) -> Vec<Vec<String>>
     let of = |variable: &Variable| {
         let mut sorted: Vec<[f64; 2]> = ratios.iter().map(|(at, ratio)| [(variable.at)(*at), *ratio]).collect();
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        // Single values that differ make no function, and a steep end no other.
+        // Single values that differ make no function, and one steep end must not hide the rest: the outer ones are clamped.
         let mut ratios: Vec<f64> = sorted.iter().map(|at| at[1]).collect();
         ratios.sort_by(f64::total_cmp);
         let [low, high] = [ratios[ratios.len() / FEW], ratios[ratios.len() - 1 - ratios.len() / FEW]];

@@ -99,10 +99,11 @@ impl Shown<'_> {
             format!("<p>{}{}</p>\n<p class=\"matters\">{}</p>\n", escape(shows), escape(&made), escape(matters));
         let repeated = if *before == texts { " repeated" } else { "" };
         let heading = if article.figures.len() > 1 { format!("<h4>{title}</h4>\n") } else { String::new() };
-        let (picture, about) = (self.picture(&id, self.image.as_ref(), article.number), self.about(folder));
+        let heading_of = |page: &str| format!("{}. {title}{page}", article.number);
+        let (picture, about) = (self.picture(&id, self.image.as_ref(), &heading_of("")), self.about(folder));
         let further = self.further.iter().zip(2..).map(|(image, page)| {
             let own = format!("{id}-{page}");
-            let picture = self.picture(&own, Some(image), article.number);
+            let picture = self.picture(&own, Some(image), &heading_of(&format!(", page {page}")));
             format!("<div class=\"figure\" id=\"figure-{own}\" data-id=\"{own}\" data-of=\"{id}\">\n{picture}</div>\n")
         });
         let further: String = further.collect();
@@ -116,7 +117,7 @@ impl Shown<'_> {
     }
 
     /// The image, which leads to the file called `id`.
-    fn picture(&self, id: &str, image: Option<&EmbeddedImage>, number: usize) -> String {
+    fn picture(&self, id: &str, image: Option<&EmbeddedImage>, heading: &str) -> String {
         let Some(EmbeddedImage { source, width, height, chart, map, .. }) = image else { return String::new() };
         let Figure { title, shows, .. } = self.figure;
         let kind = match (chart, map) {
@@ -125,10 +126,12 @@ impl Shown<'_> {
             (false, true) => "picture map",
             (false, false) => "picture",
         };
-        let (title, alternative) = (escape(title), escape(&format!("{title} ({id}). {shows}")));
-        let panels: String = self.record.errata.iter().filter_map(|erratum| panel(id, erratum)).collect();
+        let alternative = escape(&format!("{title} ({id}). {shows}"));
+        // Places of errata are those of the first page
+        let errata = self.record.errata.iter().filter(|_| id == escape(&self.figure.id));
+        let panels: String = errata.filter_map(|erratum| panel(id, erratum)).collect();
         format!(
-            "<figure class=\"{kind}\"><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{number}. {title}\">\n\
+            "<figure class=\"{kind}\"><a class=\"zoom\" href=\"{id}.svg\" data-title=\"{heading}\">\n\
              <img src=\"{source}\" width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" decoding=\"async\" />{panels}</a></figure>\n"
         )
     }

@@ -113,15 +113,14 @@ fn with_small_images(svg: &str, path: &Path) -> Result<(String, Option<[u32; 4]>
         let (data, rest) = part.split_once('"').ok_or_else(|| Error::input(path, "an image without an end"))?;
         let png = BASE64_STANDARD.decode(data).map_err(|e| Error::input(path, format!("an image: {e}")))?;
         let image = decoded(&png, path)?;
-        let tag = small.rfind("<image").map_or("", |start| &small[start..]).to_owned();
-        let tag = tag.as_str();
+        let tag = small.rfind("<image").map_or("", |start| &small[start..]);
         let [width, height] = size(tag).ok_or_else(|| Error::input(path, "an image without a size"))?;
+        let at = |name: &str| attribute(tag, name).and_then(|v| v.parse().ok()).unwrap_or(0.0_f64) as u32;
+        let place = [at("x"), at("y"), width, height];
         let widest = WIDEST.min((SHARP * f64::from(width)) as u32);
         let (source, _) = picture(&png, image, widest, path)?;
         small += &format!("href=\"{source}\"{rest}");
         let area = |[_, _, width, height]: [u32; 4]| width.saturating_mul(height);
-        let at = |name: &str| attribute(tag, name).and_then(|v| v.parse().ok()).unwrap_or(0.0_f64) as u32;
-        let place = [at("x"), at("y"), width, height];
         largest = largest.filter(|largest| area(*largest) >= area(place)).or(Some(place));
     }
     Ok((small, largest))
