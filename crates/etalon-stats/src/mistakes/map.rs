@@ -188,7 +188,8 @@ mod tests {
         let tent = density(|x: f64| if x < 0.5 { 4.0 * x } else { 4.0 * (1.0 - x) });
         let draw = |u: f64| if u < 0.5 { (0.5 * u).sqrt() } else { 0.5 + 0.5 * u };
         let text = told(&Line::UNIT, &sampler(1, move |u| Some(Sample::new(draw(u[0])))), &tent);
-        let [known, other] = ["the density of samples is the pdf up to about x = 0.49", ", and another function beyond"];
+        let [known, other] =
+            ["the density of samples is the pdf up to about x = 0.49", ", and another function beyond"];
         assert!(text.contains(known) && text.contains(other), "{text}");
         // A random number that is not used changes nothing; one that chooses makes several maps
         let unused = told(&Line::UNIT, &sampler(2, move |u| Some(Sample::new(draw(u[1])))), &tent);
