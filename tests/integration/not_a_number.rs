@@ -166,13 +166,13 @@ const ENTRIES: [Entry; 14] = [
         "etalon converge scene.pbrt --renderer",
         &[
             (
-                "converge cornell-lambert -r 8 8 --strategies none --budget 2 --reference a0.pfm --renderer \
+                "converge cornell-lambert -r 8 8 --strategies none --budget 6 --reference a0.pfm --renderer \
                  |bad=python3 renderer.py VALUE {seed} {out} {spp}| --renderer |fine=python3 renderer.py 0.5 {seed} {out} {spp}|",
                 SAID,
                 "bad, replicate 1 (seed 1, 1 spp): 1 pixel of its image is not finite",
             ),
             (
-                "converge cornell-lambert -r 8 8 --strategies none --budget 2 --reference one.pfm --renderer \
+                "converge cornell-lambert -r 8 8 --strategies none --budget 6 --reference one.pfm --renderer \
                  |fine=python3 renderer.py 0.5 {seed} {out} {spp}|",
                 SAID,
                 "one.pfm: left out: 1 pixel with NaN or infinite",
