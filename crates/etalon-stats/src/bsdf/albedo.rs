@@ -132,8 +132,9 @@ pub fn energy(subject: &Subject) -> Result<Option<Outcome>> {
             let what = if is_surface { "albedo" } else { "integral over the sphere" };
             // Without 1/π in f, it is π times what its author knows: a number of few digits.
             let known = (100.0 * value / PI).round() / 100.0;
-            let is_known =
-                claim.is_upper_bound && known <= 1.0 && (value / PI - known).abs() <= ROUNDING.at_least(error);
+            let uncertain = ((error + CHANCE * deviation) / PI).at_least(ROUNDING);
+            let is_near = uncertain <= 5.0 * ROUNDING && (value / PI - known).abs() <= uncertain;
+            let is_known = claim.is_upper_bound && known <= 1.0 && is_near;
             let of_pi = if is_known { format!(" = {known} π") } else { String::new() };
             format!(
                 "{from}: the {what} is {value:.5}{of_pi} ± {error:.1e}{noise}{parts}, {not} {albedo:.5}{}",
