@@ -11,7 +11,7 @@ use crate::grid::{Cell, Grid, Subdivision};
 use crate::leaves::Leaves;
 use crate::looks::Looks;
 use crate::mass::Integral;
-use crate::mistakes::{self, Kinds};
+use crate::mistakes::{self, Kinds, unless_cancelled};
 use crate::multiple::sidak;
 use crate::named_mistake::NamedMistake;
 use crate::outcome::{Counts, Outcome, decide};
@@ -387,12 +387,13 @@ impl Test<'_> {
         if let Some(named) = self.mistake(counts, kinds)? {
             return Ok(Some(named));
         }
-        let (domain, density, names) = (self.domain, self.density, ["the density of samples", "the pdf"]);
+        let (domain, sampler, density, seed) = (self.domain, self.source.sampler, self.density, self.protocol.seed);
+        let names = ["the density of samples", "the pdf"];
         let charts: Vec<[f64; 2]> = self.pilot.iter().map(|probe| probe.at).collect();
         // Of a pdf of unknown mass no factor is known, and so no ratio
         let pairs = match self.is_in_leaves || self.is_normalized() {
             true => None,
-            false => mistakes::map::of(domain, self.source.sampler, density, &charts, self.pilots, self.protocol.seed)?,
+            false => unless_cancelled(mistakes::map::of(domain, sampler, density, &charts, self.pilots, seed))?,
         };
         let pairs = pairs.unwrap_or_default();
         let mut named = mistakes::of_samples(domain, density, &pairs, NAMES)?;
@@ -403,7 +404,7 @@ impl Test<'_> {
         named = named.or_else(|| mistakes::of_power(&pairs, names));
         named = named.or_else(|| mistakes::of_one_variable(domain, density, &pairs, names));
         if named.is_none() && !self.is_in_leaves {
-            let unused = mistakes::map::unused(self.source.sampler, self.protocol.seed)?;
+            let unused = unless_cancelled(mistakes::map::unused(sampler, seed))?;
             let told = |u| format!("none of {} samples changed with the random number u{u}", mistakes::map::SAMPLES);
             named = unused.map(|u| NamedMistake::from(told(u)));
         }

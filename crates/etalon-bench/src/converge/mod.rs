@@ -73,10 +73,9 @@ pub fn measure(
     // Of kept runs that are the reference, too, some are that and the others are measured
     let (mut asked, mut contenders) = (asked, contenders.to_vec());
     let by_kept = match asked {
-        Some(Asked::By(Contender::Recorded(kept))) => Some(kept.split()?),
+        Some(Asked::By(Contender::Recorded(kept))) => Some(kept.split()?.map(Contender::Recorded)),
         _ => None,
     };
-    let by_kept = by_kept.map(|of| of.map(Contender::Recorded));
     if let Some([by, others]) = &by_kept {
         asked = Some(Asked::By(by));
         contenders.iter_mut().filter(|contender| contender.name() == others.name()).for_each(|of| *of = others.clone());

@@ -96,7 +96,6 @@ const COARSEST: f64 = 0.1;
 const FEWEST: u64 = 8;
 
 /// Compares pdf · |∂wi/∂u₁ × ∂wi/∂u₂| with the probability of choosing the lobe by other random numbers.
-///
 pub fn jacobian(subject: &Subject) -> Result<Option<Outcome>> {
     let Subject { bsdf, properties, wo, .. } = subject;
     let applies = properties.pdf == PdfKind::Exact && !properties.narrow;

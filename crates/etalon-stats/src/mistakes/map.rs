@@ -1,8 +1,8 @@
 //! The density of samples by the derivatives of the sampler's map from random numbers to points: exact where the map is one to one.
 
-use super::{BATCH, EQUAL, FEWEST_PAIRS, Pair, asked, unless_cancelled};
+use super::{BATCH, EQUAL, FEWEST_PAIRS, Pair, asked};
 use crate::derivative::{Derivative, STEPS, derivative, moved, on_raster};
-use crate::domain::Domain;
+use crate::domain::{Domain, Point};
 use crate::error::Result;
 use crate::extremes::Extremes;
 use crate::grid::{Cell, Grid};
@@ -28,19 +28,8 @@ const TOLERANCE: f64 = 0.25;
 /// high: as far as the counts of `charts` tell, the samples of other `draws`.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled). Where the sampler or the density fails otherwise, nothing is known.
+/// Those of the sampler, the density and a chart that is computed in another process.
 pub fn of(
-    domain: &dyn Domain,
-    sampler: &dyn Sampler,
-    density: &dyn Density,
-    charts: &[[f64; 2]],
-    draws: u64,
-    seed: u64,
-) -> Result<Option<Vec<Pair>>> {
-    unless_cancelled(pairs(domain, sampler, density, charts, draws, seed))
-}
-
-fn pairs(
     domain: &dyn Domain,
     sampler: &dyn Sampler,
     density: &dyn Density,
@@ -63,7 +52,9 @@ fn pairs(
     if samples.iter().flatten().any(|sample| sample.atom) {
         return Ok(None);
     }
-    let at = |sample: &Option<Sample>| sample.and_then(|sample| domain.to_chart(sample.point));
+    let points: Vec<Point> = samples.iter().flatten().map(|sample| sample.point).collect();
+    let mut found = domain.charts(&points)?.into_iter();
+    let at = |sample: &Option<Sample>| sample.and_then(|_| found.next()).filter(|at| !at[0].is_nan());
     let charts_of: Vec<Option<[f64; 2]>> = samples.iter().map(at).collect();
     // The random numbers that change where samples lie
     let is_used = |axis: &usize| {
@@ -112,17 +103,14 @@ pub fn unused(sampler: &dyn Sampler, seed: u64) -> Result<Option<usize>> {
         let mut samples = Vec::new();
         sampler.sample(u, &mut samples).map(|()| samples)
     };
-    let find = || {
-        let here = sampled(&u)?;
-        for axis in 0..numbers {
-            let changed: Vec<f64> = (0..u.len()).map(|i| if i % numbers == axis { others[i] } else { u[i] }).collect();
-            if sampled(&changed)? == here {
-                return Ok(Some(axis));
-            }
+    let here = sampled(&u)?;
+    for axis in 0..numbers {
+        let changed: Vec<f64> = (0..u.len()).map(|i| if i % numbers == axis { others[i] } else { u[i] }).collect();
+        if sampled(&changed)? == here {
+            return Ok(Some(axis));
         }
-        Ok(None)
-    };
-    unless_cancelled(find())
+    }
+    Ok(None)
 }
 
 /// The stream of the random numbers, apart from those of tests.

@@ -292,7 +292,7 @@ fn of_sets(density: &dyn Density, n: usize) -> Vec<Mistake<'_>> {
 }
 
 /// What was found; nothing at an error other than a cancellation.
-fn unless_cancelled<T>(found: Result<Option<T>>) -> Result<Option<T>> {
+pub fn unless_cancelled<T>(found: Result<Option<T>>) -> Result<Option<T>> {
     match found {
         Err(Error::Cancelled) => Err(Error::Cancelled),
         found => Ok(found.unwrap_or(None)),

@@ -89,12 +89,17 @@ pub fn of_power(pairs: &[Pair], [found, of]: [&str; 2]) -> Option<NamedMistake> 
     let power = (most[0] - least[0]) / (most[1] - least[1]);
     let left: Vec<f64> = ln.iter().map(|[found, known]| (found - power * known).exp()).collect();
     let factor = common_factor(&left).filter(|_| power.is_finite() && power.abs() > EQUAL)?;
-    let factor = if (factor - 1.0).abs() <= EQUAL { String::new() } else { format!("{} times ", number(factor)) };
+    let factor = times(factor);
     Some(NamedMistake::from(format!("{found} is {factor}{of} to the power of {}", number(power))))
 }
 
 fn is_one(factor: f64) -> bool {
     (factor - 1.0).abs() <= EQUAL
+}
+
+/// "2 times ", nothing for 1.
+fn times(factor: f64) -> String {
+    if is_one(factor) { String::new() } else { format!("{} times ", number(factor)) }
 }
 
 /// The numbers that should be.
@@ -188,10 +193,7 @@ pub fn of_side(domain: &dyn Domain, pairs: &[Pair], [found, of]: [&str; 2]) -> O
         };
         let below = equal(sorted[0][1], &mut sorted.iter());
         let above = equal(sorted[n - 1][1], &mut sorted.iter().rev());
-        let told = |ratio: f64| match (ratio - 1.0).abs() <= EQUAL {
-            true => of.to_owned(),
-            false => format!("{} times {of}", number(ratio)),
-        };
+        let told = |ratio: f64| times(ratio) + of;
         let (is_below, is_above) = (below >= FEWEST_PAIRS, above >= FEWEST_PAIRS);
         if below >= n || !is_below && !is_above {
             return None;
@@ -298,7 +300,7 @@ fn powers(ratios: &[(Point, f64)], variables: &[Variable]) -> Option<String> {
         let name = if name.starts_with('(') { name.to_owned() } else { format!("({name})") };
         format!("{verb} {name}^{}{what}", exponent.abs())
     };
-    let factor = if (factor - 1.0).abs() <= EQUAL { String::new() } else { format!("{} times ", number(factor)) };
+    let factor = times(factor);
     Some(format!("{factor}{{}} {}", used.iter().map(told).collect::<Vec<_>>().join(", ")))
 }
 
